@@ -1,0 +1,13 @@
+"""Errors of the toolchain; the tree is drawn in ``toolchain/__init__.py``."""
+
+
+class ToolchainError(RuntimeError):
+    """Something between C sources and a shared library went wrong."""
+
+
+class CompilerMissing(ToolchainError):
+    """The ``ziglang`` package, which carries the compiler, is not installed."""
+
+
+class CompilationFailed(ToolchainError):
+    """The compiler refused the sources. The message ends with what it said."""
