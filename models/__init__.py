@@ -1,0 +1,17 @@
+"""The models, each a folder with model.toml and model.c, and the exporter that makes FMUs of them.
+
+The errors are drawn in ``models/errors.py``.
+"""
+
+from models.errors import DescriptionError, ModelError, StartValueError, UnknownModel
+from models.export.package import build_fmu, load_model, model_names
+
+__all__ = [
+    "DescriptionError",
+    "ModelError",
+    "StartValueError",
+    "UnknownModel",
+    "build_fmu",
+    "load_model",
+    "model_names",
+]

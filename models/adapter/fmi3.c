@@ -1,0 +1,153 @@
+/* FMI 3.0 for Co-Simulation: names and types of the standard over instance.h. */
+#include <fmi3Functions.h>
+
+#include <stdlib.h>
+
+#include "instance.h"
+
+#define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED)
+#define ANY (ALIVE | FAILED)
+
+/* Leave the calling function unless the instance exists and is in one of these phases. */
+#define REQUIRE(phases)                                                                            \
+    do {                                                                                           \
+        if (!instance || instance_require(instance, phases, __func__) != OK)                       \
+            return fmi3Error;                                                                      \
+    } while (0)
+
+static void emit(const Logger *logger, const char *name, Status status, const char *category,
+                 const char *message) {
+    ((fmi3LogMessageCallback)logger->callback)(logger->environment, (fmi3Status)status, category,
+                                               message);
+}
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
+                               const fmi3String categories[]) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_log(instance, loggingOn, nCategories, categories);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+    fmi3Boolean earlyReturnAllowed, const fmi3ValueReference requiredIntermediateVariables[],
+    size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
+    fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
+    const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
+    return instance_new(instanceName, instantiationToken, logger);
+}
+
+void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined,
+                                       fmi3Float64 tolerance, fmi3Float64 startTime,
+                                       fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
+    REQUIRE(INSTANTIATED);
+    if (instance_set_time(instance, startTime) != OK)
+        return fmi3Error;
+    return (fmi3Status)instance_enter_initialization(instance);
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    REQUIRE(INITIALIZATION);
+    return (fmi3Status)instance_exit_initialization(instance);
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    REQUIRE(STEPPING);
+    return (fmi3Status)instance_terminate(instance);
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_reset(instance);
+}
+
+#define ACCESS(Name, TYPE)                                                                         \
+    fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
+                             size_t count, fmi3##Name values[], size_t nValues) {                  \
+        REQUIRE(ANY);                                                                              \
+        Instance *i = instance;                                                                    \
+        if (nValues != count)                                                                      \
+            return (fmi3Status)instance_mismatch(i, count, nValues, __func__);                     \
+        instance_refresh(i);                                                                       \
+        for (size_t k = 0; k < count; k++) {                                                       \
+            if (instance_check(i, references[k], TYPE, __func__) != OK)                            \
+                return fmi3Error;                                                                  \
+            values[k] = (fmi3##Name)i->now.values[references[k]];                                  \
+        }                                                                                          \
+        return fmi3OK;                                                                             \
+    }                                                                                              \
+    fmi3Status fmi3Set##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
+                             size_t count, const fmi3##Name values[], size_t nValues) {            \
+        REQUIRE(ALIVE);                                                                            \
+        if (nValues != count)                                                                      \
+            return (fmi3Status)instance_mismatch(instance, count, nValues, __func__);              \
+        for (size_t k = 0; k < count; k++)                                                         \
+            if (instance_check(instance, references[k], TYPE, __func__) != OK ||                   \
+                instance_set(instance, references[k], (double)values[k], __func__) != OK)          \
+                return fmi3Error;                                                                  \
+        return fmi3OK;                                                                             \
+    }
+
+ACCESS(Float64, REAL)
+ACCESS(Int32, INTEGER)
+ACCESS(Boolean, BOOLEAN)
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_save(instance, FMUState);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_restore(instance, FMUState);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    REQUIRE(ANY);
+    if (FMUState) {
+        free(*FMUState);
+        *FMUState = NULL;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
+    REQUIRE(ANY);
+    *size = snapshot_size();
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte state[],
+                                 size_t size) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_serialize(instance, FMUState, state, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte state[], size_t size,
+                                   fmi3FMUState *FMUState) {
+    REQUIRE(ANY);
+    return (fmi3Status)instance_deserialize(instance, state, size, FMUState);
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    REQUIRE(STEPPING);
+    return fmi3OK;
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
+                      fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
+                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
+    REQUIRE(STEPPING);
+    const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    *eventHandlingNeeded = false;
+    *terminateSimulation = false;
+    *earlyReturn = false;
+    *lastSuccessfulTime = ((const Instance *)instance)->now.values[0];
+    return (fmi3Status)status;
+}

@@ -1,0 +1,228 @@
+#include "instance.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model.h"
+
+#define STATES(i) ((States *)(i->now.values + STATES_AT))
+#define MEMORY(i) ((Memory *)(i->now.values + MEMORY_AT))
+#define INPUTS(i) ((const Inputs *)(i->now.values + INPUTS_AT))
+#define PARAMETERS(i) ((const Parameters *)(i->now.values + PARAMETERS_AT))
+#define OUTPUTS(i) ((Outputs *)(i->now.values + OUTPUTS_AT))
+
+static const char *phase_name(Phase phase) {
+    switch (phase) {
+    case INSTANTIATED:
+        return "instantiated";
+    case INITIALIZATION:
+        return "initialization mode";
+    case STEPPING:
+        return "step mode";
+    case TERMINATED:
+        return "terminated";
+    default:
+        return "failed";
+    }
+}
+
+static bool finite(double value) { return value - value == 0.0; }
+
+Status instance_report(Instance *i, Status status, const char *category, const char *format, ...) {
+    char message[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    if (i->logger.callback && (status != OK || i->logger.events))
+        i->logger.emit(&i->logger, i->name, status, category, message);
+    return status;
+}
+
+static void load_start_values(Instance *i) {
+    i->now = (Snapshot){.phase = INSTANTIATED, .stale = true};
+    for (size_t k = 0; k < COUNT; k++)
+        i->now.values[k] = VARIABLES[k].start;
+}
+
+Instance *instance_new(const char *name, const char *token, Logger logger) {
+    const size_t length = strlen(name ? name : "") + 1;
+    Instance *i = calloc(1, sizeof *i);
+    char *copy = calloc(1, length);
+    if (!i || !copy) {
+        free(i);
+        free(copy);
+        return NULL;
+    }
+    *i = (Instance){.name = copy, .logger = logger};
+    if (name)
+        memcpy(copy, name, length);
+    if (!token || strcmp(token, MODEL_TOKEN) != 0) {
+        instance_report(i, ERROR, "logStatusError",
+                        "this binary of " MODEL_NAME " has the token " MODEL_TOKEN
+                        " but was given %s: modelDescription.xml is of another build",
+                        token ? token : "none");
+        instance_free(i);
+        return NULL;
+    }
+    load_start_values(i);
+    return i;
+}
+
+void instance_free(Instance *i) {
+    if (i)
+        free(i->name);
+    free(i);
+}
+
+Status instance_require(Instance *i, int phases, const char *call) {
+    if ((int)i->now.phase & phases)
+        return OK;
+    return instance_report(i, ERROR, "logStatusError",
+                           "%s is not allowed while " MODEL_NAME " is in phase '%s'", call,
+                           phase_name(i->now.phase));
+}
+
+Status instance_set_time(Instance *i, double start) {
+    if (!finite(start))
+        return instance_report(i, ERROR, "logStatusError", "start time %g s is not finite", start);
+    i->now.values[0] = start;
+    return OK;
+}
+
+static void start_model(Instance *i) {
+    model_start(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i));
+}
+
+void instance_refresh(Instance *i) {
+    if (!i->now.stale)
+        return;
+    if (i->now.phase & (INSTANTIATED | INITIALIZATION))
+        start_model(i);
+    model_outputs(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i), OUTPUTS(i));
+    i->now.stale = false;
+}
+
+Status instance_enter_initialization(Instance *i) {
+    i->now.phase = INITIALIZATION;
+    i->now.stale = true;
+    return OK;
+}
+
+Status instance_exit_initialization(Instance *i) {
+    instance_refresh(i);
+    i->now.phase = STEPPING;
+    return instance_report(i, OK, "logEvents", "initialized at t = %g s", i->now.values[0]);
+}
+
+Status instance_step(Instance *i, double time, double h) {
+    if (!(h > 0.0) || !finite(time) || !finite(h))
+        return instance_report(
+            i, ERROR, "logStatusError",
+            "a step of %g s from t = %g s is not possible; the step must be positive", h, time);
+    const bool done = model_step(time, h, STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i));
+    i->now.values[0] = time + h;
+    i->now.stale = true;
+    instance_refresh(i);
+    if (done)
+        return OK;
+    i->now.phase = FAILED;
+    return instance_report(i, ERROR, "logStatusError",
+                           "the state is not finite after the step from t = %g s to %g s", time,
+                           time + h);
+}
+
+Status instance_terminate(Instance *i) {
+    i->now.phase = TERMINATED;
+    return OK;
+}
+
+Status instance_reset(Instance *i) {
+    load_start_values(i);
+    return OK;
+}
+
+Status instance_check(Instance *i, uint32_t reference, Type type, const char *call) {
+    if (reference >= COUNT)
+        return instance_report(i, ERROR, "logStatusError",
+                               "%s: value reference %lu does not exist; the last one is %d", call,
+                               (unsigned long)reference, COUNT - 1);
+    if (VARIABLES[reference].type != type)
+        return instance_report(i, ERROR, "logStatusError", "%s: variable %s is of another type",
+                               call, VARIABLES[reference].name);
+    return OK;
+}
+
+Status instance_mismatch(Instance *i, size_t references, size_t values, const char *call) {
+    return instance_report(i, ERROR, "logStatusError", "%s: %zu values for %zu scalar variables",
+                           call, values, references);
+}
+
+Status instance_unavailable(Instance *i, const char *call) {
+    if (!i)
+        return ERROR;
+    return instance_report(i, ERROR, "logStatusError", "%s is not available in " MODEL_NAME, call);
+}
+
+Status instance_set(Instance *i, uint32_t reference, double value, const char *call) {
+    const Variable *variable = &VARIABLES[reference];
+    if (!((int)i->now.phase & variable->settable))
+        return instance_report(i, ERROR, "logStatusError", "%s: %s cannot be set in phase '%s'",
+                               call, variable->name, phase_name(i->now.phase));
+    if (!(value >= variable->minimum && value <= variable->maximum))
+        return instance_report(i, ERROR, "logStatusError", "%s: %s = %g is outside %g .. %g", call,
+                               variable->name, value, variable->minimum, variable->maximum);
+    i->now.values[reference] = value;
+    i->now.stale = true;
+    return OK;
+}
+
+Status instance_save(Instance *i, void **snapshot) {
+    if (!*snapshot)
+        *snapshot = calloc(1, sizeof(Snapshot));
+    if (!*snapshot)
+        return instance_report(i, ERROR, "logStatusError", "no memory left to save the state");
+    memcpy(*snapshot, &i->now, sizeof i->now);
+    return OK;
+}
+
+Status instance_restore(Instance *i, const void *snapshot) {
+    if (!snapshot)
+        return instance_report(i, ERROR, "logStatusError", "there is no state to restore");
+    memcpy(&i->now, snapshot, sizeof i->now);
+    return OK;
+}
+
+/* Layout: token, 0, snapshot. */
+size_t snapshot_size(void) { return sizeof MODEL_TOKEN + sizeof(Snapshot); }
+
+Status instance_serialize(Instance *i, const void *snapshot, uint8_t bytes[], size_t size) {
+    if (!snapshot || size < snapshot_size())
+        return instance_report(i, ERROR, "logStatusError", "the state needs %zu bytes, got %zu",
+                               snapshot_size(), size);
+    memcpy(bytes, MODEL_TOKEN, sizeof MODEL_TOKEN);
+    memcpy(bytes + sizeof MODEL_TOKEN, snapshot, sizeof(Snapshot));
+    return OK;
+}
+
+Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, void **snapshot) {
+    if (size != snapshot_size() || memcmp(bytes, MODEL_TOKEN, sizeof MODEL_TOKEN) != 0)
+        return instance_report(i, ERROR, "logStatusError",
+                               "these %zu bytes are not a state of this build of " MODEL_NAME,
+                               size);
+    *snapshot = NULL;
+    const Status status = instance_save(i, snapshot);
+    if (status == OK)
+        memcpy(*snapshot, bytes + sizeof MODEL_TOKEN, sizeof(Snapshot));
+    return status;
+}
+
+Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {
+    bool events = count == 0;
+    for (size_t k = 0; k < count; k++)
+        events = events || strcmp(categories[k], "logEvents") == 0;
+    i->logger.events = on && events;
+    return OK;
+}

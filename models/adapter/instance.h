@@ -1,0 +1,103 @@
+/* One instance of the model, without a word of FMI: values, life cycle, checks, messages.
+ *
+ * All variables lie in one array of doubles, in value-reference order: time, inputs, states,
+ * outputs, memory, then the parameters (reals, integers, booleans). Integers and booleans are
+ * whole numbers in it, so getters and setters need no switch.
+ */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "table.h" /* generated: COUNT, INPUTS_AT ..., MODEL_NAME, MODEL_TOKEN */
+
+/* The numbers that both FMI 2.0 and FMI 3.0 give these. */
+typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status;
+
+/* Life cycle; a bit each, so that a call can name the phases it is legal in. */
+typedef enum {
+    INSTANTIATED = 1,
+    INITIALIZATION = 2,
+    STEPPING = 4,
+    TERMINATED = 8,
+    FAILED = 16,
+} Phase;
+
+typedef enum { REAL, INTEGER, BOOLEAN, STRING } Type;
+
+typedef struct {
+    const char *name;
+    Type type;
+    int settable; /* phases in which it may be set */
+    double start, minimum, maximum;
+} Variable;
+
+extern const Variable VARIABLES[COUNT]; /* generated; the place is the value reference */
+
+/* Where messages go: emit translates for the callback that the tool gave. */
+typedef struct Logger {
+    void (*emit)(const struct Logger *logger, const char *name, Status status, const char *category,
+                 const char *message);
+    void (*callback)(void); /* NULL: the tool wants no messages */
+    void *environment;
+    bool events; /* events too, not only warnings and errors */
+} Logger;
+
+typedef struct {
+    Phase phase;
+    bool stale; /* outputs lag behind inputs, parameters or state */
+    double values[COUNT];
+} Snapshot;
+
+typedef struct {
+    Snapshot now; /* all that save and restore touch */
+    char *name;
+    Logger logger;
+} Instance;
+
+/* NULL with a message when the token is not the one this binary was built with. */
+Instance *instance_new(const char *name, const char *token, Logger logger);
+void instance_free(Instance *instance);
+
+/* OK when the instance is in one of `phases`, else ERROR with a message that names the call. */
+Status instance_require(Instance *instance, int phases, const char *call);
+
+Status instance_set_time(Instance *instance, double start);
+Status instance_enter_initialization(Instance *instance);
+Status instance_exit_initialization(Instance *instance);
+Status instance_step(Instance *instance, double time, double h);
+Status instance_terminate(Instance *instance);
+Status instance_reset(Instance *instance);
+
+/* Bring the outputs up to date before they are read. */
+void instance_refresh(Instance *instance);
+
+/* OK when variable `reference` exists and is of `type`. */
+Status instance_check(Instance *instance, uint32_t reference, Type type, const char *call);
+/* ERROR: that many references were given with another number of values. */
+Status instance_mismatch(Instance *instance, size_t references, size_t values, const char *call);
+/* Checks causality, phase and range, then sets. */
+Status instance_set(Instance *instance, uint32_t reference, double value, const char *call);
+
+/* Save into *snapshot, which is allocated when it is NULL; restore from it. */
+Status instance_save(Instance *instance, void **snapshot);
+Status instance_restore(Instance *instance, const void *snapshot);
+
+/* A snapshot as bytes that another process with the same FMU can read. */
+size_t snapshot_size(void);
+Status instance_serialize(Instance *instance, const void *snapshot, uint8_t bytes[], size_t size);
+Status instance_deserialize(Instance *instance, const uint8_t bytes[], size_t size,
+                            void **snapshot);
+
+/* Choose what is logged: nothing but warnings and errors, or events of the categories too. */
+Status instance_log(Instance *instance, bool on, size_t count, const char *const categories[]);
+
+/* ERROR: modelDescription.xml does not declare what was called. Takes a missing instance. */
+Status instance_unavailable(Instance *instance, const char *call);
+
+Status instance_report(Instance *instance, Status status, const char *category, const char *format,
+                       ...) __attribute__((format(printf, 4, 5)));
+
+#endif

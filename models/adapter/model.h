@@ -1,0 +1,27 @@
+/* What a model is, to the adapter: four structs and three functions. It knows no FMI.
+ *
+ * variables.h is generated from model.toml: structs Inputs, States, Memory, Outputs, Parameters
+ * of doubles, in the order of the file (a role without variables is an incomplete type).
+ * Units are SI. `const` says what a function may not change. Nothing is allocated or kept.
+ *
+ * Order of calls: model_start once after the parameters are set, then model_step for each
+ * communication step; model_outputs after either.
+ */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stdbool.h>
+
+#include "variables.h"
+
+/* Bring the memory (and, where it follows from the parameters, the state) to time t. */
+void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p);
+
+/* Go from t to t + h with the inputs held. Returns false when the result would not be finite. */
+bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p);
+
+/* Outputs at time t. */
+void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
+                   Outputs *y);
+
+#endif

@@ -1,0 +1,23 @@
+"""Errors of the models package.
+
+ModelError(Exception)
+    UnknownModel(ValueError)      no folder of that name in models/
+    DescriptionError(ValueError)  model.toml says something that cannot be built
+    StartValueError(ValueError)   a start value for a variable that has none, or out of its range
+"""
+
+
+class ModelError(Exception):
+    """A model cannot be read or built."""
+
+
+class UnknownModel(ModelError, ValueError):
+    """No model of that name exists."""
+
+
+class DescriptionError(ModelError, ValueError):
+    """A model.toml is not well formed; the message names file, variable and key."""
+
+
+class StartValueError(ModelError, ValueError):
+    """A start value cannot be set."""

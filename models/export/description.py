@@ -1,0 +1,180 @@
+"""model.toml: the one place where a model's variables are written down."""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from models.errors import DescriptionError, StartValueError
+from models.export.units import UNITS
+
+Role = Literal["time", "input", "state", "output", "memory", "parameter"]
+Type = Literal["real", "integer", "boolean"]
+
+# Sections of model.toml in value-reference order.
+_SECTIONS: dict[str, Role] = {
+    "inputs": "input",
+    "states": "state",
+    "outputs": "output",
+    "memory": "memory",
+    "parameters": "parameter",
+}
+_TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
+_KEYS = {
+    *("unit", "description", "type", "size", "start", "min", "max", "nominal"),
+    *("output", "feedthrough", "variability"),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar variable; its value reference is its place in ``Model.variables``.
+
+    ``start``, ``minimum``, ``maximum`` and ``nominal`` are in ``unit``; booleans are 0 and 1.
+    """
+
+    name: str
+    role: Role
+    description: str
+    type: Type = "real"
+    unit: str | None = None
+    start: float = 0.0
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float | None = None
+    is_output: bool = False
+    feedthrough: tuple[str, ...] = ()
+    variability: str = "continuous"
+
+
+@dataclass(frozen=True)
+class Model:
+    """What model.toml says, and the C files that go with it.
+
+    ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
+    """
+
+    name: str
+    title: str
+    description: str
+    stop: float
+    step: float
+    variables: tuple[Variable, ...]
+    fields: Mapping[Role, tuple[tuple[str, tuple[int, ...]], ...]]
+    folder: Path
+
+    def with_start(self, start: Mapping[str, float]) -> Model:
+        """Return the model with other start values.
+
+        Raises
+        ------
+        StartValueError
+            When a variable does not exist, is not a parameter or lies outside its range.
+        """
+        variables = {v.name: v for v in self.variables}
+        for name, value in start.items():
+            variable = variables.get(name)
+            if variable is None or variable.role != "parameter":
+                known = ", ".join(v.name for v in self.variables if v.role == "parameter")
+                raise StartValueError(f"{self.name} has no parameter {name}; it has {known}")
+            _check_range(variable, float(value), StartValueError, self.name)
+            variables[name] = replace(variable, start=float(value))
+        return replace(self, variables=tuple(variables.values()))
+
+
+def read_model(folder: Path) -> Model:
+    """Read ``model.toml`` in a model's folder.
+
+    Raises
+    ------
+    DescriptionError
+        When the file or what it includes is not well formed.
+    """
+    content = _read_toml(folder / "model.toml")
+    content.setdefault("parameters", {})
+    for name in content.pop("include", []):
+        content["parameters"] |= _read_toml(folder.parent / name)["parameters"]
+    variables = [Variable("time", "time", "Simulation time", unit="s")]
+    fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
+    for section, role in _SECTIONS.items():
+        tables = content.pop(section, {})
+        # Reals first among the parameters, so that each type is one range of value references.
+        order = sorted(tables, key=lambda name: _TYPES.index(tables[name].get("type", "real")))
+        fields[role] = tuple((name, tuple(tables[name].get("size", ()))) for name in order)
+        for name in order:
+            variables += _variables(f"{folder.name}/model.toml", name, role, tables[name])
+    try:
+        return Model(
+            name=folder.name,
+            title=content["title"],
+            description=content["description"],
+            stop=content["experiment"]["stop"],
+            step=content["experiment"]["step"],
+            variables=tuple(variables),
+            fields=fields,
+            folder=folder,
+        )
+    except KeyError as missing:
+        raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise DescriptionError(f"{path}: {error}") from None
+
+
+def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Iterator[Variable]:
+    """Yield one variable, or one for each element of an array in C order."""
+    where = f"{file}, variable {name}"
+    if unknown := sorted(table.keys() - _KEYS):
+        raise DescriptionError(f"{where}: unknown key {unknown[0]}; known are {sorted(_KEYS)}")
+    if "description" not in table:
+        raise DescriptionError(f"{where}: a description is missing")
+    if table.get("unit", "1") not in UNITS:
+        raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
+    size = table.get("size", ())
+    start = _flat(table.get("start", 0.0))
+    indices = list(itertools.product(*(range(1, n + 1) for n in size)))
+    if len(start) not in (1, len(indices)):
+        raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
+    for place, index in enumerate(indices):
+        variable = Variable(
+            name=f"{name}[{','.join(map(str, index))}]" if index else name,
+            role=role,
+            description=table["description"],
+            type=table.get("type", "real"),
+            unit=table.get("unit"),
+            start=start[place if len(start) > 1 else 0],
+            minimum=table.get("min"),
+            maximum=table.get("max"),
+            nominal=table.get("nominal"),
+            is_output=role == "output" or table.get("output", False),
+            feedthrough=tuple(table.get("feedthrough", ())),
+            variability=table.get("variability", _default_variability(role)),
+        )
+        _check_range(variable, variable.start, DescriptionError, file)
+        yield variable
+
+
+def _default_variability(role: Role) -> str:
+    return {"memory": "discrete", "parameter": "fixed"}.get(role, "continuous")
+
+
+def _flat(value: Any) -> list[float]:  # noqa: ANN401 - TOML: a number or lists of it, nested
+    if isinstance(value, list):
+        return [number for item in value for number in _flat(item)]
+    return [float(value)]
+
+
+def _check_range(v: Variable, value: float, error: type[Exception], where: str) -> None:
+    low = v.minimum if v.minimum is not None else float("-inf")
+    high = v.maximum if v.maximum is not None else float("inf")
+    if not (low <= value <= high) or value in (float("inf"), float("-inf")):
+        unit = v.unit or ""
+        raise error(f"{where}: {v.name} = {value:g} {unit} is outside {low:g} .. {high:g} {unit}")

@@ -1,0 +1,84 @@
+"""modelDescription.xml of FMI 2.0."""
+
+from __future__ import annotations
+
+from models.export import xml
+from models.export.description import Model, Variable
+
+_TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+_INITIAL = {"state": "exact", "parameter": "exact", "output": "calculated", "memory": "calculated"}
+
+
+def causality(v: Variable) -> str:
+    """Return the causality of a variable, the same in FMI 2.0 and FMI 3.0."""
+    if v.role in ("input", "parameter"):
+        return v.role
+    if v.role == "time":
+        return "independent"
+    return "output" if v.is_output else "local"
+
+
+def has_start(v: Variable) -> bool:
+    """Tell whether a variable carries a start value: inputs and what is initially exact."""
+    return v.role == "input" or _INITIAL.get(v.role) == "exact"
+
+
+def initial(v: Variable) -> str | None:
+    """Return the attribute ``initial``; inputs and time have none."""
+    return _INITIAL.get(v.role)
+
+
+def model_description(model: Model, token: str) -> str:
+    """Return the XML. ``token`` is what the binary checks.
+
+    Source
+    ------
+    FMI 2.0.4, section 2.2.
+    """
+    root = xml.root(model, "2.0", guid=token)
+    xml.child(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.name,
+        canHandleVariableCommunicationStepSize=True,
+        canNotUseMemoryManagementFunctions=True,
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
+    )
+    xml.add_units(root, model)
+    xml.add_log_categories(root)
+    xml.add_default_experiment(root, model)
+    variables = xml.child(root, "ModelVariables")
+    for reference, v in enumerate(model.variables):
+        scalar = xml.child(
+            variables,
+            "ScalarVariable",
+            name=v.name,
+            valueReference=reference,
+            description=v.description,
+            causality=causality(v),
+            variability=v.variability,
+            initial=initial(v),
+        )
+        xml.child(
+            scalar,
+            _TAGS[v.type],
+            unit=v.unit,
+            **xml.limits(v),
+            nominal=v.nominal,
+            start=xml.start_text(v) if has_start(v) else None,
+        )
+    # Here a variable is named by its place in ModelVariables, from 1.
+    place = {v.name: k for k, v in enumerate(model.variables, 1)}
+    structure = xml.child(root, "ModelStructure")
+    outputs = [v for v in model.variables if v.is_output]
+    if outputs:
+        section = xml.child(structure, "Outputs")
+        for v in outputs:
+            depends = " ".join(str(place[name]) for name in v.feedthrough)
+            xml.child(section, "Unknown", index=place[v.name], dependencies=depends)
+    if unknowns := [v for v in outputs if initial(v) == "calculated"]:
+        section = xml.child(structure, "InitialUnknowns")
+        for v in unknowns:
+            xml.child(section, "Unknown", index=place[v.name])
+    return xml.document(root)

@@ -1,0 +1,88 @@
+"""What the two modelDescription.xml have in common, on ElementTree."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree as ET
+
+from models.export.description import Model, Variable
+from models.export.units import UNITS
+
+Attributes = dict[str, str]
+
+LOG_CATEGORIES = {
+    "logStatusError": "Calls that failed, and why",
+    "logEvents": "Phases of the life cycle",
+}
+
+
+def child(parent: ET.Element, tag: str, **attributes: object) -> ET.Element:
+    """Append an element; attributes that are None are left out, True is ``true``, 0.5 is ``0.5``."""
+    return ET.SubElement(
+        parent, tag, {k: text(v) for k, v in attributes.items() if v is not None}
+    )
+
+
+def text(value: object) -> str:
+    """Return a value as XML schema writes it; floats keep every bit."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def start_text(v: Variable) -> str:
+    """Return the start value in the variable's own type."""
+    if v.type == "boolean":
+        return text(v.start != 0.0)
+    return text(v.start if v.type == "real" else int(v.start))
+
+
+def limits(v: Variable) -> dict[str, object]:
+    """Return ``min`` and ``max`` as attributes in the variable's own type."""
+    convert = int if v.type == "integer" else float
+    return {
+        key: None if value is None else convert(value)
+        for key, value in (("min", v.minimum), ("max", v.maximum))
+    }
+
+
+def root(model: Model, version: str, **attributes: str) -> ET.Element:
+    """Return the root element with what describes the model."""
+    return ET.Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": version,
+            "modelName": model.name,
+            "description": f"{model.title}. {model.description}",
+            "license": "MIT",
+            "generationTool": "stickslip",
+            "variableNamingConvention": "structured",
+            **attributes,
+        },
+    )
+
+
+def add_units(parent: ET.Element, model: Model) -> None:
+    """Append the UnitDefinitions of the units that the model uses."""
+    definitions = child(parent, "UnitDefinitions")
+    for unit in sorted({v.unit for v in model.variables if v.unit}):
+        child(child(definitions, "Unit", name=unit), "BaseUnit", **UNITS[unit])
+
+
+def add_log_categories(parent: ET.Element) -> None:
+    """Append the categories that the adapter's messages carry."""
+    categories = child(parent, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        child(categories, "Category", name=name, description=description)
+
+
+def add_default_experiment(parent: ET.Element, model: Model) -> None:
+    """Append the DefaultExperiment."""
+    child(
+        parent, "DefaultExperiment", startTime=0.0, stopTime=float(model.stop), stepSize=model.step
+    )
+
+
+def document(element: ET.Element) -> str:
+    """Return the document as text, indented."""
+    ET.indent(element)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(element, encoding="unicode")}\n'

@@ -1,0 +1,39 @@
+#include "friction/lugre.h"
+
+#include <stddef.h>
+
+#include "numerics/elementary.h"
+
+/* (|v| / v_s)^delta */
+static double stribeck_exponent(double v, const LuGre *p) {
+    const double ratio = (v < 0.0 ? -v : v) / p->v_s;
+    if (p->delta == 1.0)
+        return ratio;
+    if (p->delta == 2.0)
+        return ratio * ratio;
+    return ratio < 1e-300 ? 0.0 : elementary_exp(p->delta * elementary_log(ratio));
+}
+
+/* a(v) = sigma_0 |v| / g(v) [1/s], the rate at which the bristle forgets */
+static double forgetting_rate(double v, const LuGre *p) {
+    return p->sigma_0 * (v < 0.0 ? -v : v) / lugre_g(v, p, NULL);
+}
+
+double lugre_g(double v, const LuGre *p, double *slope) {
+    const double exponent = stribeck_exponent(v, p);
+    const double stribeck = (p->F_s - p->F_c) * elementary_exp(-exponent);
+    if (slope != NULL)
+        *slope = -stribeck * p->delta * exponent;
+    return p->F_c + stribeck;
+}
+
+double lugre_dz(double v, double z, const LuGre *p) { return v - forgetting_rate(v, p) * z; }
+
+double lugre_force(double v, double z, const LuGre *p) {
+    return p->sigma_0 * z + p->sigma_1 * lugre_dz(v, z, p);
+}
+
+double lugre_step(double h, double v, double z, const LuGre *p) {
+    const double a = forgetting_rate(v, p);
+    return z + h * elementary_phi(a * h) * (v - a * z);
+}

@@ -1,0 +1,34 @@
+/* The LuGre bristle, equations (2) to (4) of the paper.
+ *
+ *   dz/dt = v - |v| / g(v) sigma_0 z                            (2)
+ *   F_f   = sigma_0 z + sigma_1 dz/dt                           (3)
+ *   g(v)  = F_c + (F_s - F_c) exp(-(|v| / v_s)^delta)           (4), delta = 1 in the paper
+ */
+#ifndef LUGRE_H
+#define LUGRE_H
+
+typedef struct {
+    double F_s;     /* [N]     stick force */
+    double F_c;     /* [N]     Coulomb force */
+    double v_s;     /* [m/s]   Stribeck velocity */
+    double sigma_0; /* [N/m]   bristle stiffness */
+    double sigma_1; /* [N s/m] bristle damping */
+    double delta;   /* [1]     exponent of (4) */
+} LuGre;
+
+/* The contact of a model whose parameters carry these names. */
+#define LUGRE_OF(p) ((LuGre){(p)->F_s, (p)->F_c, (p)->v_s, (p)->sigma_0, (p)->sigma_1, (p)->delta})
+
+/* (4) [N]. If slope is not NULL it receives |v| dg/d|v| [N]. */
+double lugre_g(double v, const LuGre *p, double *slope);
+
+/* (2) [m/s] */
+double lugre_dz(double v, double z, const LuGre *p);
+
+/* (3) [N] */
+double lugre_force(double v, double z, const LuGre *p);
+
+/* z [m] after h seconds at constant v: (2) is linear in z then and this is its exact solution. */
+double lugre_step(double h, double v, double z, const LuGre *p);
+
+#endif

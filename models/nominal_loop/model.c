@@ -1,0 +1,33 @@
+#include "model.h"
+
+#include "numerics/sampling.h"
+
+enum { ORDER = sizeof(((Memory *)0)->x) / sizeof(double) };
+
+static double product(const double row[ORDER], const double x[ORDER]) {
+    double sum = 0.0;
+    for (int i = 0; i < ORDER; i++)
+        sum += row[i] * x[i];
+    return sum;
+}
+
+void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    *w = (Memory){.k = first_sample(t, p->T_s)};
+}
+
+bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0) {
+        double next[ORDER];
+        for (int i = 0; i < ORDER; i++)
+            next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd;
+        for (int i = 0; i < ORDER; i++)
+            w->x[i] = next[i];
+        w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
+    }
+    return w->v_held - w->v_held == 0.0; /* finite */
+}
+
+void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
+                   Outputs *y) {
+    y->v_r = w->v_held;
+}

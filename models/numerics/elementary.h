@@ -1,0 +1,88 @@
+/* exp, log and sin in basic arithmetic only: the same bits on every platform.
+ *
+ * The C library's own differ between systems in the last bit, and a friction model turns a last
+ * bit into another sub-step. Relative error below 3e-16; tests/models/test_elementary.py holds it.
+ */
+#ifndef ELEMENTARY_H
+#define ELEMENTARY_H
+
+#include <stdint.h>
+#include <string.h>
+
+/* 2^n for -1022 <= n <= 1023 */
+static inline double power_of_two(int n) {
+    const uint64_t bits = (uint64_t)(n + 1023) << 52;
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* Nearest whole number, |x| < 2^51. Adding 1.5 * 2^52 leaves no room for a fraction. */
+static inline double nearest(double x) {
+    const double shift = 6755399441055744.0;
+    return (x + shift) - shift;
+}
+
+/* e^r for |r| <= ln(2) / 2: Taylor to r^13, summed in pairs. */
+static inline double exp_reduced(double r) {
+    const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
+    const double a = (1.0 + r) + r2 * (1.0 / 2 + r * (1.0 / 6));
+    const double b = (1.0 / 24 + r * (1.0 / 120)) + r2 * (1.0 / 720 + r * (1.0 / 5040));
+    const double c =
+        (1.0 / 40320 + r * (1.0 / 362880)) + r2 * (1.0 / 3628800 + r * (1.0 / 39916800));
+    const double d = 1.0 / 479001600 + r * (1.0 / 6227020800);
+    return a + r4 * (b + r4 * c + r8 * d);
+}
+
+/* e^x; 0 below -708, the largest exponent a normal number has. */
+static inline double elementary_exp(double x) {
+    if (x < -708.0)
+        return 0.0;
+    if (x > 709.0)
+        x = 709.0;
+    const double n = nearest(x * 1.4426950408889634);
+    const double r = (x - n * 0.6931471803691238) - n * 1.9082149292705877e-10;
+    return exp_reduced(r) * power_of_two((int)n);
+}
+
+/* (1 - e^-y) / y for y >= 0, without cancellation near 0. */
+static inline double elementary_phi(double y) {
+    if (y > 0.5)
+        return (1.0 - elementary_exp(-y)) / y;
+    double sum = 0.0;
+    for (int k = 14; k >= 1; k--)
+        sum = (1.0 + sum) * (-y / (k + 1));
+    return 1.0 + sum;
+}
+
+/* ln(x) for normal x > 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e. */
+static inline double elementary_log(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    int e = (int)(bits >> 52) - 1023;
+    double m = x / power_of_two(e);
+    if (m > 1.4142135623730951) {
+        m *= 0.5;
+        e++;
+    }
+    const double s = (m - 1.0) / (m + 1.0), s2 = s * s;
+    double sum = 0.0;
+    for (int k = 12; k >= 1; k--)
+        sum = (sum + 1.0 / (2 * k + 1)) * s2;
+    return 2.0 * (s + s * sum) + e * 0.6931471805599453;
+}
+
+/* sin(x) for |x| < 1e5: Taylor to x^17 on -pi/2 .. pi/2. */
+static inline double elementary_sin(double x) {
+    const double n = nearest(x * 0.3183098861837907);
+    const double r =
+        ((x - n * 3.1415926218032837) - n * 3.1786509424591713e-08) - n * 1.2246467991473532e-16;
+    const double r2 = r * r;
+    double sum = 0.0;
+    for (int k = 8; k >= 1; k--)
+        sum = (1.0 + sum) * (-r2 / (2 * k * (2 * k + 1)));
+    const double value = r + r * sum;
+    return ((int64_t)n & 1) != 0 ? -value : value;
+}
+
+#endif
