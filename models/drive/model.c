@@ -28,14 +28,17 @@ static double mean_force(double t, double dt, double x, const void *context) {
     return force;
 }
 
-static double roughness(double x, double v, const void *context) {
-    const Parameters *p = ((const Motor *)context)->p;
+static double unevenness(double x, double v, const Parameters *p) {
     double factor = 1.0;
     if (p->asymmetric != 0.0)
         factor += v < 0.0 ? -p->asymmetry : p->asymmetry;
     if (p->position_dependent != 0.0)
         factor *= 1.0 + p->position_amplitude * elementary_sin(TWO_PI * x / p->position_period);
     return factor;
+}
+
+static double roughness(double x, double v, const void *context) {
+    return unevenness(x, v, ((const Motor *)context)->p);
 }
 
 static double quantised(double value, double step) { return nearest(value / step) * step; }
@@ -68,6 +71,11 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
                    Outputs *y) {
     y->x_enc = x->x;
     y->F_m = w->F_motor;
+    LuGre contact = LUGRE_OF(p);
+    const double factor = unevenness(x->x, x->v, p);
+    contact.F_s *= factor;
+    contact.F_c *= factor;
+    y->F_f = lugre_force(x->v, x->z, &contact);
     if (p->noise != 0.0) {
         y->x_enc += p->noise_x * noise_draw(p->seed, 0, w->n);
         y->F_m += p->noise_F * noise_draw(p->seed, 1, w->n);

@@ -33,7 +33,11 @@ double lugre_force(double v, double z, const LuGre *p) {
     return p->sigma_0 * z + p->sigma_1 * lugre_dz(v, z, p);
 }
 
-double lugre_step(double h, double v, double z, const LuGre *p) {
+double lugre_step(double h, double v, double *z, const LuGre *p) {
     const double a = forgetting_rate(v, p);
-    return z + h * elementary_phi(a * h) * (v - a * z);
+    const double dz = v - a * *z;
+    const double way = h * elementary_phi(a * h) * dz;
+    const double mean_z = *z + h * elementary_phi2(a * h) * dz;
+    *z += way;
+    return p->sigma_0 * mean_z + p->sigma_1 * way / h;
 }

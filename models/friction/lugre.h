@@ -28,7 +28,8 @@ double lugre_dz(double v, double z, const LuGre *p);
 /* (3) [N] */
 double lugre_force(double v, double z, const LuGre *p);
 
-/* z [m] after h seconds at constant v: (2) is linear in z then and this is its exact solution. */
-double lugre_step(double h, double v, double z, const LuGre *p);
+/* Go h seconds at constant v: (2) is linear in z then, and this is its exact solution.
+ * Returns the mean of (3) over the step [N]; *z [m] is the deflection before and after. */
+double lugre_step(double h, double v, double *z, const LuGre *p);
 
 #endif

@@ -45,14 +45,22 @@ static inline double elementary_exp(double x) {
     return exp_reduced(r) * power_of_two((int)n);
 }
 
-/* (1 - e^-y) / y for y >= 0, without cancellation near 0. */
-static inline double elementary_phi(double y) {
-    if (y > 0.5)
-        return (1.0 - elementary_exp(-y)) / y;
+/* 1 - y/(n+1) + y^2/((n+1)(n+2)) - ..., for 0 <= y <= 0.5 */
+static inline double phi_series(double y, int n) {
     double sum = 0.0;
     for (int k = 14; k >= 1; k--)
-        sum = (1.0 + sum) * (-y / (k + 1));
+        sum = (1.0 + sum) * (-y / (n + k));
     return 1.0 + sum;
+}
+
+/* phi(y) = (1 - e^-y) / y for y >= 0, without cancellation near 0. */
+static inline double elementary_phi(double y) {
+    return y > 0.5 ? (1.0 - elementary_exp(-y)) / y : phi_series(y, 1);
+}
+
+/* (1 - phi(y)) / y for y >= 0, likewise. */
+static inline double elementary_phi2(double y) {
+    return y > 0.5 ? (1.0 - elementary_phi(y)) / y : 0.5 * phi_series(y, 2);
 }
 
 /* ln(x) for normal x > 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e. */

@@ -1,0 +1,18 @@
+"""Errors of the application.
+
+StickslipError(Exception)
+    UsageError(ValueError)              an option, name or value that a command cannot take
+    IdentificationError(RuntimeError)   a recording does not show what is looked for
+"""
+
+
+class StickslipError(Exception):
+    """A command cannot go on; the message is for the user."""
+
+
+class UsageError(StickslipError, ValueError):
+    """An option, name or value that a command cannot take."""
+
+
+class IdentificationError(StickslipError, RuntimeError):
+    """A recording does not show what an experiment looks for."""

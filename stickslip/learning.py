@@ -1,0 +1,112 @@
+"""The learning of Fig. 3: the genetic algorithm tries compensators on the drive.
+
+Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows it, v_r from the
+nominal loop, both through the same low-pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+import cosim
+import ga
+from stickslip.identification import Identification
+from stickslip.loop import Feed
+from stickslip.measurement import Array, smoothed
+from stickslip.parameters import LUGRE, UNITS
+from stickslip.rig import Rig
+
+BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
+CONSTRAINT = ga.AtLeast("F_s", "F_c")
+
+
+@dataclass(frozen=True)
+class VelocityCost:
+    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive."""
+
+    T_s: float
+
+    def __call__(self, result: cosim.Result) -> float:
+        """Judge the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
+        gap = self.gap(result)
+        return float(gap @ gap)
+
+    def gap(self, result: cosim.Result) -> Array:
+        """Return v - v_r (n,) [m/s]."""
+        v = np.gradient(result["drive.x_enc"], self.T_s)
+        return smoothed(v - result["nominal.v_r"], self.T_s)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a learning run needs, and nothing of the drive but its rig.
+
+    Attributes
+    ----------
+    v_cmd : (n,) training command [m/s], one value a sample
+    settings : of the genetic algorithm, one of ``ga.PRESETS`` or your own
+    """
+
+    rig: Rig
+    identification: Identification
+    v_cmd: Array
+    feed: Feed = "nominal"
+    settings: ga.Settings = ga.DEFAULT
+    seed: int = 0
+    workers: int = 1
+
+    def run(self, values: Mapping[str, float]) -> cosim.Result:
+        """Run one compensator on the drive and return what was recorded."""
+        parameters = {f"compensator.{name}": value for name, value in values.items()}
+        cost = self.cost()
+        with cost.specification.prepare() as simulation:
+            return simulation.run(parameters, cost.inputs)
+
+    def cost(self) -> ga.SimulatedCost:
+        """Return what judges one candidate on the drive."""
+        judge = VelocityCost(self.rig.T_s)
+        return self.rig.judge(self.v_cmd, self.identification.loop, judge, self.feed)
+
+
+def learn(
+    study: Study, on_generation: Callable[[ga.GeneticAlgorithm], object] | None = None
+) -> ga.GeneticAlgorithm:
+    """Run the genetic algorithm to its end and return it, with its history.
+
+    Raises
+    ------
+    ga.NothingLearned
+        When no candidate could be run.
+    """
+    algorithm = ga.GeneticAlgorithm(
+        genes(study.identification), study.settings, study.seed, repair=repair(study.settings)
+    )
+    pool = ThreadPoolExecutor(study.workers) if study.workers > 1 else nullcontext()
+    with study.cost() as cost, pool as executor:
+        ga.learn(algorithm, cost, executor, on_generation)
+    return algorithm
+
+
+def genes(identification: Identification) -> list[ga.Gene]:
+    """Return the five genes: identified values to start from, and the bounds of the paper."""
+    low, high = BOUNDS
+    values = {name: identification.estimates[name].value for name in LUGRE}
+    return [
+        ga.Gene(name, low * value, high * value, value, UNITS[name])
+        for name, value in values.items()
+    ]
+
+
+def repair(settings: ga.Settings) -> ga.AtLeast | None:
+    """Return F_s >= F_c; the paper, whose genes are linear, does not ask for it."""
+    return None if settings.encoding == "linear" else CONSTRAINT
+
+
+def parameters(values: Array) -> dict[str, float]:
+    """Return the genes' values (5,) by name."""
+    return dict(zip(LUGRE, values.tolist(), strict=True))

@@ -1,0 +1,28 @@
+"""What a log of encoder positions says of velocity."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+Array = NDArray[np.float64]
+
+CUTOFF = 117.0
+"""Low-pass of the measured velocity [Hz]."""
+
+
+def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:
+    """Return a log through a second-order Butterworth low-pass, forward and back: no phase lag.
+
+    Parameters
+    ----------
+    signal : (n,), one value each T_s seconds
+    cutoff : of the single pass [Hz]
+    """
+    return sosfiltfilt(butter(2, cutoff, fs=1.0 / T_s, output="sos"), signal)
+
+
+def measured_velocity(x_enc: Array, T_s: float) -> Array:
+    """Return the velocity (n,) [m/s] that encoder positions (n,) [m] show: differences, smoothed."""
+    return smoothed(np.gradient(x_enc, T_s), T_s)

@@ -1,0 +1,129 @@
+"""The paper from beginning to end: build, identify, learn, validate.
+
+Data flow: the drive's truth goes into drive.fmu and, when all is learned, into Table 2. What is in
+between sees a ``Rig``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+import pandas as pd
+
+import cosim
+import ga
+import models
+from stickslip.identification import Identification, identify
+from stickslip.learning import Study, learn, parameters
+from stickslip.loop import Feed, build_fmus, paper_loop
+from stickslip.refinement import Refinement, refine
+from stickslip.rig import Rig
+from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
+from stickslip.tables import table2
+from stickslip.validation import Validation, validate
+
+
+@dataclass(frozen=True)
+class Options:
+    """What can be chosen.
+
+    Attributes
+    ----------
+    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
+    preset : of the genetic algorithm, a name in ``ga.PRESETS``
+    refined : end the learning with the fit of ``stickslip/refinement.py``; the paper does not
+    """
+
+    truth: Mapping[str, float] = field(default_factory=dict)
+    seed: int = 0
+    workers: int = 1
+    preset: str = "default"
+    feed: Feed = "nominal"
+
+    @property
+    def refined(self) -> bool:
+        return self.preset != "paper"
+
+
+class Progress(Protocol):
+    """Is told how far a reproduction is."""
+
+    def stage(self, name: str) -> None:
+        """Begin a stage."""
+
+    def generation(self, algorithm: ga.GeneticAlgorithm) -> None:
+        """One more generation of the genetic algorithm is done."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """All that was computed.
+
+    Attributes
+    ----------
+    truth : every parameter of the drive FMU
+    system : the loop of Fig. 2a with the learned compensator
+    """
+
+    options: Options
+    truth: Mapping[str, float]
+    identification: Identification
+    algorithm: ga.GeneticAlgorithm
+    learned: Refinement
+    validation: Validation
+    system: cosim.System
+
+    def table2(self) -> pd.DataFrame:
+        """Return Table 2 with what was found."""
+        return table2(self.identification, self.learned, self.truth)
+
+
+def drive_truth(changes: Mapping[str, float]) -> dict[str, float]:
+    """Return every parameter of the drive FMU.
+
+    Raises
+    ------
+    models.StartValueError
+        When a change names no parameter or lies outside its range.
+    """
+    model = models.load_model("drive").with_start(changes)
+    return {v.name: v.start for v in model.variables if v.role == "parameter"}
+
+
+def reproduce(options: Options, fmus: Path, progress: Progress) -> Reproduction:
+    """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
+
+    Raises
+    ------
+    models.ModelError, toolchain.ToolchainError
+    stickslip.errors.IdentificationError, cosim.control.ControlError
+        When the drive does not show what is looked for, or its loop cannot be designed.
+    """
+    truth = drive_truth(options.truth)
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    study = Study(
+        rig,
+        identification,
+        TRAINING.sample(rig.samples(TRAINING.duration)),
+        feed=options.feed,
+        settings=ga.PRESETS[options.preset],
+        seed=options.seed,
+        workers=options.workers,
+    )
+    progress.stage("learning")
+    algorithm = learn(study, progress.generation)
+    progress.stage("refining")
+    learned = refine(study, parameters(algorithm.best.values), fit=options.refined)
+    progress.stage("validating")
+    loop = identification.loop
+    validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
+    system = paper_loop(fmus, loop, learned.values, options.feed)
+    return Reproduction(
+        options, truth, identification, algorithm, learned, validation, system
+    )

@@ -1,0 +1,41 @@
+"""What an engineer knows of the axis before any experiment, and how its loop is to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cosim import SineSweep, Trapezoid
+from cosim.control import Axis, LoopSpecification
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """From the data sheets of motor, amplifier, encoder and controller.
+
+    Attributes
+    ----------
+    peak_force : of the motor [N], Table 1
+    tau_i : time constant of the amplifier's current loop [s]
+    encoder_step : resolution of the encoder [m]
+    """
+
+    peak_force: float = 205.0
+    tau_i: float = 1e-4
+    encoder_step: float = 4e-7
+
+    def axis(self, m: float, b: float) -> Axis:
+        """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""
+        return Axis(m, b, self.tau_i)
+
+
+LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-4)
+"""The velocity loop. How it was calibrated to Table 4: docs/decisions/0003-calibration.md."""
+
+TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
+"""The training command of section 4.2 [m/s]."""
+
+VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
+"""The trapezoid of Fig. 6(a) [m/s]."""
+
+REGION = (0.030, 0.070)
+"""Window of the motion-start and the motion-reverse region after the motion starts or reverses [s]."""

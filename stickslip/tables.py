@@ -1,0 +1,68 @@
+"""The tables that a reproduction writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from stickslip.identification import Identification
+from stickslip.parameters import LUGRE, PAPER, UNITS
+from stickslip.refinement import Refinement
+
+
+def table2(
+    identification: Identification, learned: Refinement, truth: Mapping[str, float]
+) -> pd.DataFrame:
+    """Return Table 2 with what was found, in SI units.
+
+    Columns parameter, unit, paper, drive (the proxy's truth), identified, learned, spread (standard
+    error of the learned value), identified_spread, remark. m and b are not learned.
+    """
+    rows = []
+    for name, unit in UNITS.items():
+        before = identification.estimates[name]
+        after = learned.estimates.get(name)
+        rows.append(
+            {
+                "parameter": name,
+                "unit": unit,
+                "paper": PAPER[name],
+                "drive": truth[name],
+                "identified": before.value,
+                "learned": after.value if after else None,
+                "spread": after.standard_error if after else None,
+                "identified_spread": before.standard_error,
+                "remark": _remark(name, identification, learned, truth[name]),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _remark(
+    name: str, identification: Identification, learned: Refinement, truth: float
+) -> str:
+    """Say how well a parameter is known, and whether learning took it away from the truth."""
+    if name not in LUGRE:
+        return "identified only, not learned"
+    before, after = identification.estimates[name], learned.estimates[name]
+    prior = before.standard_error / before.value
+    if learned.alone[name] < prior:
+        said = "well known from the training run"
+    elif learned.accepted:
+        said = (
+            f"hardly visible in the training run (alone +-{100 * learned.alone[name]:.2g} %): "
+            "identification decides"
+        )
+    else:
+        said = (
+            f"hardly visible in the training run (+-{100 * learned.alone[name]:.2g} %): "
+            "worse known than identified"
+        )
+    error_before, error_after = (abs(value / truth - 1.0) for value in (before.value, after.value))
+    if error_after > error_before:
+        said += (
+            f"; farther from the drive's value than identified "
+            f"({100 * error_after:.2g} % after {100 * error_before:.2g} %)"
+        )
+    return said

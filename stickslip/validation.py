@@ -1,0 +1,141 @@
+"""Section 4.2: the trapezoid with and without compensation, judged by (8a), (8b) and (9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+import cosim
+from cosim.control import VelocityLoop
+from stickslip.loop import Feed, paper_loop
+from stickslip.measurement import Array, measured_velocity
+from stickslip.rig import Rig
+from stickslip.setup import REGION
+
+PAPER_TABLE4 = {
+    ("start", "E_max"): (0.98, 0.76),
+    ("start", "E_rms"): (0.86, 0.48),
+    ("reverse", "E_max"): (1.76, 0.72),
+    ("reverse", "E_rms"): (1.62, 0.44),
+}
+"""Table 4, without and with compensation; it prints no unit, and mm/s is the reading that fits."""
+
+RECORD = ("drive.x_enc", "drive.v", "drive.F_f", "nominal.v_r", "compensator.F_mean")
+
+
+@dataclass(frozen=True)
+class Run:
+    """The trapezoid once.
+
+    Attributes
+    ----------
+    t, v_cmd : (n,) [s], [m/s]
+    v : velocity (n,) [m/s] by what shows it, ``measured`` or ``true``
+    v_r : response of the nominal loop (n,) [m/s]
+    F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
+    """
+
+    t: Array
+    v_cmd: Array
+    v: dict[str, Array]
+    v_r: Array
+    F_f: Array
+    F_ff: Array
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Both runs, and the instants at which motion starts and reverses [s]."""
+
+    without: Run
+    compensated: Run
+    instants: dict[str, float]
+
+    def table(self) -> pd.DataFrame:
+        """Return Table 4 beside the paper's; velocities in mm/s, reductions as fractions (9)."""
+        rows = []
+        for velocity in ("measured", "true"):
+            for region, instant in self.instants.items():
+                errors = [
+                    tracking_errors(run.t, run.v_cmd - run.v[velocity], instant)
+                    for run in (self.without, self.compensated)
+                ]
+                for metric in ("E_max", "E_rms"):
+                    without, compensated = (1e3 * error[metric] for error in errors)
+                    paper = PAPER_TABLE4[region, metric]
+                    rows.append(
+                        {
+                            "velocity": velocity,
+                            "region": region,
+                            "metric": metric,
+                            "without": without,
+                            "with": compensated,
+                            "reduction": reduction(without, compensated),
+                            "paper_without": paper[0],
+                            "paper_with": paper[1],
+                            "paper_reduction": reduction(*paper),
+                        }
+                    )
+        return pd.DataFrame(rows)
+
+
+def tracking_errors(t: Array, error: Array, instant: float) -> dict[str, float]:
+    """Return (8a) and (8b) of an error (n,) over the region that follows an instant [s].
+
+    The unit is that of the error.
+    """
+    begin, end = (instant + edge for edge in REGION)
+    half = 0.5 * (t[1] - t[0])
+    region = error[(t >= begin - half) & (t <= end + half)]
+    return {
+        "E_max": float(np.abs(region).max()),
+        "E_rms": float(np.sqrt(np.mean(region**2))),
+    }
+
+
+def reduction(without: float, compensated: float) -> float:
+    """Return the error reduction ratio (9)."""
+    return (without - compensated) / without
+
+
+def validate(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float],
+    command: cosim.Trapezoid,
+    feed: Feed = "nominal",
+) -> Validation:
+    """Run the trapezoid without and with compensation. This judges; it may see the truth."""
+    ramp = abs(command.height) / command.slope
+    instants = {
+        "start": command.begin,
+        "reverse": command.begin + 2.0 * ramp + command.plateau,
+    }
+    duration = instants["reverse"] + 2.0 * ramp + command.plateau + command.begin
+    v_cmd = command.sample(rig.samples(duration))
+    runs = [
+        _run(paper_loop(rig.fmus, loop, values, feed), v_cmd, rig.T_s)
+        for values in (None, compensator)
+    ]
+    return Validation(*runs, instants)
+
+
+def _run(system: cosim.System, v_cmd: Array, T_s: float) -> Run:
+    stop = (len(v_cmd) - 1) * T_s
+    with system.prepare(step=T_s, stop=stop, record=RECORD) as simulation:
+        result = simulation.run(inputs={"v_cmd": v_cmd})
+    velocity = {
+        "measured": measured_velocity(result["drive.x_enc"], T_s),
+        "true": result["drive.v"],
+    }
+    return Run(
+        result.time,
+        v_cmd,
+        velocity,
+        result["nominal.v_r"],
+        result["drive.F_f"],
+        result["compensator.F_mean"],
+    )
