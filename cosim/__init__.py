@@ -1,0 +1,50 @@
+"""Imports FMUs, couples them and steps whole runs in C. Knows no model.
+
+>>> system = cosim.System("loop")
+>>> system.add("drive", "drive.fmu", parameters={"m": 6.0})
+>>> system.expose("u", "drive.u")
+>>> with system.prepare(step=5e-4, stop=10.0) as simulation:
+...     result = simulation.run(inputs={"u": 1.0})
+>>> result["drive.v"]
+"""
+
+from cosim.errors import (
+    ConnectionFault,
+    CosimError,
+    FmuError,
+    ParameterError,
+    SignalError,
+    SimulationError,
+    SspError,
+)
+from cosim.experiment import DefaultExperiment
+from cosim.fmu import Fmu
+from cosim.result import Result
+from cosim.signals import Signal, SineSweep, Table, Trapezoid
+from cosim.simulation import Simulation, Specification
+from cosim.ssp import read_ssp, write_ssp
+from cosim.system import System
+from cosim.variables import Variable
+
+__all__ = [
+    "ConnectionFault",
+    "CosimError",
+    "DefaultExperiment",
+    "Fmu",
+    "FmuError",
+    "ParameterError",
+    "Result",
+    "Signal",
+    "SignalError",
+    "Simulation",
+    "SimulationError",
+    "SineSweep",
+    "Specification",
+    "SspError",
+    "System",
+    "Table",
+    "Trapezoid",
+    "Variable",
+    "read_ssp",
+    "write_ssp",
+]

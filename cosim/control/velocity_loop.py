@@ -1,0 +1,187 @@
+"""The sampled velocity loop of a servo axis: PI controller, encoder, motor.
+
+    v_cmd -> (+) -> C(z) -> hold -> 1/(tau_i s + 1) -> 1/(m s + b) -> v -> 1/s -> x
+              ^ -                                                                |
+              +------------- filter <- difference over T_s <------- sampler -----+
+
+Everything is discretised exactly for a held force, so the loop of FMUs without friction and
+quantisation follows the same difference equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+
+
+class ControlError(ValueError):
+    """No controller meets the specification; the message says what can be reached."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s]."""
+
+    m: float
+    b: float
+    tau_i: float = 0.0
+
+
+@dataclass(frozen=True)
+class LoopSpecification:
+    """What the loop shall do, and how it is sampled.
+
+    Attributes
+    ----------
+    bandwidth : gain crossover of the open loop [Hz]
+    phase_margin : at that crossover [deg]
+    T_s : sample period [s]
+    tau_f : time constant of the low-pass in the velocity estimate [s], 0 for none
+    """
+
+    bandwidth: float
+    phase_margin: float
+    T_s: float = 5e-4
+    tau_f: float = 0.0
+
+
+@dataclass(frozen=True)
+class VelocityLoop:
+    """A designed loop.
+
+    Attributes
+    ----------
+    axis, T_s, tau_f : what it was designed for
+    K_p : proportional gain [N s/m]
+    K_i : integral gain [N/m]
+    open_loop : from velocity error to velocity estimate, discrete
+    nominal : from v_cmd [m/s] to the velocity v_r [m/s], discrete, minimal: Fig. 2b of the paper
+    compliance : from a feedforward force [N] to the velocity it adds [m/s], discrete
+    """
+
+    axis: Axis
+    T_s: float
+    tau_f: float
+    K_p: float
+    K_i: float
+    open_loop: control.StateSpace
+    nominal: control.StateSpace
+    compliance: control.StateSpace
+
+    def margins(self) -> dict[str, float]:
+        """Return crossover [Hz], phase margin [deg], gain margin [dB], closed-loop bandwidth [Hz]."""
+        gain, phase, _, _, crossover, _ = control.stability_margins(self.open_loop)
+        return {
+            "crossover_Hz": float(crossover) / (2 * np.pi),
+            "phase_margin_deg": float(phase),
+            "gain_margin_dB": float(20 * np.log10(gain)),
+            "bandwidth_Hz": self._bandwidth(),
+        }
+
+    def _bandwidth(self) -> float:
+        """Return where the closed loop falls below -3 dB [Hz], or NaN when it does not."""
+        f = np.linspace(0, 0.5 / self.T_s, 2001)[1:-1]
+        gain = abs(self.nominal(np.exp(2j * np.pi * f * self.T_s)))
+        below = np.flatnonzero(gain < np.sqrt(0.5))
+        return float(f[below[0]]) if len(below) else float("nan")
+
+    def step_response(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return time [s] and velocity [m/s], both (n,), after a step of 1 m/s at t = 0."""
+        t = np.arange(round(duration / self.T_s) + 1) * self.T_s
+        response = control.step_response(self.nominal, t)
+        return t, np.asarray(response.outputs)
+
+
+def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> VelocityLoop:
+    """Find the PI gains that put crossover and phase margin where the specification wants them.
+
+    Both are met exactly: at the crossover C(z) must be the complex number that turns the rest of
+    the open loop into e^(j (phase margin - 180 deg)), and K_p and K_i are two real unknowns.
+
+    Raises
+    ------
+    ControlError
+        When that needs a negative gain, or leaves the closed loop unstable.
+    """
+    s = specification
+    if not 0.0 < s.bandwidth < 0.5 / s.T_s:
+        raise ControlError(
+            f"bandwidth is {s.bandwidth:g} Hz; expected between 0 and half the sample rate, "
+            f"{0.5 / s.T_s:g} Hz"
+        )
+    z = np.exp(2j * np.pi * s.bandwidth * s.T_s)
+    rest = complex((_estimator(s.T_s, s.tau_f) * _plant(axis, s.T_s)[1, 0])(z))
+    wanted = -np.exp(1j * np.radians(s.phase_margin)) / rest
+    integrator = s.T_s * z / (z - 1.0)
+    K_i = wanted.imag / integrator.imag
+    K_p = wanted.real - K_i * integrator.real
+    if K_i < 0.0 or K_p < 0.0:
+        best = 180.0 + np.degrees(np.angle(rest))
+        raise ControlError(
+            f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a P "
+            f"controller has {best:.1f} deg there; lower the bandwidth, T_s, tau_f or the margin"
+        )
+    return close_velocity_loop(axis, s.T_s, s.tau_f, float(K_p), float(K_i))
+
+
+def close_velocity_loop(
+    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float
+) -> VelocityLoop:
+    """Close the loop with given gains; units as in ``VelocityLoop``.
+
+    Raises
+    ------
+    ControlError
+        When the closed loop is unstable.
+    """
+    plant = _plant(axis, T_s)
+    estimator = _estimator(T_s, tau_f)
+    # I+ = I + T_s K_i e,  u = K_p e + I+
+    controller = control.ss(
+        1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, name="controller", inputs="e", outputs="u_pi"
+    )
+    error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
+    force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
+    parts = [plant, estimator, controller, error, force]
+    closed = control.interconnect(parts, inputs=["v_cmd", "F_ff"], outputs=["v"])
+    nominal, compliance = (
+        control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
+    )
+    fastest = max(abs(nominal.poles()))
+    if fastest >= 1.0:
+        raise ControlError(
+            f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
+            f"a pole lies at |z| = {fastest:.4f}"
+        )
+    open_loop = estimator * plant[1, 0] * controller
+    return VelocityLoop(axis, T_s, tau_f, K_p, K_i, open_loop, nominal, compliance)
+
+
+def _plant(axis: Axis, T_s: float) -> control.StateSpace:
+    """Return the axis from held force u [N] to velocity v [m/s] and way d per sample [m].
+
+    With d instead of the position no state drifts, and the realisation stays minimal.
+    """
+    if axis.tau_i > 0.0:
+        A = np.array([[-1 / axis.tau_i, 0, 0], [1 / axis.m, -axis.b / axis.m, 0], [0, 1, 0]])
+        B = np.array([[1 / axis.tau_i], [0], [0]])
+    else:
+        A = np.array([[-axis.b / axis.m, 0], [1, 0]])
+        B = np.array([[1 / axis.m], [0]])
+    sampled = control.sample_system(control.ss(A, B, np.eye(len(A)), 0), T_s, method="zoh")
+    A, B = np.array(sampled.A), np.array(sampled.B)
+    A[-1, -1] = 0.0  # the last state begins anew at each sample: the way in one period
+    return control.ss(
+        A, B, np.eye(len(A))[-2:], 0, T_s, name="axis", inputs="u", outputs=["v", "d"]
+    )
+
+
+def _estimator(T_s: float, tau_f: float) -> control.StateSpace:
+    """Return the velocity estimate of the controller: d / T_s [m/s] through the low-pass."""
+    names = {"name": "estimator", "inputs": "d", "outputs": "v_est"}
+    if tau_f == 0.0:
+        return control.ss([], [], [], 1 / T_s, T_s, **names)
+    keep = np.exp(-T_s / tau_f)
+    return control.ss(keep, (1 - keep) / T_s, keep, (1 - keep) / T_s, T_s, **names)

@@ -1,0 +1,38 @@
+"""What can go wrong, as a tree.
+
+CosimError
+    FmuError(ValueError)           the file is no FMU that can be run here
+    ConnectionFault(ValueError)    a component, connection or exposed input cannot be
+    ParameterError(ValueError)     no such start value, or not this value
+    SignalError(ValueError)        an input signal or a table of it is unusable
+    SspError(ValueError)           the file is no system structure package that can be read
+    SimulationError(RuntimeError)  an FMU failed during a run
+"""
+
+
+class CosimError(Exception):
+    """Any error of this package that the caller may want to catch."""
+
+
+class FmuError(CosimError, ValueError):
+    """The file is no FMU that can be run here."""
+
+
+class ConnectionFault(CosimError, ValueError):  # noqa: N818  ConnectionError is a builtin
+    """A component, connection or exposed input cannot be."""
+
+
+class ParameterError(CosimError, ValueError):
+    """A start value does not exist, cannot be set, or not to this value."""
+
+
+class SignalError(CosimError, ValueError):
+    """An input signal is missing, of the wrong shape, or not finite."""
+
+
+class SspError(CosimError, ValueError):
+    """The file is no system structure package that can be read."""
+
+
+class SimulationError(CosimError, RuntimeError):
+    """An FMU failed during a run; the simulation can be run again."""

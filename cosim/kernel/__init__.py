@@ -1,0 +1,136 @@
+"""The kernel as Python sees it: the structures of ``kernel.h`` and the compiled library."""
+
+from __future__ import annotations
+
+from ctypes import (
+    CDLL,
+    POINTER,
+    Structure,
+    c_char,
+    c_char_p,
+    c_double,
+    c_int,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_uint32,
+    c_void_p,
+)
+from functools import cache
+from pathlib import Path
+
+import fmpy
+
+import toolchain
+
+
+class Setting(Structure):
+    """Start values of one type for one component."""
+
+    _fields_ = (
+        ("set", c_void_p),
+        ("call", c_char_p),
+        ("n", c_size_t),
+        ("references", POINTER(c_uint32)),
+        ("values", c_void_p),
+    )
+
+
+class Log(Structure):
+    """The gravest message of a component."""
+
+    _fields_ = (("callbacks", c_void_p * 5), ("severity", c_int32), ("message", c_char * 1024))
+
+
+class Component(Structure):
+    """One instance and its place in the rows."""
+
+    _fields_ = (
+        ("version", c_int64),
+        ("instance", c_void_p),
+        ("call", c_void_p * 10),
+        ("log", POINTER(Log)),
+        ("used", c_int64),
+        ("n_settings", c_size_t),
+        ("settings", POINTER(Setting)),
+        ("n_inputs", c_size_t),
+        ("input_references", POINTER(c_uint32)),
+        ("input_offsets", POINTER(c_int64)),
+        ("inputs", POINTER(c_double)),
+        ("n_linked", c_size_t),
+        ("n_outputs", c_size_t),
+        ("output_references", POINTER(c_uint32)),
+        ("column", c_int64),
+    )
+
+
+class Run(Structure):
+    """One run: what to step, where to put it, and how it went."""
+
+    _fields_ = (
+        ("components", POINTER(Component)),
+        ("jacobi", c_int64),
+        ("constant_step", c_int64),
+        ("n_steps", c_int64),
+        ("start", c_double),
+        ("stop", c_double),
+        ("step", c_double),
+        ("external", c_void_p),
+        ("n_external", c_int64),
+        ("rows", c_void_p),
+        ("width", c_int64),
+        ("block", c_int64),
+        ("record", c_void_p),
+        ("selected", POINTER(c_int64)),
+        ("n_selected", c_int64),
+        ("block_start", c_int64),
+        ("done", c_int64),
+        ("failed", c_int64),
+        ("output", c_int64),
+        ("status", c_int64),
+        ("call", c_char_p),
+    )
+
+
+FINISHED, PAUSED, FAILED = range(3)
+
+# Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
+NOT_FINITE = 100
+STATUS = {
+    2: "returned discard",
+    3: "returned error",
+    4: "returned fatal",
+    5: "returned pending",
+    NOT_FINITE: "gave a value that is not finite",
+    101: "asked to terminate the simulation",
+    102: "returned early though that was not allowed",
+}
+
+
+@cache
+def load() -> CDLL:
+    """Return the kernel's library, compiled on first use.
+
+    Raises
+    ------
+    toolchain.ToolchainError
+    """
+    here = Path(__file__).parent
+    headers = Path(fmpy.__file__).parent / "c-code"
+    files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
+    files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
+    library = CDLL(str(toolchain.shared_library("cosim_kernel", files)))
+    library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
+    library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
+    library.instantiate.restype = library.release.restype = None
+    library.release.argtypes = (POINTER(Component),)
+    library.advance.argtypes = (POINTER(Run),)
+    library.advance.restype = c_int
+    return library
+
+
+def calls(version: int) -> list[str]:
+    """Return the names of the FMI functions that the kernel calls, in the order of its table."""
+    library = load()
+    names: bytes = library.fmi2_calls() if version == 2 else library.fmi3_calls()
+    return names.decode().split()

@@ -1,0 +1,120 @@
+/* What is asked of an FMU while it runs: one function each, whatever its FMI version.
+ * Each returns false after it has written down in the Run what failed. */
+#ifndef COSIM_CALLS_H
+#define COSIM_CALLS_H
+
+#include "kernel.h"
+
+#define LIKELY(condition) __builtin_expect(condition, 1)
+#define UNLIKELY(condition) __builtin_expect(condition, 0)
+#define INLINE static inline __attribute__((always_inline))
+
+__attribute__((cold, noinline, unused)) static bool fail(Run *run, const Component *c,
+                                                         const char *call, int status) {
+    run->failed = c - run->components;
+    run->call = call;
+    run->status = status;
+    if (status == fmi2Fatal) { /* nothing may be called on it any more, not even to free it */
+        run->components[run->failed].instance = NULL;
+    }
+    return false;
+}
+
+/* Statuses from OK to fatal are the same numbers in both versions. */
+INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
+    return LIKELY((unsigned)status <= fmi2Warning) || fail(run, c, call, status);
+}
+
+#define CALL(run, c, name)                                                                         \
+    ((c)->version == 2 ? passed(run, c, "fmi2" #name, (int)(c)->call.fmi2.name((c)->instance))     \
+                       : passed(run, c, "fmi3" #name, (int)(c)->call.fmi3.name((c)->instance)))
+
+INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
+    const size_t n = c->n_inputs;
+    if (UNLIKELY(n == 0)) {
+        return true;
+    }
+    const double *values = row + c->input_offsets[0];
+    if (UNLIKELY(c->inputs != NULL)) {
+#pragma clang loop unroll(disable) vectorize(disable)
+        for (size_t i = 0; i < n; i++) {
+            c->inputs[i] = row[c->input_offsets[i]];
+        }
+        values = c->inputs;
+    }
+    if (LIKELY(c->version == 2)) {
+        const fmi2Status status = c->call.fmi2.SetReal(c->instance, c->input_references, n, values);
+        return passed(run, c, "fmi2SetReal", (int)status);
+    }
+    const fmi3Status status =
+        c->call.fmi3.SetFloat64(c->instance, c->input_references, n, values, n);
+    return passed(run, c, "fmi3SetFloat64", (int)status);
+}
+
+INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
+    double *values = row + c->column;
+    if (UNLIKELY(n == 0)) {
+        return true;
+    }
+    if (LIKELY(c->version == 2)) {
+        const fmi2Status status =
+            c->call.fmi2.GetReal(c->instance, c->output_references, n, values);
+        return passed(run, c, "fmi2GetReal", (int)status);
+    }
+    const fmi3Status status =
+        c->call.fmi3.GetFloat64(c->instance, c->output_references, n, values, n);
+    return passed(run, c, "fmi3GetFloat64", (int)status);
+}
+
+INLINE bool do_step(Run *run, const Component *c, double t, double h) {
+    if (LIKELY(c->version == 2)) {
+        const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
+        return passed(run, c, "fmi2DoStep", (int)status);
+    }
+    /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
+    fmi3Boolean event_handling_needed = false, terminate = false, early = false;
+    fmi3Float64 last_successful_time = t + h;
+    const fmi3Status status = c->call.fmi3.DoStep(c->instance, t, h, true, &event_handling_needed,
+                                                  &terminate, &early, &last_successful_time);
+    if (UNLIKELY(terminate || early) && (unsigned)status <= fmi3Warning) {
+        return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
+    }
+    return passed(run, c, "fmi3DoStep", (int)status);
+}
+
+INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }
+
+INLINE bool set_start_values(Run *run, const Component *c) {
+    for (size_t i = 0; i < c->n_settings; i++) {
+        const Setting *s = &c->settings[i];
+        const int status =
+            c->version == 2 ? (int)s->set.fmi2(c->instance, s->references, s->n, s->values)
+                            : (int)s->set.fmi3(c->instance, s->references, s->n, s->values, s->n);
+        if (!passed(run, c, s->call, status)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+INLINE bool enter_initialization(Run *run, const Component *c) {
+    if (LIKELY(c->version == 2)) {
+        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, fmi2False, 0.0,
+                                                               run->start, fmi2True, run->stop);
+        return passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c) &&
+               passed(run, c, "fmi2EnterInitializationMode",
+                      (int)c->call.fmi2.EnterInitializationMode(c->instance));
+    }
+    return set_start_values(run, c) &&
+           passed(run, c, "fmi3EnterInitializationMode",
+                  (int)c->call.fmi3.EnterInitializationMode(c->instance, false, 0.0, run->start,
+                                                            true, run->stop));
+}
+
+INLINE bool exit_initialization(Run *run, const Component *c) {
+    return CALL(run, c, ExitInitializationMode);
+}
+
+INLINE bool terminate(Run *run, const Component *c) { return CALL(run, c, Terminate); }
+
+#endif

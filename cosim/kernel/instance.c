@@ -1,0 +1,65 @@
+#include "kernel.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define FMI2_NAME(call) "fmi2" #call " "
+#define FMI3_NAME(call) "fmi3" #call " "
+const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
+const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
+
+static bool graver(Log *log, int status) {
+    if (status <= log->severity) {
+        return false;
+    }
+    log->severity = status;
+    return true;
+}
+
+static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
+                     fmi2String category, fmi2String message, ...) {
+    Log *log = environment;
+    (void)name;
+    (void)category;
+    if (message && graver(log, (int)status)) {
+        va_list values;
+        va_start(values, message);
+        vsnprintf(log->message, sizeof log->message, message, values);
+        va_end(values);
+    }
+}
+
+static void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
+                     fmi3String message) {
+    Log *log = environment;
+    (void)category;
+    if (message && graver(log, (int)status)) {
+        snprintf(log->message, sizeof log->message, "%s", message);
+    }
+}
+
+void instantiate(Component *c, const char *name, const char *token, const char *resources) {
+    Log *log = c->log;
+    c->used = 0;
+    log->severity = 0;
+    log->message[0] = '\0';
+    if (c->version == 2) {
+        log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, log};
+        c->instance = c->call.fmi2.Instantiate(name, fmi2CoSimulation, token, resources,
+                                               &log->callbacks, fmi2False, fmi2False);
+    } else {
+        c->instance = c->call.fmi3.InstantiateCoSimulation(
+            name, token, resources, false, false, false, false, NULL, 0, log, log_fmi3, NULL);
+    }
+}
+
+void release(Component *c) {
+    if (c->instance) {
+        if (c->version == 2) {
+            c->call.fmi2.FreeInstance(c->instance);
+        } else {
+            c->call.fmi3.FreeInstance(c->instance);
+        }
+    }
+    c->instance = NULL;
+}

@@ -1,0 +1,120 @@
+/* Steps a whole run of coupled FMUs without leaving C.
+ *
+ * cosim/kernel/__init__.py mirrors these structures, same fields, same order, and fills them.
+ * All signals of one point in time lie side by side in a row of doubles: inputs from outside first,
+ * then the columns of each component. Row n belongs to time start + n * step. */
+#ifndef COSIM_KERNEL_H
+#define COSIM_KERNEL_H
+
+#include <fmi2FunctionTypes.h>
+#include <fmi3FunctionTypes.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+/* The functions taken from an FMU's binary, in the order in which Python fills the tables. */
+#define FMI2_CALLS(X)                                                                              \
+    X(Instantiate)                                                                                 \
+    X(FreeInstance)                                                                                \
+    X(Reset)                                                                                       \
+    X(SetupExperiment)                                                                             \
+    X(EnterInitializationMode)                                                                     \
+    X(ExitInitializationMode) X(SetReal) X(GetReal) X(DoStep) X(Terminate)
+#define FMI3_CALLS(X)                                                                              \
+    X(InstantiateCoSimulation)                                                                     \
+    X(FreeInstance)                                                                                \
+    X(Reset)                                                                                       \
+    X(EnterInitializationMode)                                                                     \
+    X(ExitInitializationMode) X(SetFloat64) X(GetFloat64) X(DoStep) X(Terminate)
+
+#define FMI2_MEMBER(call) fmi2##call##TYPE *call;
+#define FMI3_MEMBER(call) fmi3##call##TYPE *call;
+typedef struct {
+    FMI2_CALLS(FMI2_MEMBER)
+} Fmi2;
+typedef struct {
+    FMI3_CALLS(FMI3_MEMBER)
+} Fmi3;
+
+/* Start values of one type. Within one FMI version the setters differ in the type of the values
+ * only. */
+typedef struct {
+    union {
+        fmi2Status (*fmi2)(fmi2Component, const fmi2ValueReference[], size_t, const void *);
+        fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
+    } set;
+    const char *call;
+    size_t n;
+    const uint32_t *references; /* n */
+    const void *values;         /* n, of the type that set takes */
+} Setting;
+
+/* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
+typedef struct {
+    fmi2CallbackFunctions callbacks;
+    int32_t severity;
+    char message[1024];
+} Log;
+
+typedef struct {
+    int64_t version; /* 2 or 3 */
+    void *instance;
+    union {
+        Fmi2 fmi2;
+        Fmi3 fmi3;
+    } call;
+    Log *log;
+    int64_t used; /* not 0: must be reset before the next run */
+    size_t n_settings;
+    const Setting *settings;
+    size_t n_inputs;
+    const uint32_t *input_references;
+    const int64_t *input_offsets; /* from the row of the present time */
+    double *inputs;  /* gathered here, or NULL where they lie side by side in the row */
+    size_t n_linked; /* the first outputs: those that other components read */
+    size_t n_outputs;
+    const uint32_t *output_references;
+    int64_t column; /* of the first output in a row */
+} Component;
+
+enum Outcome { FINISHED, PAUSED, FAILED };
+
+/* Why a run failed beyond what an FMI status says. */
+enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102 };
+
+typedef struct {
+    Component *components; /* in the order in which they step; after the last, one of version 0 */
+    int64_t jacobi; /* not 0: all set, all step, all get; else one component after the other */
+    int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
+    int64_t n_steps;
+    double start, stop, step; /* s */
+    const double *external;   /* (n_steps + 1, n_external) */
+    int64_t n_external;
+    double *rows;   /* (n_steps + 1, width), or (block + 1, width) where there is a record */
+    int64_t width;  /* of a row */
+    int64_t block;  /* steps between two looks at the values and the clock */
+    double *record; /* (n_steps + 1, n_selected), or NULL where the rows are the record */
+    const int64_t *selected; /* columns */
+    int64_t n_selected;
+    int64_t block_start; /* the step to which the first row belongs, where there is a record */
+    int64_t done;        /* steps completed; -1 before initialisation */
+    int64_t failed;      /* component */
+    int64_t output;      /* of that component, where its value is not finite */
+    int64_t status;      /* an FMI status or a Reason */
+    const char *call;
+} Run;
+
+EXPORT const char *fmi2_calls(void); /* names separated by blanks */
+EXPORT const char *fmi3_calls(void);
+EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
+EXPORT void release(Component *c);
+
+/* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals. */
+EXPORT enum Outcome advance(Run *run);
+
+#endif

@@ -1,0 +1,73 @@
+"""What a run recorded."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import toolchain
+from cosim.names import suggestion
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+Array = NDArray[np.float64]
+
+
+class Result:
+    """Signals over time; ``result["drive.v"]`` is an array (n_steps + 1,) float64.
+
+    Attributes
+    ----------
+    time : (n_steps + 1,) float64, s
+    names : of the signals
+    values : (n_steps + 1, len(names)) float64, each in its unit
+    """
+
+    def __init__(self, time: Array, values: Array, names: Sequence[str], system: System) -> None:
+        self.time = time
+        self.values = values
+        self.names = tuple(names)
+        self._system = system
+
+    def __getitem__(self, name: str) -> Array:
+        try:
+            return self.values[:, self._columns[name]]
+        except KeyError:
+            raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}") from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def units(self) -> dict[str, str | None]:
+        """Unit of each signal; None where its FMU gives none."""
+        return {name: self._system.unit(name) for name in self.names}
+
+    def frame(self) -> pd.DataFrame:
+        """Return a table with the time (s) as index; ``attrs["units"]`` holds the units."""
+        index = pd.Index(self.time, name="time")
+        frame = pd.DataFrame(self.values, index=index, columns=list(self.names))
+        frame.attrs["units"] = self.units
+        return frame
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
+        return toolchain.write_whole(Path(path), self.frame().to_csv(lineterminator="\n"))
+
+    @cached_property
+    def _columns(self) -> dict[str, int]:
+        return {name: column for column, name in enumerate(self.names)}

@@ -1,0 +1,231 @@
+"""Signals over time that feed the exposed inputs of a system."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import SignalError
+from cosim.names import suggestion
+
+if TYPE_CHECKING:
+    from cosim.system import System
+    from cosim.variables import Value
+
+Array = NDArray[np.float64]
+
+
+class Signal(Protocol):
+    """A function of time."""
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+
+
+Input = Signal | Callable[[Array], Array] | Array | float
+
+
+@dataclass(frozen=True)
+class SineSweep:
+    """A sine whose frequency and amplitude run linearly from one value to another; 0 outside.
+
+    Attributes
+    ----------
+    frequency : at the begin and the end, Hz
+    amplitude : at the begin and the end, in the unit of the input
+    duration : s
+    begin : s
+    """
+
+    frequency: tuple[float, float]
+    amplitude: tuple[float, float]
+    duration: float
+    begin: float = 0.0
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        (f0, f1), (a0, a1) = self.frequency, self.amplitude
+        x = t - self.begin
+        share = x / self.duration
+        cycles = (f0 + 0.5 * (f1 - f0) * share) * x
+        values = (a0 + (a1 - a0) * share) * np.sin(2 * math.pi * cycles)
+        return np.where((share >= 0) & (share <= 1), values, 0.0)
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """Up to a height, down through zero to minus the height, and back to zero, with equal ramps.
+
+    Attributes
+    ----------
+    height : of the plateaus, in the unit of the input
+    slope : of the ramps, in the unit of the input per s; positive
+    plateau : how long each of the two lasts, s
+    begin : s
+    """
+
+    height: float
+    slope: float
+    plateau: float
+    begin: float = 0.0
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        ramp = abs(self.height) / self.slope
+        corners = np.cumsum([self.begin, ramp, self.plateau, 2 * ramp, self.plateau, ramp])
+        return np.interp(t, corners, np.array([0, 1, 1, -1, -1, 0]) * self.height)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Values between which is drawn a straight line; outside, the first and last value hold.
+
+    A time that occurs twice makes a jump: from then on the later value holds.
+
+    Attributes
+    ----------
+    time : (n,) s, never falling
+    values : (n,) in the unit of the input
+    """
+
+    time: Array
+    values: Array
+
+    def __post_init__(self) -> None:
+        for name in ("time", "values"):
+            object.__setattr__(self, name, np.array(getattr(self, name), dtype=np.float64))
+        t, x = self.time, self.values
+        if t.ndim != 1 or t.shape != x.shape or not len(t):
+            raise SignalError(
+                f"time has the shape {t.shape}, values {x.shape}; expected (n,) twice"
+            )
+        if not (np.isfinite(t).all() and np.isfinite(x).all()):
+            raise SignalError("a table holds a time or value that is not finite")
+        if (falling := np.flatnonzero(np.diff(t) < 0)).size:
+            raise SignalError(f"time falls from {t[falling[0]]} to {t[falling[0] + 1]} s")
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
+        """Read one column of a CSV file that has a column ``time`` (s).
+
+        Raises
+        ------
+        SignalError
+            When the file cannot be read, or ``column`` is missing or not the only one.
+        """
+        tables = cls.all_from_csv(path)
+        if column is None and len(tables) == 1:
+            return next(iter(tables.values()))
+        if column not in tables:
+            near = suggestion(column or "", tables)
+            raise SignalError(f"{path}: which column? {column!r} is none of it{near}")
+        return tables[column]
+
+    @classmethod
+    def all_from_csv(cls, path: str | os.PathLike[str]) -> dict[str, Self]:
+        """Read every column of a CSV file that has a column ``time`` (s), by name.
+
+        Raises
+        ------
+        SignalError
+        """
+        names, values = _read_csv(Path(path))
+        columns = dict(zip(names, values.T, strict=True))
+        time = columns.pop("time")
+        try:
+            return {name: cls(time, column) for name, column in columns.items()}
+        except SignalError as fault:
+            raise SignalError(f"{path}: {fault}") from None
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        right = np.searchsorted(self.time, t, side="right")
+        left = np.maximum(right - 1, 0)
+        right = np.minimum(right, len(self.time) - 1)
+        t0, t1 = self.time[left], self.time[right]
+        share = np.zeros(np.shape(t))
+        np.divide(t - t0, t1 - t0, out=share, where=t1 > t0)
+        share = np.clip(share, 0.0, 1.0)
+        return (1 - share) * self.values[left] + share * self.values[right]
+
+
+def sample_inputs(
+    system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
+) -> Array:
+    """Return the exposed inputs over time, (n, number of exposed inputs).
+
+    Raises
+    ------
+    SignalError
+        When a name is not exposed, or a signal has the wrong shape or is not finite.
+    """
+    for name in inputs:
+        if name not in system.inputs:
+            raise SignalError(
+                f"{system.name} has no exposed input {name!r}{suggestion(name, system.inputs)}"
+            )
+    table = np.empty((len(time), len(system.inputs)))
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if name in inputs:
+            table[:, i] = _sampled(name, inputs[name], time)
+        else:
+            start = starts.get(targets[0], system.variable(targets[0]).start)
+            table[:, i] = start or 0.0
+    return table
+
+
+def _sampled(name: str, signal: Input, time: Array) -> Array:
+    if hasattr(signal, "sample"):
+        signal = signal.sample(time)
+    elif callable(signal):
+        signal = signal(time)
+    try:
+        values = np.asarray(signal, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SignalError(f"input {name!r}: expected numbers, got {signal!r}") from None
+    if values.ndim and values.shape != time.shape:
+        raise SignalError(
+            f"input {name!r} has the shape {values.shape}, expected {time.shape}:"
+            " one value for each point in time, the last included"
+        )
+    if not (finite := np.isfinite(values)).all():
+        when = time[np.argmin(finite)] if values.ndim else time[0]
+        raise SignalError(f"input {name!r} is not finite at t = {when:.9g} s")
+    return values
+
+
+def _read_csv(path: Path) -> tuple[list[str], Array]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = csv.reader(file)
+            names = [name.strip() for name in next(rows, [])]
+            if "time" not in names or len(set(names)) < len(names):
+                raise SignalError(
+                    f"{path}: expected a first line of distinct names, 'time' among them,"
+                    f" separated by commas, got {', '.join(names)!r}"
+                )
+            lines = [_numbers(path, rows.line_num, row, names) for row in rows if row]
+    except OSError as fault:
+        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
+    except (UnicodeDecodeError, csv.Error) as fault:
+        raise SignalError(f"{path}: not a CSV file in UTF-8: {fault}") from fault
+    if not lines:
+        raise SignalError(f"{path}: no values below the first line")
+    return names, np.array(lines)
+
+
+def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
+    if len(row) != len(names):
+        raise SignalError(f"{path}, line {line}: expected {len(names)} cells, got {len(row)}")
+    try:
+        return [float(cell) for cell in row]
+    except ValueError as fault:
+        raise SignalError(f"{path}, line {line}: {fault}") from None

@@ -1,0 +1,190 @@
+"""A prepared system: FMUs instantiated once, run as often as you like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Literal, Self
+
+import numpy as np
+
+from cosim import kernel
+from cosim.errors import SimulationError
+from cosim.experiment import count_steps
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.order import stepping_order
+from cosim.result import Array, Result
+from cosim.settings import Settings
+from cosim.signals import Input, sample_inputs
+from cosim.variables import Value
+from cosim.wiring import wire
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+Coupling = Literal["gauss_seidel", "jacobi"]
+
+
+@dataclass(frozen=True)
+class Specification:
+    """All that makes a simulation; pickles, so that each worker can prepare its own.
+
+    The fields are the arguments of ``System.prepare``.
+    """
+
+    system: System
+    step: float
+    stop: float
+    start: float = 0.0
+    record: tuple[str, ...] | None = None
+    coupling: Coupling = "gauss_seidel"
+    constant_step: bool = False
+
+    def prepare(self) -> Simulation:
+        """Instantiate the FMUs."""
+        return Simulation(self)
+
+
+class Simulation:
+    """Runs a system. Life: ``prepare`` -> any number of ``run`` -> ``close`` (or ``with``).
+
+    One thread at a time; other threads prepare their own from ``spec``. A run leaves the
+    interpreter lock, so their runs go on side by side.
+
+    Attributes
+    ----------
+    spec : Specification
+    time : (n_steps + 1,) float64, s
+    order : names of the components as they step
+    """
+
+    def __init__(self, spec: Specification) -> None:
+        system = spec.system
+        if spec.coupling not in ("gauss_seidel", "jacobi"):
+            raise ValueError(f"coupling is {spec.coupling!r}, expected 'gauss_seidel' or 'jacobi'")
+        n_steps = count_steps(spec.start, spec.stop, spec.step)
+        jacobi = spec.coupling == "jacobi"
+        names = list(system.components)
+        self.spec = spec
+        self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        self.order = names if jacobi else stepping_order(names, system.feedthrough())
+        self._layout = Layout.of(system, spec.record)
+        self._kernel = kernel.load()
+        self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+        self._run = wire(system, self._layout, self.order, self._libraries, jacobi=jacobi)
+        self._run.constant_step = spec.constant_step
+        self._run.n_steps = n_steps
+        self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
+        self._attach(Settings(system, system.parameters, self._libraries))
+        self._instantiate()
+
+    def run(
+        self,
+        parameters: Mapping[str, object] | None = None,
+        inputs: Mapping[str, Input] | None = None,
+    ) -> Result:
+        """Run from the start: reset, set start values, initialise, step.
+
+        Parameters
+        ----------
+        parameters : ``component.variable`` -> start value for this run only
+        inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
+            number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
+            of its first target
+
+        Raises
+        ------
+        ParameterError, SignalError
+            Before anything is run.
+        SimulationError
+            When an FMU fails or gives a value that is not finite; the simulation can run again.
+        """
+        system = self.spec.system
+        values: dict[str, Value] = dict(system.parameters)
+        for name, value in (parameters or {}).items():
+            values[name] = system.checked(name, value)
+        external = sample_inputs(system, values, inputs or {}, self.time)
+        if values.keys() != self._settings.names:
+            self._attach(Settings(system, values, self._libraries))
+        self._settings.fill(values)
+        self._instantiate()
+
+        run = self._run
+        record: Array = np.empty((len(self.time), run.n_selected))
+        rows = record
+        if run.n_selected < run.width:
+            rows = np.empty((run.block + 1, run.width))
+            run.record = record.ctypes.data
+        run.rows = rows.ctypes.data
+        run.external = external.ctypes.data
+        run.done = -1
+        outcome = kernel.PAUSED
+        while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
+            outcome = self._kernel.advance(run)
+        if outcome == kernel.FAILED:
+            raise self._failure()
+        return Result(self.time, record, self._layout.recorded, system)
+
+    def close(self) -> None:
+        """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        for slot in self._slots.values():
+            self._kernel.release(slot)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_settings"):
+            self.close()
+
+    def _attach(self, settings: Settings) -> None:
+        self._settings = settings
+        for name, slot in self._slots.items():
+            settings.attach(name, slot)
+
+    def _instantiate(self) -> None:
+        for name, slot in self._slots.items():
+            if not slot.instance:
+                fmu = self.spec.system.components[name]
+                arguments = (name, fmu.token, self._libraries[name].resources)
+                self._kernel.instantiate(slot, *(text.encode() for text in arguments))
+                if not slot.instance:
+                    raise SimulationError(
+                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}"
+                    )
+
+    def _failure(self) -> SimulationError:
+        run = self._run
+        name = self.order[run.failed]
+        slot = self._slots[name]
+        subject = (
+            self._layout.outputs[name][run.output] if run.status == kernel.NOT_FINITE else name
+        )
+        what = kernel.STATUS.get(run.status, f"returned the unknown status {run.status}")
+        if run.done < 0:
+            when = "during initialisation"
+        elif run.done == run.n_steps:
+            when = "after the last step"
+        else:
+            t = run.start + run.done * run.step
+            when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
+        message = f"{subject}: {run.call.decode()} {what} {when}{_said(slot)}"
+        if run.call.endswith(b"Reset"):
+            self._kernel.release(slot)  # the next run instantiates it anew
+        return SimulationError(message)
+
+
+def _said(slot: kernel.Component) -> str:
+    message = slot.log.contents.message.decode(errors="replace").strip()
+    return f"; the FMU says: {message}" if message else ""

@@ -1,0 +1,43 @@
+"""Units of measurement as exponents of the SI base units.
+
+Source: FMI 2.0 section 2.2.2, FMI 3.0 section 2.4.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: value in base units = factor * value + offset.
+
+    Attributes
+    ----------
+    name : as the FMU writes it
+    exponents : of ``BASE_UNITS``; None when the FMU does not say
+    """
+
+    name: str
+    exponents: tuple[int, ...] | None = None
+    factor: float = 1.0
+    offset: float = 0.0
+
+    @classmethod
+    def from_fmpy(cls, unit: Any) -> Unit:
+        """Take a unit from FMPy's model description."""
+        base = unit.baseUnit
+        if base is None:
+            return cls(unit.name)
+        exponents = tuple(int(getattr(base, name)) for name in BASE_UNITS)
+        return cls(unit.name, exponents, float(base.factor), float(base.offset))
+
+    def same_as(self, other: Unit) -> bool:
+        """Whether a number means the same in both units."""
+        if self.exponents is None or other.exponents is None:
+            return self.name == other.name
+        mine = (self.exponents, self.factor, self.offset)
+        return mine == (other.exponents, other.factor, other.offset)

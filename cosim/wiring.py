@@ -1,0 +1,87 @@
+"""Fills in the kernel's table of components: who reads which column, and where outputs go."""
+
+from __future__ import annotations
+
+import ctypes
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from cosim import kernel
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.names import component_of
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+# The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
+_BLOCK_STEPS = 64
+_BLOCK_VALUES = 2**14
+
+
+def wire(
+    system: System,
+    layout: Layout,
+    order: Sequence[str],
+    libraries: Mapping[str, Library],
+    *,
+    jacobi: bool,
+) -> kernel.Run:
+    """Return a run that lacks its times, its memory and the instances of the FMUs."""
+    columns, width = layout.columns, len(layout.columns)
+    inputs = _inputs(system, layout, order, jacobi=jacobi)
+    components = (kernel.Component * (len(order) + 1))()  # the last one ends the table
+    for name, slot in zip(order, components, strict=False):
+        slot.version = system.components[name].version
+        slot.call[: len(libraries[name].calls)] = libraries[name].calls
+        slot.log = ctypes.pointer(kernel.Log())
+
+        outputs = layout.outputs[name]
+        slot.n_linked = layout.linked[name]
+        slot.n_outputs = len(outputs)
+        slot.output_references = _references(system, outputs)
+        slot.column = columns[outputs[0]] if outputs else 0
+
+        offsets = [offset for offset, _ in inputs[name]]
+        slot.n_inputs = len(offsets)
+        slot.input_references = _references(system, [target for _, target in inputs[name]])
+        slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
+        if offsets and offsets != list(range(offsets[0], offsets[0] + len(offsets))):
+            slot.inputs = (ctypes.c_double * len(offsets))()
+    selected = [columns[name] for name in layout.recorded]
+    return kernel.Run(
+        components=components,
+        jacobi=jacobi,
+        n_external=len(system.inputs),
+        width=width,
+        block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
+        selected=(ctypes.c_int64 * len(selected))(*selected),
+        n_selected=len(selected),
+    )
+
+
+def _inputs(
+    system: System, layout: Layout, order: Sequence[str], *, jacobi: bool
+) -> dict[str, list[tuple[int, str]]]:
+    """Return per component its fed inputs with their offsets from the row of the present time.
+
+    What was computed earlier in the same step is read from the next row.
+    """
+    place = {name: i for i, name in enumerate(order)}
+    inputs: dict[str, list[tuple[int, str]]] = defaultdict(list)
+    for target, source in system.sources().items():
+        component = component_of(target)
+        fresh = (
+            not jacobi
+            and target in system.connections
+            and place[component_of(source)] < place[component]
+        )
+        offset = layout.columns[source] + (len(layout.columns) if fresh else 0)
+        inputs[component].append((offset, target))
+    return defaultdict(list, {component: sorted(fed) for component, fed in inputs.items()})
+
+
+def _references(system: System, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint32]:
+    references = (system.variable(name).reference for name in names)
+    return (ctypes.c_uint32 * len(names))(*references)

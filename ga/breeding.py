@@ -1,0 +1,30 @@
+"""From one generation's strings to the next candidates: crossover, mutation, back into bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ga.arrays import Array
+from ga.crossover import CROSSOVERS
+from ga.mutation import MUTATIONS
+from ga.settings import Settings
+
+
+def breed(strings: Array, costs: Array, settings: Settings, rng: np.random.Generator) -> Array:
+    """Return children for the places outside the elite.
+
+    Parameters
+    ----------
+    strings : the generation, best first, shape (n, k)
+    costs : of the generation, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n - elites, k); may leave [0, 1]
+
+    Source
+    ------
+    Paper, Step 4.
+    """
+    children = CROSSOVERS[settings.crossover](strings, costs, settings, rng)
+    return MUTATIONS[settings.mutation](children, strings, settings.mutation_rate, rng)

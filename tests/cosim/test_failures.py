@@ -1,0 +1,111 @@
+"""A run that fails says who, what and when, and leaves a simulation that runs again."""
+
+from __future__ import annotations
+
+import zipfile
+
+import numpy as np
+import pytest
+
+import cosim
+
+GIVE_NAN, TERMINATE, RETURN_EARLY, FAIL_TO_INITIALISE = 10, 11, 12, 13
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
+
+
+@pytest.fixture(params=["jacobi", "gauss_seidel"])
+def simulation(make, version, request):
+    system = cosim.System("loop")
+    system.add("source", make("integrator", version), {"u": 1.0})
+    system.add("gain", make("gain", version))
+    system.connect("source.y", "gain.u")
+    with system.prepare(step=0.01, stop=10.0, coupling=request.param) as simulation:
+        yield simulation
+
+
+@pytest.mark.parametrize(
+    ("status", "words"), [(2, "returned discard"), (3, "returned error"), (4, "returned fatal")]
+)
+def test_a_failing_step_is_named_and_the_next_run_is_as_if_nothing_happened(
+    simulation, version, status, words
+):
+    before = simulation.run().values
+    with pytest.raises(cosim.SimulationError) as error:
+        simulation.run({"gain.fault": status, "gain.fault_time": 5.0})
+    message = str(error.value)
+    assert message.startswith(f"gain: fmi{version}DoStep {words}")
+    assert "t = 5 s (step 500 of 1000)" in message
+    assert "the FMU says: broke at t = 5" in message
+    np.testing.assert_array_equal(simulation.run().values, before)
+
+
+@pytest.mark.parametrize("time", [0.0, 0.3, 5.0])
+def test_a_value_that_is_not_finite_ends_the_run(simulation, time):
+    with pytest.raises(cosim.SimulationError) as error:
+        simulation.run({"source.fault": GIVE_NAN, "source.fault_time": time})
+    message = str(error.value)
+    assert message.startswith("source.y: ")
+    assert "not finite" in message
+    assert f"t = {time:g} s" in message
+    simulation.run()
+
+
+@pytest.mark.parametrize("status", [3, 4])
+def test_the_value_that_is_not_finite_is_blamed_not_its_victim(make, status):
+    system = cosim.System()
+    system.add("source", make("integrator"))
+    system.add("victim", make("gain"))
+    system.connect("source.y", "victim.u")
+    with system.prepare(step=0.01, stop=1.0) as simulation:
+        before = simulation.run().values
+        with pytest.raises(cosim.SimulationError, match=r"^source\.y"):
+            simulation.run(
+                {
+                    "source.fault": GIVE_NAN,
+                    "source.fault_time": 0.5,
+                    "victim.fault": status,
+                    "victim.fault_time": 0.5,
+                }
+            )
+        np.testing.assert_array_equal(simulation.run().values, before)
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"), [(TERMINATE, "asked to terminate"), (RETURN_EARLY, "returned early")]
+)
+def test_fmi_3_ways_to_end_a_step(make, fault, words):
+    system = cosim.System()
+    system.add("a", make("gain", 3), {"fault": fault, "fault_time": 0.5})
+    with pytest.raises(cosim.SimulationError, match=words):
+        system.prepare(step=0.1, stop=1.0).run()
+
+
+def test_failure_during_initialisation(simulation, version):
+    with pytest.raises(cosim.SimulationError) as error:
+        simulation.run({"gain.fault": FAIL_TO_INITIALISE})
+    assert f"fmi{version}EnterInitializationMode returned error during initialisation" in str(
+        error.value
+    )
+    simulation.run()
+
+
+def test_a_run_that_never_starts_leaves_the_last_settings(simulation):
+    before = simulation.run().values
+    with pytest.raises(cosim.ParameterError):
+        simulation.run({"gain.k": float("nan")})
+    np.testing.assert_array_equal(simulation.run().values, before)
+
+
+def test_an_fmu_that_cannot_be_instantiated(make, tmp_path):
+    path = tmp_path / "wrong.fmu"
+    with zipfile.ZipFile(make("gain")) as good, zipfile.ZipFile(path, "w") as bad:
+        for name in good.namelist():
+            bad.writestr(name, good.read(name).replace(b'guid="gain"', b'guid="other"'))
+    system = cosim.System()
+    system.add("a", path)
+    with pytest.raises(cosim.SimulationError, match=r"a: wrong\.fmu cannot be instantiated"):
+        system.prepare(step=0.1, stop=1.0)

@@ -1,0 +1,161 @@
+"""What is no FMU for this machine ends in one clear line, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import pickle
+import stat
+import zipfile
+
+import pytest
+
+import cosim
+from cosim import archive
+
+
+def members(path):
+    with zipfile.ZipFile(path) as file:
+        return {name: file.read(name) for name in file.namelist()}
+
+
+def pack(path, content):
+    with zipfile.ZipFile(path, "w") as file:
+        for name, data in content.items():
+            file.writestr(name, data)
+    return path
+
+
+def replaced(make, tmp_path, old, new, version=2):
+    content = members(make("gain", version))
+    xml = content["modelDescription.xml"].decode()
+    assert old in xml
+    content["modelDescription.xml"] = xml.replace(old, new).encode()
+    return pack(tmp_path / "changed.fmu", content)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_description(make, version):
+    fmu = cosim.Fmu(make("gain", version))
+    assert (fmu.name, fmu.version, fmu.token) == ("gain", version, "gain")
+    assert fmu.experiment == cosim.DefaultExperiment(0.0, 1.0, 0.01)
+    k = fmu.variables["k"]
+    assert (k.causality, k.start, k.minimum, k.maximum) == ("parameter", 1.0, -1000.0, 1000.0)
+    assert fmu.variables["u"].unit == "N"
+    assert fmu.variables["flag"].start is False
+    assert fmu.feedthrough == {"y": {"u"}, "sum": set()}
+
+
+def test_missing_dependencies_mean_all_inputs(make, tmp_path):
+    path = replaced(make, tmp_path, 'index="2" dependencies="1"', 'index="2"')
+    assert cosim.Fmu(path).feedthrough["y"] == {"u"}
+
+
+def test_pickles_as_its_path(make):
+    fmu = cosim.Fmu(make("gain"))
+    twin = pickle.loads(pickle.dumps(fmu))  # noqa: S301
+    assert twin.path == fmu.path
+    assert twin.variables == fmu.variables
+
+
+def test_is_unpacked_once_and_nothing_else_is_left(make, cache):
+    first, second = cosim.Fmu(make("gain")), cosim.Fmu(make("gain"))
+    assert first.folder == second.folder
+    assert [p.name for p in (cache / "fmus").iterdir()] == [first.folder.name]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('fmiVersion="2.0"', 'fmiVersion="1.0"', "fmiVersion is '1.0', expected"),
+        ('fmiVersion="2.0"', "", "fmiVersion is None"),
+        ('modelIdentifier="gain"', 'modelIdentifier="../../gain"', "expected a C identifier"),
+        ('modelIdentifier="gain"', 'modelIdentifier="other"', "no binary for this machine"),
+        ("CoSimulation", "ModelExchange", "no Co-Simulation interface"),
+        ("</ModelVariables>", "", r"modelDescription\.xml"),
+        ('min="-1000"', 'min="low"', "bad value"),
+        ('index="2"', 'index="99"', "cannot be understood"),
+    ],
+)
+def test_unusable_description(make, tmp_path, old, new, message):
+    path = replaced(make, tmp_path, old, new)
+    with pytest.raises(cosim.FmuError, match=message) as error:
+        cosim.Fmu(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"no zip at all", b"PK\x03\x04 cut off"], ids=["empty", "text", "cut"]
+)
+def test_no_zip(tmp_path, cache, content):
+    path = tmp_path / "bad.fmu"
+    path.write_bytes(content)
+    with pytest.raises(cosim.FmuError, match="not a zip archive"):
+        cosim.Fmu(path)
+    assert list((cache / "fmus").iterdir()) == []
+
+
+def test_no_file(tmp_path):
+    with pytest.raises(cosim.FmuError, match="No such file"):
+        cosim.Fmu(tmp_path / "none.fmu")
+
+
+def test_no_description(tmp_path):
+    with pytest.raises(cosim.FmuError, match=r"modelDescription\.xml is missing"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {"a.txt": ""}))
+
+
+@pytest.mark.parametrize(
+    "name", ["../out", "a/../../out", "/etc/out", "C:/out", "a\\out", "tab\tname"]
+)
+def test_member_that_would_leave_its_folder(tmp_path, cache, name):
+    with pytest.raises(cosim.FmuError, match="would leave the folder"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {name: "x"}))
+    assert list((cache / "fmus").iterdir()) == []
+
+
+def test_members_that_differ_in_case_only(tmp_path):
+    with pytest.raises(cosim.FmuError, match="twice"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "1", "A": "2"}))
+
+
+def test_member_that_is_file_and_folder(tmp_path, cache):
+    with pytest.raises(cosim.FmuError, match="cannot be unpacked"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "1", "a/b": "2"}))
+    assert list((cache / "fmus").iterdir()) == []
+
+
+def test_symbolic_link(tmp_path):
+    link = zipfile.ZipInfo("link")
+    link.external_attr = (stat.S_IFLNK | 0o777) << 16
+    with zipfile.ZipFile(tmp_path / "a.fmu", "w") as file:
+        file.writestr(link, "/etc/passwd")
+    with pytest.raises(cosim.FmuError, match="symbolic link"):
+        cosim.Fmu(tmp_path / "a.fmu")
+
+
+def test_damaged_member(make, tmp_path, cache):
+    data = bytearray(make("gain").read_bytes())
+    data[200] ^= 0xFF
+    path = tmp_path / "damaged.fmu"
+    path.write_bytes(data)
+    with pytest.raises(cosim.FmuError, match="damaged"):
+        cosim.Fmu(path)
+    assert list((cache / "fmus").iterdir()) == []
+
+
+def test_too_much(tmp_path, monkeypatch):
+    monkeypatch.setattr(archive, "MAX_BYTES", 10)
+    with pytest.raises(cosim.FmuError, match="at most 10"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "x" * 11}))
+    monkeypatch.setattr(archive, "MAX_MEMBERS", 1)
+    with pytest.raises(cosim.FmuError, match="2 members"):
+        cosim.Fmu(pack(tmp_path / "b.fmu", {"a": "", "b": ""}))
+
+
+def test_binary_that_is_text(make, tmp_path):
+    content = members(make("gain"))
+    binary = next(name for name in content if name.startswith("binaries"))
+    system = cosim.System()
+    system.add("a", pack(tmp_path / "a.fmu", content | {binary: "text"}))
+    with pytest.raises(cosim.FmuError, match="cannot be loaded"):
+        system.prepare(step=0.1, stop=1.0)

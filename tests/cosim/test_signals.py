@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+
+T = np.linspace(0.0, 10.0, 10_001)
+
+
+def test_sine_sweep_runs_from_one_frequency_and_amplitude_to_the_other():
+    sweep = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.03, 0.04), duration=10.0)
+    v = sweep.sample(T)
+    # half the mean frequency times the duration is the number of rising zero crossings
+    crossings = np.flatnonzero((v[:-1] < 0) & (v[1:] >= 0))
+    assert len(crossings) == int(0.5 * (0.1 + 5.0) * 10.0)
+    assert np.diff(T[crossings])[-1] == pytest.approx(1 / 5.0, rel=0.05)
+    assert np.abs(v[:3000]).max() < 0.033 < np.abs(v[8000:]).max() <= 0.04
+    assert v[0] == 0
+    assert sweep.sample(np.array([-1.0, 11.0])).tolist() == [0, 0]
+
+
+def test_trapezoid_goes_there_and_back():
+    v = cosim.Trapezoid(height=0.04, slope=0.08, plateau=1.0, begin=1.0).sample(T)
+    assert (v.max(), v.min()) == (0.04, -0.04)
+    assert np.sum(v) * 1e-3 == pytest.approx(0.0, abs=1e-9)
+    assert np.abs(np.diff(v)).max() / 1e-3 == pytest.approx(0.08)
+    assert np.all(v[T <= 1.0] == 0)
+
+
+def test_table_draws_lines_jumps_and_holds_its_ends():
+    table = cosim.Table([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0])
+    values = table.sample(np.array([-1.0, 0.5, 1.0, 2.0, 3.0, 9.0]))
+    assert values.tolist() == [0.0, 1.0, 5.0, 6.0, 7.0, 7.0]
+
+
+def test_table_from_csv(tmp_path):
+    path = tmp_path / "in.csv"
+    path.write_text("\ufefftime,v,w\r\n0,1,10\r\n\r\n1,2,20\r\n", encoding="utf-8")
+    assert cosim.Table.from_csv(path, "w").sample(np.array([0.5])) == [15.0]
+    assert set(cosim.Table.all_from_csv(path)) == {"v", "w"}
+    with pytest.raises(cosim.SignalError, match="which column"):
+        cosim.Table.from_csv(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected a first line"),
+        ("t,v\n0,1\n", "'time' among them"),
+        ("time,v,v\n0,1,1\n", "distinct"),
+        ("time;v\n0;1\n", "separated by commas"),
+        ("time,v\n", "no values"),
+        ("time,v\n0,1\n1\n", "line 3: expected 2 cells, got 1"),
+        ("time,v\n0,one\n", "line 2: .*'one'"),
+        ("time,v\n0,nan\n", "not finite"),
+        ("time,v\n1,0\n0,0\n", "time falls from 1.0 to 0.0"),
+    ],
+)
+def test_tables_that_cannot_be(tmp_path, text, message):
+    path = tmp_path / "in.csv"
+    path.write_text(text)
+    with pytest.raises(cosim.SignalError, match=message) as error:
+        cosim.Table.from_csv(path, "v")
+    assert str(path) in str(error.value)
+
+
+@pytest.fixture
+def simulation(make):
+    system = cosim.System("loop")
+    system.add("a", make("gain"))
+    system.expose("force", "a.u")
+    with system.prepare(step=0.5, stop=2.0) as simulation:
+        yield simulation
+
+
+def test_all_kinds_of_inputs(simulation):
+    ramp = np.arange(5) * 0.5
+    for signal in (ramp, list(ramp), lambda t: t, cosim.Table([0, 9], [0, 9])):
+        np.testing.assert_array_equal(simulation.run(inputs={"force": signal})["force"], ramp)
+    assert set(simulation.run(inputs={"force": 3})["force"]) == {3.0}
+
+
+@pytest.mark.parametrize(
+    ("signal", "message"),
+    [
+        (np.zeros(4), r"shape \(4,\), expected \(5,\)"),
+        ([0, 0, np.nan, 0, 0], "not finite at t = 1 s"),
+        ("text", "expected numbers"),
+    ],
+)
+def test_inputs_that_cannot_be(simulation, signal, message):
+    with pytest.raises(cosim.SignalError, match=message):
+        simulation.run(inputs={"force": signal})
+
+
+def test_an_input_that_is_not_exposed(simulation):
+    with pytest.raises(cosim.SignalError, match="no exposed input 'fours'; did you mean 'force'"):
+        simulation.run(inputs={"fours": 1.0})

@@ -1,0 +1,146 @@
+"""Learning runs: executors, failures, stopping, and how well it learns."""
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from functools import cache
+from multiprocessing import get_context
+
+import friction_sweep
+import numpy as np
+import pytest
+from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_fails
+from scipy.optimize import differential_evolution
+
+import ga
+
+SHORT = replace(ga.DEFAULT, generations=12)
+
+
+def learned(settings, cost=quadratic, seed=0, executor=None):
+    algorithm = ga.GeneticAlgorithm(GENES, settings, seed)
+    return algorithm, ga.learn(algorithm, cost, executor)
+
+
+def test_serial_threads_and_processes_agree_bit_for_bit():
+    serial = learned(SHORT, sometimes_fails)[0].history.to_csv()
+    with ThreadPoolExecutor(3) as threads:
+        assert learned(SHORT, sometimes_fails, executor=threads)[0].history.to_csv() == serial
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
+        assert learned(SHORT, sometimes_fails, executor=processes)[0].history.to_csv() == serial
+
+
+def test_a_failed_candidate_costs_infinity_and_says_why():
+    algorithm, found = learned(SHORT, sometimes_fails)
+    failed = algorithm.history[algorithm.history["cost"] == np.inf]
+    assert len(failed) > 0
+    assert failed["reason"].str.fullmatch(r"a = .* is too much").all()
+    assert found.best.cost < np.inf
+
+
+def test_when_all_fail_the_first_reason_is_given():
+    with pytest.raises(ga.NothingLearned, match=r"all 10 candidates failed.*no luck with 3 genes"):
+        learned(SHORT, always_fails)
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_other_errors_end_the_run(workers):
+    if not workers:
+        with pytest.raises(ZeroDivisionError):
+            learned(SHORT, breaks)
+        return
+    with ThreadPoolExecutor(workers) as executor, pytest.raises(ZeroDivisionError):
+        learned(SHORT, breaks, executor=executor)
+
+
+def test_it_stops_at_the_threshold_or_the_last_generation():
+    algorithm, found = learned(replace(ga.DEFAULT, threshold=1e-2))
+    assert found.best.cost <= 1e-2
+    assert algorithm.generation < 100
+    assert "reached the threshold 0.01" in found.stopped
+    algorithm, found = learned(SHORT)
+    assert algorithm.generation == 12
+    assert found.stopped == "all 12 generations are done"
+
+
+def test_every_generation_is_announced():
+    seen = []
+    algorithm = ga.GeneticAlgorithm(GENES, SHORT)
+    ga.learn(algorithm, quadratic, on_generation=lambda a: seen.append(a.generation))
+    assert seen == list(range(1, 13))
+
+
+def test_the_default_finds_the_bottom_of_a_quadratic():
+    found = learned(ga.DEFAULT)[1]
+    np.testing.assert_allclose(found.best.values, TARGET, rtol=1e-4)
+    assert found.parameters == dict(zip("abc", found.best.values.tolist(), strict=True))
+
+
+SEEDS = range(20)
+GENERATIONS = 50
+BUDGET = 402  # evaluations of 50 generations; far beyond, all medians are below any drive's noise
+
+
+def test_on_friction_it_learns_at_least_as_well_as_differential_evolution():
+    ours, theirs = [np.median([run(s) for s in SEEDS]) for run in (_learn, _evolve)]
+    assert ours <= theirs
+    assert ours < 1e-5
+
+
+@pytest.mark.parametrize("preset", ga.PRESETS)
+def test_on_friction_it_learns_better_than_random_search(preset):
+    encoding = ga.PRESETS[preset].encoding
+    ours = np.median([_learn(seed, ga.PRESETS[preset]) for seed in SEEDS])
+    assert ours < np.median([_draw(seed, encoding) for seed in SEEDS])
+
+
+@cache  # two tests compare with it
+def _learn(seed, settings=ga.DEFAULT):
+    algorithm = ga.GeneticAlgorithm(
+        friction_sweep.genes(seed),
+        replace(settings, generations=GENERATIONS),
+        seed,
+        friction_sweep.REPAIR,
+    )
+    best = ga.learn(algorithm, friction_sweep.ForceError()).best.cost
+    assert algorithm.evaluations == BUDGET
+    return best
+
+
+def _repaired(values, genes):
+    bounds = np.array([(gene.lower, gene.upper) for gene in genes]).T
+    return np.clip(friction_sweep.REPAIR(np.clip(values[np.newaxis], *bounds), genes)[0], *bounds)
+
+
+def _evolve(seed):
+    """Run scipy's differential evolution, given the same genes, start, repair and budget."""
+    genes, cost, costs = friction_sweep.genes(seed), friction_sweep.ForceError(), []
+
+    def judge(logs):
+        if len(costs) < BUDGET:
+            costs.append(cost(_repaired(np.exp(logs), genes)))
+        return costs[-1]
+
+    differential_evolution(
+        judge,
+        [(np.log(gene.lower), np.log(gene.upper)) for gene in genes],
+        x0=[np.log(gene.start) for gene in genes],
+        popsize=2,  # times five genes: ten, scipy's best here
+        maxiter=BUDGET // 10,
+        tol=0,
+        polish=False,
+        rng=seed,
+    )
+    return min(costs)
+
+
+def _draw(seed, encoding):
+    """Search at random from the same start, in the same encoding."""
+    genes, cost = friction_sweep.genes(seed), friction_sweep.ForceError()
+    bounds = np.array([(gene.lower, gene.upper) for gene in genes])
+    rng = np.random.default_rng(seed)
+    if encoding == "log":
+        draws = np.exp(rng.uniform(*np.log(bounds).T, (BUDGET, 5)))
+    else:
+        draws = rng.uniform(*bounds.T, (BUDGET, 5))
+    draws[0] = [gene.start for gene in genes]
+    return min(cost(_repaired(values, genes)) for values in draws)
