@@ -11,6 +11,7 @@
 from cosim.errors import (
     ConnectionFault,
     CosimError,
+    ExperimentError,
     FmuError,
     ParameterError,
     SignalError,
@@ -30,6 +31,7 @@ __all__ = [
     "ConnectionFault",
     "CosimError",
     "DefaultExperiment",
+    "ExperimentError",
     "Fmu",
     "FmuError",
     "ParameterError",

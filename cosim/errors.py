@@ -5,6 +5,7 @@ CosimError
     ConnectionFault(ValueError)    a component, connection or exposed input cannot be
     ParameterError(ValueError)     no such start value, or not this value
     SignalError(ValueError)        an input signal or a table of it is unusable
+    ExperimentError(ValueError)    times that make no run
     SspError(ValueError)           the file is no system structure package that can be read
     SimulationError(RuntimeError)  an FMU failed during a run
 """
@@ -18,7 +19,7 @@ class FmuError(CosimError, ValueError):
     """The file is no FMU that can be run here."""
 
 
-class ConnectionFault(CosimError, ValueError):  # noqa: N818  ConnectionError is a builtin
+class ConnectionFault(CosimError, ValueError):
     """A component, connection or exposed input cannot be."""
 
 
@@ -28,6 +29,10 @@ class ParameterError(CosimError, ValueError):
 
 class SignalError(CosimError, ValueError):
     """An input signal is missing, of the wrong shape, or not finite."""
+
+
+class ExperimentError(CosimError, ValueError):
+    """Start, stop and step make no run, or an option of it is unknown."""
 
 
 class SspError(CosimError, ValueError):

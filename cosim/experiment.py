@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cosim.errors import ExperimentError
+
 
 @dataclass(frozen=True)
 class DefaultExperiment:
@@ -20,20 +22,20 @@ def count_steps(start: float, stop: float, step: float) -> int:
 
     Raises
     ------
-    ValueError
+    ExperimentError
         When a time is not finite, the interval or the step is not positive, or the step does not
         divide the interval.
     """
     if not all(map(math.isfinite, (start, stop, step))):
-        raise ValueError(f"start {start} s, stop {stop} s and step {step} s must be finite")
+        raise ExperimentError(f"start {start} s, stop {stop} s and step {step} s must be finite")
     if step <= 0 or stop <= start:
-        raise ValueError(
+        raise ExperimentError(
             f"the step ({step} s) must be positive and stop ({stop} s) lie after start ({start} s)"
         )
     exact = (stop - start) / step
     n = round(exact)
     if n < 1 or abs(exact - n) > 1e-9 * n:
-        raise ValueError(
+        raise ExperimentError(
             f"a step of {step} s does not divide the interval {start} .. {stop} s:"
             f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s"
         )

@@ -79,9 +79,12 @@ class Trapezoid:
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
+        return np.interp(t, self.corners(), np.array([0, 1, 1, -1, -1, 0]) * self.height)
+
+    def corners(self) -> Array:
+        """Return the times (6,) in s where ramps and plateaus meet."""
         ramp = abs(self.height) / self.slope
-        corners = np.cumsum([self.begin, ramp, self.plateau, 2 * ramp, self.plateau, ramp])
-        return np.interp(t, corners, np.array([0, 1, 1, -1, -1, 0]) * self.height)
+        return np.cumsum([self.begin, ramp, self.plateau, 2 * ramp, self.plateau, ramp])
 
 
 @dataclass(frozen=True, eq=False)

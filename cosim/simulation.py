@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from cosim import kernel
-from cosim.errors import SimulationError
+from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
 from cosim.layout import Layout
 from cosim.library import Library
@@ -63,7 +63,9 @@ class Simulation:
     def __init__(self, spec: Specification) -> None:
         system = spec.system
         if spec.coupling not in ("gauss_seidel", "jacobi"):
-            raise ValueError(f"coupling is {spec.coupling!r}, expected 'gauss_seidel' or 'jacobi'")
+            raise ExperimentError(
+                f"coupling is {spec.coupling!r}, expected 'gauss_seidel' or 'jacobi'"
+            )
         n_steps = count_steps(spec.start, spec.stop, spec.step)
         jacobi = spec.coupling == "jacobi"
         names = list(system.components)

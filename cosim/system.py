@@ -179,7 +179,7 @@ class System:
 
         Raises
         ------
-        ValueError, ConnectionFault, FmuError
+        ExperimentError, ConnectionFault, FmuError
         """
         names = None if record is None else tuple(record)
         return Simulation(

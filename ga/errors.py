@@ -21,9 +21,9 @@ class CallOrderError(GaError, RuntimeError):
     """``ask`` and ``tell`` were called out of turn."""
 
 
-class CandidateFailed(GaError):  # noqa: N818 - it says what happened
+class CandidateFailed(GaError):
     """A candidate cannot be judged: it costs infinity, and its message is the recorded reason."""
 
 
-class NothingLearned(GaError):  # noqa: N818 - it says what happened
+class NothingLearned(GaError):
     """Every candidate of the first generation failed. The message gives the first reason."""

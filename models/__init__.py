@@ -4,10 +4,11 @@ The errors are drawn in ``models/errors.py``.
 """
 
 from models.errors import DescriptionError, ModelError, StartValueError, UnknownModel
-from models.export.package import build_fmu, load_model, model_names
+from models.export.package import FmiVersion, build_fmu, load_model, model_names
 
 __all__ = [
     "DescriptionError",
+    "FmiVersion",
     "ModelError",
     "StartValueError",
     "UnknownModel",

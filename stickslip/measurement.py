@@ -24,5 +24,5 @@ def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:
 
 
 def measured_velocity(x_enc: Array, T_s: float) -> Array:
-    """Return the velocity (n,) [m/s] that encoder positions (n,) [m] show: differences, smoothed."""
+    """Return the velocity (n,) [m/s] from encoder positions (n,) [m]: differences, smoothed."""
     return smoothed(np.gradient(x_enc, T_s), T_s)

@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
 from stickslip.identification.estimate import Estimate, correlation_length
-from stickslip.learning import BOUNDS, Study, VelocityCost
+from stickslip.learning import BOUNDS, Study, VelocityCost, parameters
 from stickslip.loop import feedforward
 from stickslip.measurement import Array, smoothed
 from stickslip.parameters import LUGRE
@@ -102,8 +102,8 @@ class _Bench:
         gaps = []
         for _ in range(REPEATS):
             change = np.exp(JITTER * self._rng.standard_normal(len(LUGRE)))
-            changed = {name: values[name] * c for name, c in zip(LUGRE, change.tolist(), strict=True)}
-            gaps.append(self._judge.gap(self._study.run(changed)))
+            changed = np.array([values[name] for name in LUGRE]) * change
+            gaps.append(self._judge.gap(self._study.run(parameters(changed))))
         self.runs += REPEATS
         return sorted(gaps, key=lambda gap: float(gap @ gap))[REPEATS // 2]
 
@@ -118,9 +118,7 @@ class _Fit:
 def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
     prior = study.identification.estimates
     expected = np.log([prior[name].value for name in LUGRE])
-    doubt = np.array(
-        [max(prior[name].standard_error / prior[name].value, FLOOR) for name in LUGRE]
-    )
+    doubt = np.array([max(prior[name].standard_error / prior[name].value, FLOOR) for name in LUGRE])
     scale = np.sqrt(gap @ gap / len(gap) * correlation_length(gap))
     system = feedforward(study.rig.fmus, study.identification.loop, {}, study.feed)
     numerator, denominator = _transfer(study)
@@ -131,9 +129,8 @@ def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
     ) as simulation:
 
         def force(logs: Array) -> Array:
-            values = np.exp(logs).tolist()
-            parameters = {f"compensator.{n}": v for n, v in zip(LUGRE, values, strict=True)}
-            return simulation.run(parameters, {"v_cmd": study.v_cmd})["compensator.F_mean"]
+            values = {f"compensator.{n}": v for n, v in parameters(np.exp(logs)).items()}
+            return simulation.run(values, {"v_cmd": study.v_cmd})["compensator.F_mean"]
 
         begin = np.log([start[name] for name in LUGRE])
         applied = force(begin)
@@ -149,11 +146,11 @@ def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
         low_q, high_q = expected + low, expected + high
         low_q[0], high_q[0] = 0.0, high - low
         q = np.clip(np.linalg.solve(_TO_LOGS, begin), low_q + 1e-9, high_q - 1e-9)
-        fit = least_squares(residual, q, bounds=(low_q, high_q), x_scale="jac", diff_step=1e-4)
+        fit = least_squares(residual, q, bounds=(low_q, high_q), x_scale="jac", diff_step=[1e-4])
     logs = _TO_LOGS @ fit.x
     jacobian = fit.jac @ np.linalg.inv(_TO_LOGS)
     return _Fit(
-        values=dict(zip(LUGRE, np.exp(logs).tolist(), strict=True)),
+        values=parameters(np.exp(logs)),
         errors=_errors(jacobian),
         alone=_errors(jacobian[: len(gap)]),
     )
@@ -162,7 +159,7 @@ def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
 def _errors(jacobian: Array) -> dict[str, float]:
     """Return relative standard errors from a Jacobian in logarithms, residuals in deviations."""
     information = jacobian.T @ jacobian + 1e-12 * np.eye(len(LUGRE))
-    return dict(zip(LUGRE, np.sqrt(np.diag(np.linalg.inv(information))).tolist(), strict=True))
+    return parameters(np.sqrt(np.diag(np.linalg.inv(information))))
 
 
 def _transfer(study: Study) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ between sees a ``Rig``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -34,7 +34,7 @@ class Options:
     ----------
     truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
     preset : of the genetic algorithm, a name in ``ga.PRESETS``
-    refined : end the learning with the fit of ``stickslip/refinement.py``; the paper does not
+    feed : what drives the compensator
     """
 
     truth: Mapping[str, float] = field(default_factory=dict)
@@ -45,6 +45,7 @@ class Options:
 
     @property
     def refined(self) -> bool:
+        """Whether the learning ends with the fit of ``stickslip/refinement.py``."""
         return self.preset != "paper"
 
 
@@ -124,6 +125,4 @@ def reproduce(options: Options, fmus: Path, progress: Progress) -> Reproduction:
     loop = identification.loop
     validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
     system = paper_loop(fmus, loop, learned.values, options.feed)
-    return Reproduction(
-        options, truth, identification, algorithm, learned, validation, system
-    )
+    return Reproduction(options, truth, identification, algorithm, learned, validation, system)

@@ -89,7 +89,7 @@ class Rig:
 
     def samples(self, duration: float) -> Array:
         """Return the sample instants (n,) of a recording [s]."""
-        return np.arange(round(duration / self.T_s) + 1) * self.T_s
+        return np.asarray(np.arange(round(duration / self.T_s) + 1) * self.T_s)
 
     def _record(self, system: cosim.System, name: str, command: Array) -> Log:
         stop = (len(command) - 1) * self.T_s

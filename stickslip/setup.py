@@ -38,4 +38,4 @@ VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
 """The trapezoid of Fig. 6(a) [m/s]."""
 
 REGION = (0.030, 0.070)
-"""Window of the motion-start and the motion-reverse region after the motion starts or reverses [s]."""
+"""The judged windows: from when to when after motion starts or reverses [s]."""

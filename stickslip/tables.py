@@ -39,9 +39,7 @@ def table2(
     return pd.DataFrame(rows)
 
 
-def _remark(
-    name: str, identification: Identification, learned: Refinement, truth: float
-) -> str:
+def _remark(name: str, identification: Identification, learned: Refinement, truth: float) -> str:
     """Say how well a parameter is known, and whether learning took it away from the truth."""
     if name not in LUGRE:
         return "identified only, not learned"

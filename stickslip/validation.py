@@ -109,18 +109,14 @@ def validate(
     feed: Feed = "nominal",
 ) -> Validation:
     """Run the trapezoid without and with compensation. This judges; it may see the truth."""
-    ramp = abs(command.height) / command.slope
-    instants = {
-        "start": command.begin,
-        "reverse": command.begin + 2.0 * ramp + command.plateau,
-    }
-    duration = instants["reverse"] + 2.0 * ramp + command.plateau + command.begin
-    v_cmd = command.sample(rig.samples(duration))
-    runs = [
+    corners = command.corners()
+    instants = {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
+    v_cmd = command.sample(rig.samples(corners[-1] + command.begin))
+    without, compensated = (
         _run(paper_loop(rig.fmus, loop, values, feed), v_cmd, rig.T_s)
         for values in (None, compensator)
-    ]
-    return Validation(*runs, instants)
+    )
+    return Validation(without, compensated, instants)
 
 
 def _run(system: cosim.System, v_cmd: Array, T_s: float) -> Run:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from pathlib import Path
+from uuid import uuid4
 
 
 def cache_directory() -> Path:
@@ -25,7 +25,7 @@ def cache_directory() -> Path:
 def write_whole(path: Path, content: bytes | str) -> Path:
     """Write a file so that a reader sees the old one or the new one, never a part of it.
 
-    Text is written as UTF-8 with ``\\n`` line ends. The folder is made if it is absent.
+    Text is written as UTF-8. The folder is made if it is absent.
 
     Raises
     ------
@@ -34,21 +34,14 @@ def write_whole(path: Path, content: bytes | str) -> Path:
     """
     data = content.encode() if isinstance(content, str) else content
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = path.with_name(f".{path.name}.{uuid4().hex}")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
+        temporary.replace(path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
     return path
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

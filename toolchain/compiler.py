@@ -72,7 +72,8 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
 def _compiler_version() -> str:
     if importlib.util.find_spec("ziglang") is None:
         raise CompilerMissing(
-            "the C compiler is missing: package 'ziglang' is not installed; run 'pip install ziglang'"
+            "the C compiler is missing: package 'ziglang' is not installed; "
+            "run 'pip install ziglang'"
         )
     return version("ziglang")
 

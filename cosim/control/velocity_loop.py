@@ -71,7 +71,7 @@ class VelocityLoop:
     compliance: control.StateSpace
 
     def margins(self) -> dict[str, float]:
-        """Return crossover [Hz], phase margin [deg], gain margin [dB], closed-loop bandwidth [Hz]."""
+        """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
         gain, phase, _, _, crossover, _ = control.stability_margins(self.open_loop)
         return {
             "crossover_Hz": float(crossover) / (2 * np.pi),

@@ -166,7 +166,7 @@ def _default_variability(role: Role) -> str:
     return {"memory": "discrete", "parameter": "fixed"}.get(role, "continuous")
 
 
-def _flat(value: Any) -> list[float]:  # noqa: ANN401 - TOML: a number or lists of it, nested
+def _flat(value: Any) -> list[float]:
     if isinstance(value, list):
         return [number for item in value for number in _flat(item)]
     return [float(value)]

@@ -16,10 +16,8 @@ LOG_CATEGORIES = {
 
 
 def child(parent: ET.Element, tag: str, **attributes: object) -> ET.Element:
-    """Append an element; attributes that are None are left out, True is ``true``, 0.5 is ``0.5``."""
-    return ET.SubElement(
-        parent, tag, {k: text(v) for k, v in attributes.items() if v is not None}
-    )
+    """Append an element; attributes that are None are left out."""
+    return ET.SubElement(parent, tag, {k: text(v) for k, v in attributes.items() if v is not None})
 
 
 def text(value: object) -> str:

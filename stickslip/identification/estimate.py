@@ -1,4 +1,4 @@
-"""Estimates with their standard errors, and least squares that know their residuals are correlated."""
+"""Estimates with standard errors that know how correlated residuals are."""
 
 from __future__ import annotations
 

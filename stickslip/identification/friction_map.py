@@ -87,7 +87,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, F_c: float) -> FrictionMap:
     ]
     fit = min(fits, key=lambda candidate: candidate.cost)
     values = np.append(fit.x[0], np.exp(fit.x[1:]))
-    relative = np.sqrt(np.diag(covariance(fit.jac, fit.fun)))
+    relative = np.sqrt(np.diag(covariance(np.asarray(fit.jac), fit.fun)))
     errors = relative * np.append(1.0, values[1:])
     b, F_c_, F_s, v_s = (Estimate(float(v), float(e)) for v, e in zip(values, errors, strict=True))
     return FrictionMap(b, F_c_, F_s, v_s, velocity, force, error, breakaway, rate)
@@ -114,7 +114,7 @@ def _break_away(rig: Rig, rate: float, direction: float) -> float:
     slid = np.flatnonzero(way > MOVED * rig.datasheet.encoder_step)
     if not len(slid):
         raise IdentificationError(
-            f"break-away: a ramp of {rate:.3g} N/s up to {rate * duration:.3g} N moved the stage by "
-            f"{way.max():.3g} m only; friction is higher than stage 1 found"
+            f"break-away: a ramp of {rate:.3g} N/s up to {rate * duration:.3g} N moved the stage "
+            f"by {way.max():.3g} m only; friction is higher than stage 1 found"
         )
     return float(np.abs(log.F_m[: slid[0]]).max())

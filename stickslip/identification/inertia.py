@@ -67,6 +67,6 @@ def measure_inertia(rig: Rig) -> Inertia:
     m, b, F_c = (Estimate(float(values[i]), float(errors[i])) for i in range(3))
     if m.value <= 0.0:
         raise IdentificationError(
-            f"inertia: the fit gives {m.value:.3g} kg; force and acceleration do not belong together"
+            f"inertia: the fit gives {m.value:.3g} kg; force and acceleration do not match"
         )
     return Inertia(m, b, F_c, a[used], force[used] - regressors[:, 1:] @ values[1:])

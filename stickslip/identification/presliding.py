@@ -76,15 +76,13 @@ def measure_presliding(rig: Rig, known: Mapping[str, float]) -> Presliding:
         sigma_0 = 0.5 * np.ptp(log.F_m) / deflection
         damping = [2.0 * ratio * np.sqrt(sigma_0 * known["m"]) for ratio in (0.3, 1.5)]
         fits = [
-            least_squares(residual, np.log([sigma_0, sigma_1]), diff_step=1e-3)
+            least_squares(residual, np.log([sigma_0, sigma_1]), diff_step=[1e-3])
             for sigma_1 in damping
         ]
         fit = min(fits, key=lambda candidate: candidate.cost)
         gap = position(fit.x) - log.x_enc
         x_fit = position(fit.x) - gap.mean()
     values = np.exp(fit.x)
-    errors = values * np.sqrt(np.diag(covariance(fit.jac, fit.fun)))
-    stiffness, bristle = (
-        Estimate(float(v), float(e)) for v, e in zip(values, errors, strict=True)
-    )
+    errors = values * np.sqrt(np.diag(covariance(np.asarray(fit.jac), fit.fun)))
+    stiffness, bristle = (Estimate(float(v), float(e)) for v, e in zip(values, errors, strict=True))
     return Presliding(stiffness, bristle, log, x_fit)

@@ -1,0 +1,49 @@
+# Everything begins here. Python 3.11 or newer and pip are all that is needed.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help setup reproduce test check format bench clean
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+
+setup: .venv/installed ## install stickslip into .venv
+
+reproduce: .venv/installed ## reproduce the paper into results/paper
+	$(BIN)/stickslip reproduce
+
+test: .venv/tested ## run the tests
+	$(BIN)/python -m pytest
+
+check: .venv/checked ## lint, types and C format
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
+
+format: .venv/checked ## format Python and C
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $$(git ls-files '*.c' '*.h')
+
+bench: .venv/tested ## measure speed, as ratios inside one run
+	$(BIN)/python -m benchmarks
+
+clean: ## remove the environment and all that git ignores
+	git clean -fdXq
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+.venv/installed: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+.venv/tested: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	touch $@ .venv/installed
+
+.venv/checked: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[check]'
+	touch $@ .venv/installed

@@ -1,0 +1,64 @@
+"""The command ``stickslip``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+import cosim
+import ga
+import models
+import toolchain
+from cosim.control import ControlError
+from stickslip.commands import build, design, export, identify, reproduce, simulate
+from stickslip.errors import StickslipError
+
+COMMANDS = (reproduce, build, simulate, design, identify, export)
+EXPECTED = (
+    StickslipError,
+    cosim.CosimError,
+    ControlError,
+    ga.GaError,
+    models.ModelError,
+    toolchain.ToolchainError,
+    OSError,
+)
+"""What a user can cause; everything else is a defect of ours and shows its traceback."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return the exit status: 0, 1 for an error, 130 for Ctrl-C."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.run(options)
+    except EXPECTED as error:
+        if options.debug:
+            raise
+        print(f"stickslip: {_line(error)}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stickslip: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="stickslip", description="Learn a friction compensator for a servo drive, in FMUs."
+    )
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add_to(subparsers)
+    for subparser in subparsers.choices.values():
+        subparser.add_argument(
+            "--debug", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS
+        )
+    return parser
+
+
+def _line(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

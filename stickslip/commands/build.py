@@ -1,0 +1,56 @@
+"""``stickslip build``: FMUs of the models."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import models
+from stickslip.errors import UsageError
+from toolchain import PLATFORMS, Platform, host_platform
+
+VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser("build", help="build FMUs of the models")
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
+    parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
+    parser.add_argument(
+        "--platform",
+        nargs="+",
+        default=["host"],
+        metavar="PLATFORM",
+        help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
+    )
+    parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
+    platforms = _platforms(options.platform)
+    versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
+    names = options.models or models.model_names()
+    for name in names:
+        models.load_model(name)  # an unknown name must not leave half of the files
+    for name in names:
+        for version in versions:
+            folder = options.out / f"fmi{version}" if len(versions) > 1 else options.out
+            print(models.build_fmu(name, folder, fmi=version, platforms=platforms))
+
+
+def _platforms(names: list[str]) -> list[Platform]:
+    if names == ["all"]:
+        return list(PLATFORMS.values())
+    platforms = {}
+    for name in names:
+        if name != "host" and name not in PLATFORMS:
+            raise UsageError(
+                f"--platform {name}: unknown; choose host, all or some of {', '.join(PLATFORMS)}"
+            )
+        platform = host_platform() if name == "host" else PLATFORMS[name]
+        platforms[platform.tuple] = platform
+    return list(platforms.values())

@@ -1,0 +1,57 @@
+"""``stickslip design``: the nominal velocity loop."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from cosim.control import Axis, LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.loop import nominal_parameters
+from stickslip.parameters import PAPER
+from stickslip.setup import LOOP, Datasheet
+from toolchain import write_whole
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "design", help="design the velocity loop from bandwidth and phase margin"
+    )
+    defaults = {
+        "--bandwidth": (LOOP.bandwidth, "HZ", "gain crossover"),
+        "--phase-margin": (LOOP.phase_margin, "DEG", "at the crossover"),
+        "--sample-period": (LOOP.T_s, "S", "of the controller"),
+        "--filter": (LOOP.tau_f, "S", "time constant of the velocity estimate's low-pass"),
+        "--current-lag": (Datasheet().tau_i, "S", "time constant of the current loop"),
+        "--mass": (PAPER["m"], "KG", "moving mass"),
+        "--viscous": (PAPER["b"], "N.S/M", "viscous friction"),
+    }
+    for option, (value, unit, text) in defaults.items():
+        parser.add_argument(
+            option, type=float, default=value, metavar=unit, help=f"{text} (default {value:g})"
+        )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write design.json there")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Design, print gains and margins, and write them with the nominal loop's matrices."""
+    loop = design_velocity_loop(
+        Axis(options.mass, options.viscous, options.current_lag),
+        LoopSpecification(
+            options.bandwidth, options.phase_margin, options.sample_period, options.filter
+        ),
+    )
+    figures = summary(loop)
+    for name, value in figures.items():
+        print(f"{name:20} {value:.6g}")
+    if options.out:
+        content = {**figures, "nominal_loop": nominal_parameters(loop)}
+        print(write_whole(options.out / "design.json", json.dumps(content, indent=2) + "\n"))
+
+
+def summary(loop: VelocityLoop) -> dict[str, float]:
+    """Return gains [N s/m, N/m] and what ``VelocityLoop.margins`` gives."""
+    return {"K_p": loop.K_p, "K_i": loop.K_i, **loop.margins()}

@@ -1,0 +1,56 @@
+"""``stickslip identify``: the three experiments of section 2.4 on the drive FMU."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.progress import TerminalProgress
+from stickslip.identification import identify
+from stickslip.loop import build_fmus
+from stickslip.parameters import UNITS
+from stickslip.reproduction import drive_truth
+from stickslip.results import claim_folder
+from stickslip.rig import Rig
+from stickslip.setup import LOOP, Datasheet
+from toolchain import write_whole
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser("identify", help="identify the drive FMU's parameters")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write identified.json there")
+    add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the experiments, print the estimates with standard errors, and write them."""
+    truth = drive_changes(options.set)
+    drive_truth(truth)
+    if options.out:
+        claim_folder(options.out)
+    with (
+        tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
+        TerminalProgress(sys.stderr) as progress,
+    ):
+        build_fmus(Path(fmus), truth)
+        rig = Rig(Path(fmus), Datasheet(), LOOP.T_s)
+        estimates = identify(rig, LOOP, progress.stage).estimates
+    for name, estimate in estimates.items():
+        print(f"{name:8} {estimate.value:12.6g} +- {estimate.standard_error:<10.2g} {UNITS[name]}")
+    if options.out:
+        content = {
+            name: {
+                "value": estimate.value,
+                "unit": UNITS[name],
+                "standard_error": estimate.standard_error,
+            }
+            for name, estimate in estimates.items()
+        }
+        print(write_whole(options.out / "identified.json", json.dumps(content, indent=2) + "\n"))

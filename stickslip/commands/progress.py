@@ -1,0 +1,52 @@
+"""Progress on a terminal: a line for each stage, a bar for the generations; quiet in a pipe."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self, TextIO
+
+from tqdm import tqdm
+
+import ga
+
+
+class TerminalProgress:
+    """The ``Progress`` of a reproduction; close it, or use ``with``."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._bar: tqdm[None] | None = None
+
+    def stage(self, name: str) -> None:
+        """Print the stage that begins."""
+        self._close_bar()
+        if self._stream.isatty():
+            print(f"{name} ...", file=self._stream, flush=True)
+
+    def generation(self, algorithm: ga.GeneticAlgorithm) -> None:
+        """Move the bar on."""
+        if self._bar is None:
+            self._bar = tqdm(
+                total=algorithm.settings.generations,
+                unit="generation",
+                disable=not self._stream.isatty(),
+                file=self._stream,
+            )
+        self._bar.update()
+        self._bar.set_postfix_str(f"best cost {algorithm.best.cost:.3g} m2/s2", refresh=False)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._close_bar()
+
+    def _close_bar(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None

@@ -1,0 +1,84 @@
+"""``stickslip reproduce``: the paper from beginning to end."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import ga
+from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.progress import TerminalProgress
+from stickslip.errors import UsageError
+from stickslip.loop import FEEDS
+from stickslip.reproduction import Options, drive_truth, reproduce
+from stickslip.results import claim_folder, write_results
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "reproduce", help="reproduce the paper: identify, learn, validate, report"
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/paper"), metavar="DIR")
+    parser.add_argument(
+        "--mode",
+        choices=["drive"],
+        default="drive",
+        help="drive: each candidate runs on the drive FMU, as in the paper",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
+    parser.add_argument("--workers", type=int, default=1, help="candidates run side by side")
+    parser.add_argument(
+        "--preset",
+        choices=sorted(ga.PRESETS),
+        default="default",
+        help="paper: linear genes and no refinement, as published",
+    )
+    parser.add_argument(
+        "--feed",
+        choices=FEEDS,
+        default="nominal",
+        help="what drives the compensator: the nominal loop's velocity, or the command",
+    )
+    add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Reproduce, write the results and print the main figures."""
+    if options.workers < 1 or options.seed < 0:
+        raise UsageError(
+            f"--workers must be at least 1 and --seed at least 0, "
+            f"got {options.workers} and {options.seed}"
+        )
+    chosen = Options(
+        truth=drive_changes(options.set),
+        seed=options.seed,
+        workers=options.workers,
+        preset=options.preset,
+        feed=options.feed,
+    )
+    drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
+    claim_folder(options.out)
+    with (
+        tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
+        TerminalProgress(sys.stderr) as progress,
+    ):
+        reproduction = reproduce(chosen, Path(fmus), progress)
+        progress.stage("writing the report")
+        write_results(reproduction, options.out)
+    _print(reproduction.validation.table().to_dict("records"), options.out)
+
+
+def _print(rows: list[dict[Any, Any]], folder: Path) -> None:
+    print("velocity  region   metric  without     with  reduction  (paper)")
+    for row in rows:
+        print(
+            f"{row['velocity']:9} {row['region']:8} {row['metric']:6}"
+            f" {row['without']:8.3f} {row['with']:8.3f}"
+            f" {100 * row['reduction']:8.1f} %  ({100 * row['paper_reduction']:.0f} %)"
+        )
+    print(f"velocity errors in mm/s; all results in {folder}, begin with report.html")

@@ -1,0 +1,93 @@
+"""``stickslip simulate``: run a system of FMUs, or one FMU."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cosim
+from stickslip.commands.assignments import add_set_option, parse_assignments
+from stickslip.default_input import packed_input
+from stickslip.errors import UsageError
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser("simulate", help="run a system of FMUs (.ssp) or one FMU")
+    parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
+    parser.add_argument("--stop", type=float, metavar="S", help="instead of the file's own")
+    parser.add_argument("--step", type=float, metavar="S", help="communication step, likewise")
+    add_set_option(parser, "start values: component.variable=VALUE")
+    parser.add_argument(
+        "--input",
+        type=Path,
+        metavar="FILE.csv",
+        help="a column time [s] and one per input, linear in between; a packed input otherwise",
+    )
+    parser.add_argument(
+        "--record",
+        nargs="+",
+        action="extend",
+        metavar="NAME",
+        help="names or patterns (drive.*); all outputs and inputs by default",
+    )
+    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="write every sample there")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run, write the samples if asked to, and print the range and end of each signal."""
+    system, experiment, inputs = _open(options.file)
+    if options.input:
+        inputs = cosim.Table.all_from_csv(options.input)
+    experiment = replace(
+        experiment,
+        stop=experiment.stop if options.stop is None else options.stop,
+        step=experiment.step if options.step is None else options.step,
+    )
+    if experiment.stop is None or experiment.step is None:
+        missing = "stop" if experiment.stop is None else "step"
+        raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
+    for name, value in parse_assignments(options.set).items():
+        system.set(_qualified(system, name), value)
+    record = options.record and [_qualified(system, name) for name in options.record]
+    with system.prepare(
+        start=experiment.start or 0.0, stop=experiment.stop, step=experiment.step, record=record
+    ) as simulation:
+        result = simulation.run(inputs=inputs)
+    if options.out:
+        result.to_csv(options.out)
+    print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
+    for name in result:
+        signal, unit = result[name], result.units[name] or ""
+        print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
+
+
+def _open(
+    path: Path,
+) -> tuple[cosim.System, cosim.DefaultExperiment, Mapping[str, cosim.Table]]:
+    """Return the system in a file, the times it proposes and the input packed with it."""
+    if path.suffix == ".ssp":
+        return *cosim.read_ssp(path), packed_input(path)
+    if path.suffix != ".fmu":
+        raise UsageError(f"{path}: expected a file .ssp or .fmu")
+    fmu = cosim.Fmu(path)
+    system = cosim.System(path.stem)
+    name = fmu.identifier
+    system.add(name, fmu)
+    for variable in fmu.variables.values():
+        if variable.causality == "input" and variable.is_signal:
+            system.expose(variable.name.replace(".", "_"), f"{name}.{variable.name}")
+    return system, fmu.experiment, {}
+
+
+def _qualified(system: cosim.System, name: str) -> str:
+    """Return component.variable, of a lone component also for the variable alone."""
+    components = list(system.components)
+    first = name.partition(".")[0]
+    if len(components) > 1 or first in components or name in system.inputs:
+        return name
+    return f"{components[0]}.{name}"
