@@ -18,14 +18,14 @@ from toolchain import write_whole
 MEMBER = "extra/stickslip/input.csv"
 
 
-def pack_input(package: Path, table: pd.DataFrame) -> Path:
+def pack_input(package: Path, table: pd.DataFrame) -> None:
     """Add a table with a column ``time`` [s] and one per exposed input to an .ssp file."""
     stream = io.BytesIO(package.read_bytes())
     with zipfile.ZipFile(stream, "a", zipfile.ZIP_DEFLATED) as archive:
         info = zipfile.ZipInfo(MEMBER, (1980, 1, 1, 0, 0, 0))
         info.compress_type = zipfile.ZIP_DEFLATED
         archive.writestr(info, table.to_csv(index=False, lineterminator="\n"))
-    return write_whole(package, stream.getvalue())
+    write_whole(package, stream.getvalue())
 
 
 def packed_input(package: Path) -> dict[str, Table]:

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import control
 import numpy as np
 
+from cosim.control import frequency
+
 
 class ControlError(ValueError):
     """No controller meets the specification; the message says what can be reached."""
@@ -22,11 +24,22 @@ class ControlError(ValueError):
 
 @dataclass(frozen=True)
 class Axis:
-    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s]."""
+    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s].
+
+    Raises
+    ------
+    ControlError
+        When m is not positive, tau_i negative, or a number not finite.
+    """
 
     m: float
     b: float
     tau_i: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check("m", self.m, "kg", self.m > 0.0, "above 0")
+        _check("b", self.b, "N s/m", True, "a number")
+        _check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
 
 
 @dataclass(frozen=True)
@@ -39,12 +52,26 @@ class LoopSpecification:
     phase_margin : at that crossover [deg]
     T_s : sample period [s]
     tau_f : time constant of the low-pass in the velocity estimate [s], 0 for none
+
+    Raises
+    ------
+    ControlError
+        When a number is out of its range.
     """
 
     bandwidth: float
     phase_margin: float
     T_s: float = 5e-4
     tau_f: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
+        _check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
+        inside = 0.0 < self.phase_margin < 180.0
+        _check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
+        inside = 0.0 < self.bandwidth < 0.5 / self.T_s
+        limits = f"between 0 and half the sample rate, {0.5 / self.T_s:g} Hz"
+        _check("bandwidth", self.bandwidth, "Hz", inside, limits)
 
 
 @dataclass(frozen=True)
@@ -72,20 +99,13 @@ class VelocityLoop:
 
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
-        gain, phase, _, _, crossover, _ = control.stability_margins(self.open_loop)
+        crossover, phase, gain = frequency.stability_margins(self.open_loop)
         return {
-            "crossover_Hz": float(crossover) / (2 * np.pi),
-            "phase_margin_deg": float(phase),
-            "gain_margin_dB": float(20 * np.log10(gain)),
-            "bandwidth_Hz": self._bandwidth(),
+            "crossover_Hz": crossover,
+            "phase_margin_deg": phase,
+            "gain_margin_dB": gain,
+            "bandwidth_Hz": frequency.bandwidth(self.nominal),
         }
-
-    def _bandwidth(self) -> float:
-        """Return where the closed loop falls below -3 dB [Hz], or NaN when it does not."""
-        f = np.linspace(0, 0.5 / self.T_s, 2001)[1:-1]
-        gain = abs(self.nominal(np.exp(2j * np.pi * f * self.T_s)))
-        below = np.flatnonzero(gain < np.sqrt(0.5))
-        return float(f[below[0]]) if len(below) else float("nan")
 
     def step_response(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
         """Return time [s] and velocity [m/s], both (n,), after a step of 1 m/s at t = 0."""
@@ -106,11 +126,6 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
         When that needs a negative gain, or leaves the closed loop unstable.
     """
     s = specification
-    if not 0.0 < s.bandwidth < 0.5 / s.T_s:
-        raise ControlError(
-            f"bandwidth is {s.bandwidth:g} Hz; expected between 0 and half the sample rate, "
-            f"{0.5 / s.T_s:g} Hz"
-        )
     z = np.exp(2j * np.pi * s.bandwidth * s.T_s)
     rest = complex((_estimator(s.T_s, s.tau_f) * _plant(axis, s.T_s)[1, 0])(z))
     wanted = -np.exp(1j * np.radians(s.phase_margin)) / rest
@@ -118,10 +133,14 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
     K_i = wanted.imag / integrator.imag
     K_p = wanted.real - K_i * integrator.real
     if K_i < 0.0 or K_p < 0.0:
-        best = 180.0 + np.degrees(np.angle(rest))
+        most = np.degrees(np.angle(-rest))  # with P alone
+        least = most + np.degrees(np.angle(integrator))  # with I alone
+        change = "raise the bandwidth or the margin"
+        if K_i < 0.0:
+            change = "lower the bandwidth, T_s, tau_f or the margin"
         raise ControlError(
-            f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a P "
-            f"controller has {best:.1f} deg there; lower the bandwidth, T_s, tau_f or the margin"
+            f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
+            f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
         )
     return close_velocity_loop(axis, s.T_s, s.tau_f, float(K_p), float(K_i))
 
@@ -185,3 +204,8 @@ def _estimator(T_s: float, tau_f: float) -> control.StateSpace:
         return control.ss([], [], [], 1 / T_s, T_s, **names)
     keep = np.exp(-T_s / tau_f)
     return control.ss(keep, (1 - keep) / T_s, keep, (1 - keep) / T_s, T_s, **names)
+
+
+def _check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:
+    if not (holds and np.isfinite(value)):
+        raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")

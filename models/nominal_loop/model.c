@@ -24,7 +24,10 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
             w->x[i] = next[i];
         w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
     }
-    return w->v_held - w->v_held == 0.0; /* finite */
+    double all = w->v_held;
+    for (int i = 0; i < ORDER; i++)
+        all += w->x[i];
+    return all - all == 0.0; /* finite */
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,

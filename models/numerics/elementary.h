@@ -80,14 +80,14 @@ static inline double elementary_log(double x) {
     return 2.0 * (s + s * sum) + e * 0.6931471805599453;
 }
 
-/* sin(x) for |x| < 1e5: Taylor to x^17 on -pi/2 .. pi/2. */
+/* sin(x) for |x| < 1e5: Taylor to x^21 on -pi/2 .. pi/2. */
 static inline double elementary_sin(double x) {
     const double n = nearest(x * 0.3183098861837907);
     const double r =
         ((x - n * 3.1415926218032837) - n * 3.1786509424591713e-08) - n * 1.2246467991473532e-16;
     const double r2 = r * r;
     double sum = 0.0;
-    for (int k = 8; k >= 1; k--)
+    for (int k = 10; k >= 1; k--)
         sum = (1.0 + sum) * (-r2 / (2 * k * (2 * k + 1)));
     const double value = r + r * sum;
     return ((int64_t)n & 1) != 0 ? -value : value;

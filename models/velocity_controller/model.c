@@ -33,7 +33,8 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
         sample(w, u, p);
-    return w->u_held - w->u_held == 0.0; /* finite */
+    const double all = w->u_held + w->v_filtered + w->I;
+    return all - all == 0.0; /* finite */
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,

@@ -12,6 +12,7 @@ import cosim
 from stickslip.commands.assignments import add_set_option, parse_assignments
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
+from stickslip.results import claim_folder
 
 
 def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
@@ -40,6 +41,8 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run, write the samples if asked to, and print the range and end of each signal."""
+    if options.out:
+        claim_folder(options.out.parent)
     system, experiment, inputs = _open(options.file)
     if options.input:
         inputs = cosim.Table.all_from_csv(options.input)

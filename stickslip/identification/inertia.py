@@ -14,8 +14,8 @@ from stickslip.rig import Rig
 FREQUENCY = 5.0  # of the force [Hz]
 CYCLES = 10
 SHARE = 0.3  # of the peak force
-CUTOFF = 40.0  # low-pass on all signals alike [Hz]
-FAST = 0.3  # of the top speed: below it bristles turn around, and sign(v) is not friction
+CUTOFF = 100.0  # low-pass on all signals alike [Hz]
+FAST = 0.5  # of the top speed: below it bristles turn around, and sign(v) is not friction
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,7 @@ def measure_inertia(rig: Rig) -> Inertia:
     m, b, F_c = (Estimate(float(values[i]), float(errors[i])) for i in range(3))
     if m.value <= 0.0:
         raise IdentificationError(
-            f"inertia: the fit gives {m.value:.3g} kg; force and acceleration do not match"
+            f"inertia: the fit gives {m.value:.3g} kg; a force of {amplitude:.3g} N does not "
+            "make the stage slide, friction holds it"
         )
     return Inertia(m, b, F_c, a[used], force[used] - regressors[:, 1:] @ values[1:])

@@ -1,0 +1,13 @@
+"""Speed, as ratios inside one run: ``python -m benchmarks``. Absolute times depend on the machine."""
+
+import tempfile
+from pathlib import Path
+
+from benchmarks import candidate, workers
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        for benchmark in (candidate, workers):
+            print(f"\n{benchmark.__doc__.strip()}")
+            for name, ratio in benchmark.measure(Path(folder)).items():
+                print(f"  {name:44} {ratio:8.2f}")

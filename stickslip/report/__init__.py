@@ -1,0 +1,63 @@
+"""The report: figures good enough for a paper, and one page that explains them.
+
+    report.write_report(reproduction, Path("results/paper"))
+
+A file a figure; sizes, colours and fonts are in ``style.py``, the page in ``page.py``, its
+sections in ``section_*.py``. Everything is computed from the reproduction, and the same one gives
+the same bytes.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stickslip.report import (
+    fig2,
+    fig5,
+    fig6,
+    identification_friction,
+    identification_inertia,
+    identification_presliding,
+)
+from stickslip.report.page import page
+from stickslip.report.picture import Drawing, Picture
+from stickslip.reproduction import Reproduction
+from toolchain import write_whole
+
+__all__ = ["FIGURES", "write_report"]
+
+FIGURES: dict[str, Drawing] = {
+    "fig2_loops": fig2.draw,
+    "fig5_fitness": fig5.draw,
+    "fig6_tracking": fig6.draw,
+    "identification_inertia": identification_inertia.draw,
+    "identification_friction": identification_friction.draw,
+    "identification_presliding": identification_presliding.draw,
+}
+"""The figures by the name of their files."""
+
+
+def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:
+    """Write every figure as PNG and SVG, and report.html, which holds the figures itself.
+
+    Parameters
+    ----------
+    reproduction : what is reported
+    folder : is made if it is absent; files of the same names are replaced, each as a whole
+
+    Returns
+    -------
+    the files written, the page last
+
+    Raises
+    ------
+    OSError
+        When the folder cannot be written.
+    """
+    pictures = {name: Picture.of(draw, reproduction) for name, draw in FIGURES.items()}
+    written = []
+    for name, picture in pictures.items():
+        written.append(write_whole(folder / f"{name}.png", picture.png))
+        written.append(write_whole(folder / f"{name}.svg", picture.svg))
+    written.append(write_whole(folder / "report.html", page(reproduction, pictures)))
+    return written

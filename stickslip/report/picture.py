@@ -1,0 +1,51 @@
+"""A drawn figure as the bytes of its files."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from stickslip.report.style import RESOLUTION, house_style
+from stickslip.reproduction import Reproduction
+
+Drawing = Callable[[Reproduction], Figure]
+
+MILLIMETRES = 25.4
+"""In an inch, matplotlib's unit."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One figure.
+
+    Attributes
+    ----------
+    png, svg : contents of the files, without dates and so the same each time
+    width : [mm]
+    """
+
+    png: bytes
+    svg: bytes
+    width: float
+
+    @classmethod
+    def of(cls, draw: Drawing, reproduction: Reproduction) -> Picture:
+        """Draw a figure in the house style."""
+        with house_style():
+            figure = draw(reproduction)
+            png, svg = io.BytesIO(), io.BytesIO()
+            figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})
+            figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
+        width = float(figure.get_figwidth()) * MILLIMETRES
+        return cls(png.getvalue(), svg.getvalue(), width)
+
+    def embedded(self) -> str:
+        """Return the picture as a data URI, which needs no file beside the page.
+
+        As an image of its own its ids and styles do not meet those of the page.
+        """
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")

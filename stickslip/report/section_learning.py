@@ -1,0 +1,156 @@
+"""The learning: Fig. 5, the settings beside Table 3, and Table 2 with what was learned."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import ga
+from stickslip.parameters import LUGRE, PAPER, UNITS
+from stickslip.report.markup import Html, element, join, paragraph, symbol, table
+from stickslip.report.picture import Picture
+from stickslip.report.quantity import number, percent
+from stickslip.report.shown import (
+    figure,
+    parameter,
+    parameter_estimate,
+    parameter_unit,
+    parameter_value,
+)
+from stickslip.reproduction import Reproduction
+
+PAPER_TABLE3 = {
+    "population": "10",
+    "generations": "100",
+    "elite_rate": "0.2",
+    "mutation_rate": "0.15",
+    "crossover_rate": "adaptive (7)",
+    "resolution": "0.0001",
+}
+"""Table 3; its “number of gene 10” is not explained and has no counterpart."""
+
+
+def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
+    """Return the section on learning."""
+    return element(
+        "section",
+        element("h2", "Learning"),
+        _course(reproduction),
+        figure(
+            pictures["fig5_fitness"],
+            "Best and mean cost over the generations, logarithmic",
+            join(
+                [
+                    "Fig. 5. Cost (6) over the generations: the sum of (",
+                    symbol("v"),
+                    " − ",
+                    symbol("v", "r"),
+                    ")² over the samples of one training run, velocities in m/s, as the encoder "
+                    "shows them and low-passed. The paper ends at 1.7 × 10⁻³ after 100 "
+                    "generations, but gives neither unit nor number of samples, so that figure is "
+                    "not drawn.",
+                ]
+            ),
+        ),
+        _settings(reproduction),
+        _table2(reproduction),
+        _remarks(reproduction),
+    )
+
+
+def _course(reproduction: Reproduction) -> Html:
+    algorithm, learned = reproduction.algorithm, reproduction.learned
+    identified = float(algorithm.history["cost"].iloc[0])
+    said = (
+        f"The identified parameters cost {number(identified, 3)} m²/s² in a training run, the best "
+        f"of {number(algorithm.evaluations, 6)} candidates {number(algorithm.best.cost, 3)} m²/s². "
+    )
+    if not reproduction.options.refined:
+        said += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
+    elif learned.accepted:
+        said += (
+            "A least-squares fit then weighed the training run against identification; its result "
+            f"costs {number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of "
+            "the drive). The best of many candidates owes part of its low cost to luck, so the "
+            "typical run of the refined parameters may cost a little more."
+        )
+    else:
+        said += (
+            "A least-squares fit was tried and cost more on the drive, so the winner stands, at "
+            f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)."
+        )
+    return paragraph(said)
+
+
+def _settings(reproduction: Reproduction) -> Html:
+    settings = reproduction.algorithm.settings
+    names = {
+        "population": "population",
+        "generations": "generations",
+        "elite_rate": "elite rate",
+        "mutation_rate": "mutation rate",
+        "crossover_rate": "crossover rate",
+        "resolution": "resolution",
+    }
+    rows = [(said, _setting(settings, name), PAPER_TABLE3[name]) for name, said in names.items()]
+    rows += [
+        ("crossover", settings.crossover, "not stated"),
+        ("mutation", settings.mutation, "not stated"),
+        ("survival", settings.survival, "elitist"),
+        ("encoding of the genes", settings.encoding, "real numbers"),
+        ("seed", str(reproduction.options.seed), "–"),
+    ]
+    caption = f"Settings, preset “{reproduction.options.preset}”, beside Table 3"
+    return table(("", "This run", "Paper"), rows, caption)
+
+
+def _setting(settings: ga.Settings, name: str) -> str:
+    if name == "crossover_rate" and settings.crossover == "arithmetic":
+        return f"adaptive (7), k₁ = {settings.k1:g}, k₂ = {settings.k2:g}"
+    value = getattr(settings, name)
+    return "continuous" if value is None else f"{value:g}"
+
+
+def _table2(reproduction: Reproduction) -> Html:
+    identified, learned = reproduction.identification.estimates, reproduction.learned.estimates
+    rows = []
+    for name in UNITS:
+        estimate, truth = learned.get(name), reproduction.truth[name]
+        rows.append(
+            (
+                parameter(name),
+                parameter_value(name, PAPER[name]),
+                parameter_value(name, truth),
+                parameter_estimate(name, identified[name]),
+                parameter_estimate(name, estimate) if estimate else "–",
+                _error(identified[name].value, truth),
+                _error(estimate.value, truth) if estimate else "–",
+                parameter_unit(name),
+            )
+        )
+    head = (
+        "", "Paper", "Drive", "Identified", "Learned",
+        "Identified, off by", "Learned, off by", "Unit",
+    )  # fmt: skip
+    return table(head, rows, "Table 2. Parameters (value ± standard error)", (0, 7))
+
+
+def _error(value: float, truth: float) -> str:
+    return percent(value / truth - 1.0, 2) if truth else "–"
+
+
+def _remarks(reproduction: Reproduction) -> Html:
+    remarks = reproduction.table2().set_index("parameter")["remark"]
+    items = [
+        element(
+            "li", parameter(name), ": ", str(remarks[name]).replace("+-", "±").replace("'", "’")
+        )
+        for name in LUGRE
+    ]
+    return join(
+        [
+            element("ul", join(items, "\n")),
+            paragraph(
+                parameter("m"), " and ", parameter("b"), " are identified only, not learned."
+            ),
+        ]
+    )

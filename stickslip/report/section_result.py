@@ -1,0 +1,118 @@
+"""The page's head: what was done and what came out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import models
+from stickslip.report.markup import Html, element, join, paragraph, symbol
+from stickslip.report.picture import Picture
+from stickslip.report.quantity import number, percent, unit
+from stickslip.report.shown import parameter, parameter_estimate, parameter_unit, parameter_value
+from stickslip.reproduction import Reproduction
+
+METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}
+EFFECTS = {
+    "current_loop": "lag of the current loop",
+    "dac": "steps of the force command",
+    "encoder": "steps of the encoder",
+    "asymmetric": "asymmetric friction",
+    "position_dependent": "position-dependent friction",
+    "ripple": "force ripple",
+    "noise": "measurement noise",
+}
+FEEDS = {"nominal": "the nominal loop’s velocity", "command": "the velocity command"}
+
+
+def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
+    """Return the paragraph of what was done, and the verdict."""
+    options = reproduction.options
+    algorithm = reproduction.algorithm
+    done = paragraph(
+        "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
+        "Learning Algorithm”. A drive, built as an FMU, was identified by three experiments; a "
+        "velocity loop was designed on what they found; a genetic algorithm then tried "
+        f"{number(algorithm.evaluations, 6)} friction compensators on the drive "
+        f"(preset “{options.preset}”, seed {options.seed}, compensator fed with "
+        f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning saw the "
+        "drive’s commands and measurements only; its true parameters and its true velocity serve "
+        "to judge the result.",
+    )
+    return join([done, _drive(reproduction), _verdict(reproduction)], "\n")
+
+
+def _refined(reproduction: Reproduction) -> str:
+    if not reproduction.options.refined:
+        return ""
+    if reproduction.learned.accepted:
+        return ", and a least-squares fit refined the winner"
+    return "; a least-squares fit of the winner did not do better and was not taken"
+
+
+def _drive(reproduction: Reproduction) -> Html:
+    model = models.load_model("drive")
+    variables = {v.name: v for v in model.variables if v.role == "parameter"}
+    changes = [
+        f"{name} = {number(float(value), 6)} {unit(variables[name].unit or '1')}".strip()
+        + f" (instead of {number(float(variables[name].start), 6)})"
+        for name, value in reproduction.options.truth.items()
+    ]
+    said = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
+    switches = {name: v for name, v in variables.items() if v.type == "boolean"}
+    states = {
+        state: ", ".join(
+            EFFECTS.get(name, name) for name in switches if bool(reproduction.truth[name]) == state
+        )
+        for state in (True, False)
+    }
+    return paragraph(
+        f"Drive parameters: {said}. Effects switched on: {states[True] or 'none'}; "
+        f"off: {states[False] or 'none'}.",
+    )
+
+
+def _verdict(reproduction: Reproduction) -> Html:
+    table = reproduction.validation.table()
+    shown = {
+        (row["velocity"], row["region"], row["metric"]): row for row in table.to_dict("records")
+    }
+    keys = [key[1:] for key in shown if key[0] == "measured"]
+    tiles, above = [], 0
+    for region, metric in keys:
+        measured, true = (shown[velocity, region, metric] for velocity in ("measured", "true"))
+        above += measured["reduction"] > measured["paper_reduction"]
+        tiles.append(
+            element(
+                "div",
+                element("span", f"Motion {region}, ", METRICS[metric], class_="name"),
+                element("span", percent(measured["reduction"]), class_="value"),
+                element("span", f"true velocity {percent(true['reduction'])}", class_="beside"),
+                element(
+                    "span", f"paper {percent(measured['paper_reduction'], 0)}", class_="beside"
+                ),
+                class_="tile",
+            )
+        )
+    if above == len(keys):
+        said = "by more than in the paper, in every measure"
+    else:
+        said = f"by more than in the paper in {above} of {len(keys)} measures"
+    return element(
+        "div",
+        paragraph(f"Compensation reduces the tracking error, as the encoder shows it, {said}."),
+        element("div", join(tiles, "\n"), class_="tiles"),
+        _coulomb(reproduction),
+        class_="verdict",
+    )
+
+
+def _coulomb(reproduction: Reproduction) -> Html:
+    learned, truth = reproduction.learned.estimates["F_c"], reproduction.truth["F_c"]
+    unit_ = parameter_unit("F_c")
+    return paragraph(
+        "Coulomb friction ",
+        parameter("F_c"),
+        f": learned {parameter_estimate('F_c', learned)} {unit_}, the drive’s is "
+        f"{parameter_value('F_c', truth)} {unit_}, off by "
+        f"{percent(abs(learned.value / truth - 1.0), 2)}.",
+    )

@@ -1,0 +1,54 @@
+"""What to do with the results, and with what they were made."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+
+from stickslip.report.markup import Html, element, join, paragraph, table
+from stickslip.report.picture import Picture
+from stickslip.reproduction import Reproduction
+
+PACKAGES = ("stickslip", "numpy", "scipy", "control", "pandas", "fmpy", "ziglang", "matplotlib")
+
+
+def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
+    """Return the last section."""
+    F_c = reproduction.learned.values["F_c"]
+    files = {
+        "compensator.fmu": "the tuned compensator alone, for any tool that imports FMUs",
+        "loop.ssp": "the whole loop of Fig. 2(a) with it, for any tool that opens SSP",
+        "learned.json": "the learned parameters with units, cost, seed and versions",
+        "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
+    }
+    items = [element("li", element("code", name), ": ", what) for name, what in files.items()]
+    commands = "\n".join(
+        (
+            "stickslip simulate loop.ssp",
+            f"stickslip simulate loop.ssp --set compensator.F_c={1.1 * F_c:.4g} --out run.csv",
+            "stickslip check compensator.fmu",
+        )
+    )
+    versions = [(name, _version(name)) for name in PACKAGES]
+    return element(
+        "section",
+        element("h2", "Using the results"),
+        paragraph("Beside this page lie:"),
+        element("ul", join(items, "\n")),
+        paragraph("Run the loop, run it with another parameter, and check the FMU:"),
+        element("pre", element("code", commands)),
+        table(
+            ("Package", "Version"),
+            [("Python", platform.python_version()), *versions],
+            "Made with",
+            (0, 1),
+        ),
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

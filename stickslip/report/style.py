@@ -1,0 +1,95 @@
+"""How figures look: sizes, colours and fonts for a printed column.
+
+Colours differ in lightness as well as in hue (orange against blue), so they survive greyscale and
+the common kinds of colour-blindness. Fonts ship with matplotlib: figures look the same everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+COLUMN = 89.0
+"""Width of one column [mm]."""
+PAGE = 183.0
+"""Width of two columns [mm]."""
+RESOLUTION = 300
+"""Of PNG files [dots per inch]."""
+
+INK = "#1a1a1a"
+GREY = "#6f6f6f"
+FAINT = "#d9d9d9"
+SHADE = "#f0efe6"
+WITHOUT = "#e07b00"
+WITH = "#004f86"
+PALE = "#eaf1f7"
+
+THICK, LINE, THIN = 1.5, 1.0, 0.5
+"""Line widths [pt]."""
+SMALL = 7.5
+"""Small print [pt]."""
+
+_STYLE: Any = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "text.color": INK,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "lines.linewidth": LINE,
+    "lines.markersize": 4.0,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.4,
+    "axes.axisbelow": True,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "stickslip",
+    "svg.fonttype": "path",
+}
+_LOCK = Lock()
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw and save in the house style; matplotlib's own settings are back afterwards.
+
+    They are global, so only one thread at a time draws.
+    """
+    with _LOCK, mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)
+        yield
+
+
+def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
+    """Return an empty figure of a size in mm; ``free`` leaves the placing of axes to the caller."""
+    size = (width / 25.4, height / 25.4)
+    return Figure(figsize=size, layout=None if free else "constrained")
+
+
+def name_panel(axes: Axes, letter: str, said: str) -> None:
+    """Put (a), (b) and what is shown above a panel."""
+    axes.set_title(f"({letter}) {said}")

@@ -1,0 +1,190 @@
+"""Every model as FMI 2.0 and FMI 3.0, driven through FMPy: what another tool sees."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import fmi2, fmi3
+from fmpy.logging import addLoggerProxy
+
+import models
+
+STEP = 5e-4  # s
+
+
+class Fmu:
+    """A built model: ``model`` as model.toml tells it, ``description`` as FMPy reads it."""
+
+    def __init__(self, path: Path, version: int) -> None:
+        self.path, self.version = path, version
+        self.model = models.load_model(path.stem)
+        self.folder = path.with_suffix("")
+        if not self.folder.exists():
+            with zipfile.ZipFile(path) as archive:
+                archive.extractall(self.folder)
+        self.description = fmpy.read_model_description(self.folder)
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def names(self, *roles: str) -> list[str]:
+        """Return the variables with these roles in model.toml; outputs by their causality."""
+        return [
+            v.name
+            for v in self.model.variables
+            if v.role in roles or ("output" in roles and v.is_output)
+        ]
+
+    def settings(self) -> dict[str, float]:
+        """Return parameters that turn everything on that a model has."""
+        values = {"boolean": 1.0, "integer": 3.0}
+        return {
+            v.name: values[v.type]
+            for v in self.model.variables
+            if v.role == "parameter" and v.type in values
+        }
+
+    def inputs(self, n: int) -> dict[str, float]:
+        """Return inputs for step n that move everything, a different way each."""
+        return {
+            v.name: (v.nominal or 1.0) * (math.sin(0.05 * (k + 1) * n + k) + 0.3 * (n % 3))
+            for k, v in enumerate(self.model.variables)
+            if v.role == "input"
+        }
+
+
+class Slave:
+    """One instance with the same face for FMI 2.0 and FMI 3.0.
+
+    Calls raise FMPy's FMICallException where the FMU does not answer OK; ``messages`` are what
+    it logged, as (status, category, text). FMPy has one logger for all FMUs of FMI 2.0, so theirs
+    go to the instance made last.
+    """
+
+    def __init__(
+        self,
+        fmu: Fmu,
+        guid: str | None = None,
+        logging: bool = False,
+        messages: list[tuple[int, str, str]] | None = None,
+    ) -> None:
+        self.fmu = fmu
+        self.messages = [] if messages is None else messages
+        description = fmu.description
+        arguments = {
+            "guid": guid or description.guid or description.instantiationToken,
+            "modelIdentifier": description.coSimulation.modelIdentifier,
+            "unzipDirectory": str(fmu.folder),
+            "instanceName": "slave",
+        }
+        if fmu.version == 2:
+            self.api: Any = fmi2.FMU2Slave(**arguments)
+            callbacks = fmi2.fmi2CallbackFunctions()
+            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log2)
+            addLoggerProxy(ctypes.byref(callbacks))
+            self.api.instantiate(callbacks=callbacks, loggingOn=logging)
+        else:
+            self.api = fmi3.FMU3Slave(**arguments)
+            self.api.instantiate(logMessage=self._log3, loggingOn=logging)
+
+    def _log2(self, _: object, __: bytes, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((status, category.decode(), text.decode()))
+
+    def _log3(self, _: object, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((status, category.decode(), text.decode()))
+
+    def initialize(self, settings: Mapping[str, float] | None = None, start: float = 0.0) -> Slave:
+        self.set(settings or {})
+        if self.fmu.version == 2:
+            self.api.setupExperiment(startTime=start)
+            self.api.enterInitializationMode()
+        else:
+            self.api.enterInitializationMode(startTime=start)
+        self.api.exitInitializationMode()
+        return self
+
+    def set(self, values: Mapping[str, float]) -> None:
+        for name, value in values.items():
+            variable = self.fmu.variables[name]
+            convert = float if variable.type in ("Real", "Float64") else int
+            setter = getattr(self.api, f"set{variable.type}")
+            setter([variable.valueReference], [convert(value)])
+
+    def get(self, names: Sequence[str]) -> list[float]:
+        """Return values, fetched type by type."""
+        found = {}
+        for kind in {self.fmu.variables[name].type for name in names}:
+            members = [name for name in names if self.fmu.variables[name].type == kind]
+            references = [self.fmu.variables[name].valueReference for name in members]
+            values = getattr(self.api, f"get{kind}")(references)
+            found |= dict(zip(members, values, strict=True))
+        return [found[name] for name in names]
+
+    def everything(self) -> list[float]:
+        return self.get(list(self.fmu.variables))
+
+    def run(self, first: int, last: int, h: float = STEP) -> np.ndarray:
+        """Step n = first .. last - 1 with the inputs of n; return everything after each step."""
+        rows = []
+        for n in range(first, last):
+            self.set(self.fmu.inputs(n))
+            self.api.doStep(n * h, (n + 1) * h - n * h)
+            rows.append(self.everything())
+        return np.array(rows, dtype=float)
+
+
+def same_bits(a: object, b: object) -> bool:
+    return np.asarray(a, dtype=float).tobytes() == np.asarray(b, dtype=float).tobytes()
+
+
+@pytest.fixture(scope="session")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]:
+    """Build a model once: ``build("stage", 3)``."""
+    folder = tmp_path_factory.mktemp("built")
+    built: dict[tuple[str, int], Fmu] = {}
+
+    def build(name: str, version: int) -> Fmu:
+        if (name, version) not in built:
+            path = models.build_fmu(name, folder / f"fmi{version}", fmi=version)
+            built[name, version] = Fmu(path, version)
+        return built[name, version]
+
+    return build
+
+
+@pytest.fixture(params=models.model_names())
+def name(request: pytest.FixtureRequest) -> str:
+    """Name each folder in models/ in turn."""
+    return request.param
+
+
+@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
+def fmu(request: pytest.FixtureRequest, name: str, build: Callable[[str, int], Fmu]) -> Fmu:
+    """Give every model in both versions of the standard."""
+    return build(name, request.param)
+
+
+@pytest.fixture
+def slave() -> Iterator[Callable[..., Slave]]:
+    """Instantiate: ``slave(fmu)``; freed after the test."""
+    made: list[Slave] = []
+
+    def slave(fmu: Fmu, **options: Any) -> Slave:
+        made.append(Slave(fmu, **options))
+        return made[-1]
+
+    yield slave
+    for each in made:
+        each.api.freeInstance()
+
+
+@pytest.fixture
+def identical() -> Callable[[object, object], bool]:
+    """Compare two arrays by their bits."""
+    return same_bits

@@ -1,0 +1,129 @@
+"""What an FMU says of itself is true."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+import models
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmu):
+    assert validate_fmu(str(fmu.path)) == []
+
+
+def test_every_variable_can_be_read_at_any_time(fmu, slave):
+    instance = slave(fmu)
+    assert len(instance.everything()) == len(fmu.model.variables)
+    instance.initialize()
+    assert len(instance.everything()) == len(fmu.model.variables)
+
+
+def test_start_values_of_description_and_binary_agree(fmu, slave):
+    instance = slave(fmu)
+    declared = {v.name: v.start for v in fmu.variables.values() if v.start is not None}
+    values = dict(zip(declared, instance.get(list(declared)), strict=True))
+    assert set(declared) == set(fmu.names("input", "state", "parameter"))
+    for name, text in declared.items():
+        assert values[name] == float({"true": "1", "false": "0"}.get(text, text))
+
+
+def test_description_and_model_toml_list_the_same_variables(fmu):
+    for place, variable in enumerate(fmu.model.variables):
+        described = fmu.variables[variable.name]
+        assert described.valueReference == place
+        assert described.unit == variable.unit
+        assert described.description
+        bounds = (described.min, described.max)
+        assert [None if b is None else float(b) for b in bounds] == [
+            variable.minimum,
+            variable.maximum,
+        ]
+
+
+def test_units_are_those_of_model_toml(fmu):
+    defined = {unit.name for unit in fmu.description.unitDefinitions}
+    assert defined == {v.unit for v in fmu.model.variables if v.unit}
+
+
+def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):
+    variables = models.load_model(name).variables
+    first = next(v for v in variables if v.role == "parameter" and v.start)
+    path = models.build_fmu(name, tmp_path, start={first.name: 2 * first.start})
+    description = fmpy.read_model_description(str(path))
+    start = {v.name: v.start for v in description.modelVariables}
+    assert float(start[first.name]) == 2 * first.start
+    assert description.guid != build(name, 2).description.guid
+
+
+def test_outputs_without_declared_dependence_do_not_feel_an_input_before_a_step(fmu, slave):
+    instance = slave(fmu).initialize(fmu.settings())
+    instance.run(0, 40)
+    outputs = fmu.names("output")
+    depends = {
+        unknown.variable.name: {v.name for v in unknown.dependencies}
+        for unknown in fmu.description.outputs
+    }
+    assert set(depends) == set(outputs)
+    for name, value in fmu.inputs(40).items():
+        before = dict(zip(outputs, instance.get(outputs), strict=True))
+        instance.set({name: 3.0 * value + 1.0})
+        after = dict(zip(outputs, instance.get(outputs), strict=True))
+        changed = {output for output in outputs if before[output] != after[output]}
+        assert changed <= {output for output in outputs if name in depends[output]}
+
+
+def test_declared_dependences_exist(fmu, slave):
+    """A declared dependence shows at once or, in a sampled model, in the next step."""
+    absent = {
+        v.name: v.nominal or 1.0
+        for v in fmu.model.variables
+        if v.role == "parameter" and v.type == "real" and v.start == 0.0 and v.maximum
+    }
+    for unknown in fmu.description.outputs:
+        output = unknown.variable.name
+        for variable in unknown.dependencies:
+            results = []
+            for change in (0.0, 0.1):
+                instance = slave(fmu).initialize(absent)
+                nominal = float(variable.nominal or 1.0)
+                instance.set({variable.name: change * nominal})
+                instance.api.doStep(0.0, 5e-4)
+                results.append(instance.get([output])[0])
+            assert results[0] != results[1], f"{output} does not depend on {variable.name}"
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="nm, which lists symbols, is missing")
+def test_a_binary_exports_functions_of_its_standard_only(fmu):
+    binary = next((fmu.folder / "binaries").glob("*/*"))
+    listing = subprocess.run(
+        ["nm", "-D", "--defined-only", "--format=posix", str(binary)],  # noqa: S607
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    exported = {line.split()[0].split("@")[0] for line in listing.stdout.splitlines()}
+    header = Path(fmpy.__file__).parent / "c-code" / f"fmi{fmu.version}Functions.h"
+    standard = set(
+        re.findall(rf"fmi{fmu.version}\w+TYPE\s+(fmi{fmu.version}\w+);", header.read_text())
+    )
+    assert len(standard) > 40
+    assert exported <= standard
+    assert f"fmi{fmu.version}DoStep" in exported
+
+
+def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
+    tmp_path_factory, monkeypatch, build
+):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
+    folder = tmp_path_factory.mktemp("elsewhere")
+    for name in models.model_names():
+        for version in (2, 3):
+            again = models.build_fmu(name, folder, fmi=version)
+            assert again.read_bytes() == build(name, version).path.read_bytes()

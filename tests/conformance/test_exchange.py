@@ -1,0 +1,128 @@
+"""Other tools and an independent calculation get the same results."""
+
+from __future__ import annotations
+
+import math
+
+import fmpy
+import libcosimpy.CosimExecution
+import libcosimpy.CosimManipulator
+import libcosimpy.CosimObserver
+import libcosimpy.CosimSlave
+import numpy as np
+import pytest
+
+import cosim
+import models
+
+STEP = 5e-4  # s
+
+# Largest distance to reference.csv, in the column's unit. The stage's step is accurate to a part
+# in 1e6 of the motion; what is calculated in closed form differs in the last bits only; one step
+# of the encoder or of 1e-5 N where an accurate reference lies at the edge of a step.
+TOLERANCE = {
+    "stage": {"x": 2e-9, "v": 1e-7, "F_f": 2e-4},
+    "drive": {"x_enc": 4e-7, "F_m": 1e-9, "F_f": 2e-3, "x": 2e-9, "v": 5e-7},
+    "compensator": {"F_f": 1e-11, "F_mean": 1e-11},
+    "velocity_controller": {"u": 1e-10, "v_est": 1e-14},
+    "nominal_loop": {"v_r": 1e-13},
+}
+
+
+def _alone(fmu, time):
+    """Return a system of this FMU with its inputs exposed, and their values over time."""
+    system = cosim.System(fmu.model.name)
+    settings = {
+        name: bool(value) if fmu.variables[name].type == "Boolean" else int(value)
+        for name, value in fmu.settings().items()
+    }
+    system.add("fmu", fmu.path, settings)
+    inputs = {}
+    for k, name in enumerate(fmu.names("input")):
+        system.expose(name, f"fmu.{name}")
+        nominal = float(fmu.variables[name].nominal or 1.0)
+        inputs[name] = nominal * np.sin(9.0 * (k + 1) * time + k)
+    return system, settings, inputs
+
+
+@pytest.mark.parametrize("step", [STEP, 3e-4])
+def test_fmpy_and_our_kernel_give_the_same_bits(fmu, step):
+    stop = 600 * step
+    time = np.arange(601) * step
+    system, settings, inputs = _alone(fmu, time)
+    with system.prepare(step=step, stop=stop) as simulation:
+        ours = simulation.run(inputs=inputs)
+    kinds = [("time", "f8"), *((name, "f8") for name in inputs)]
+    outputs = fmu.names("output")
+    theirs = fmpy.simulate_fmu(
+        str(fmu.path),
+        stop_time=stop,
+        output_interval=step,
+        step_size=step,
+        start_values=settings,
+        input=np.array(list(zip(time, *inputs.values(), strict=True)), dtype=kinds),
+        output=outputs,
+    )
+    np.testing.assert_array_equal(ours.time, theirs["time"])
+    for name in outputs:
+        assert len(np.unique(theirs[name])) > 10
+        np.testing.assert_array_equal(ours[f"fmu.{name}"], theirs[name], err_msg=name)
+
+
+def test_libcosim_runs_the_fmi_2_one(name, build):
+    """Its clock counts nanoseconds and 0.5 ms is a whole number of them, so little is left."""
+    fmu = build(name, 2)
+    steps = 100
+    system, _, _ = _alone(fmu, np.zeros(1))
+    system.parameters.clear()
+    values = {n: 0.7 * float(fmu.variables[n].nominal or 1.0) for n in fmu.names("input")}
+    with system.prepare(step=STEP, stop=steps * STEP) as simulation:
+        ours = simulation.run(inputs=values)
+
+    execution = libcosimpy.CosimExecution.CosimExecution.from_step_size(int(STEP * 1e9))
+    local = libcosimpy.CosimSlave.CosimLocalSlave(fmu_path=str(fmu.path), instance_name="fmu")
+    slave = execution.add_local_slave(local_slave=local)
+    observer = libcosimpy.CosimObserver.CosimObserver.create_last_value()
+    assert execution.add_observer(observer=observer)
+    for n, value in values.items():
+        reference = fmu.variables[n].valueReference
+        assert execution.real_initial_value(slave, reference, value)
+    assert execution.step(step_count=steps)
+    outputs = fmu.names("output")
+    references = [fmu.variables[n].valueReference for n in outputs]
+    theirs = observer.last_real_values(slave_index=slave, variable_references=references)
+    assert any(theirs)
+    for n, value in zip(outputs, theirs, strict=True):
+        expected = ours[f"fmu.{n}"][-1]
+        assert math.isclose(value, expected, rel_tol=1e-9), f"{n}: {value} against {expected}"
+
+
+def test_the_expected_result_beside_the_model_is_met(fmu):
+    folder = fmu.model.folder
+    columns = cosim.Table.all_from_csv(folder / "reference.csv")
+    outputs = fmu.names("output")
+    inputs = fmu.names("input")
+    assert set(columns) == {*inputs, *outputs}
+    time = next(iter(columns.values())).time
+    step = time[1]
+    system = cosim.System()
+    system.add("fmu", fmu.path)
+    for name in inputs:
+        system.expose(name, f"fmu.{name}")
+    with system.prepare(step=step, stop=time[-1]) as simulation:
+        result = simulation.run(inputs={name: columns[name].values for name in inputs})
+    assert set(TOLERANCE[fmu.model.name]) == set(outputs)
+    for name in outputs:
+        expected = columns[name].values
+        assert np.ptp(expected) > 100 * TOLERANCE[fmu.model.name][name]
+        np.testing.assert_allclose(
+            result[f"fmu.{name}"],
+            expected,
+            rtol=0.0,
+            atol=TOLERANCE[fmu.model.name][name],
+            err_msg=name,
+        )
+
+
+def test_every_model_has_a_stated_tolerance():
+    assert set(TOLERANCE) == set(models.model_names())

@@ -1,0 +1,252 @@
+"""Reset, save, restore, serialise; instances beside one another; calls that are not allowed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+import models
+
+ERROR = 3
+
+
+def test_a_reset_instance_equals_a_fresh_one(fmu, slave, identical):
+    used, fresh = slave(fmu), slave(fmu)
+    used.initialize(fmu.settings(), start=0.0).run(0, 60)
+    used.api.reset()
+    assert identical(used.everything(), fresh.everything())
+    settings = fmu.settings()
+    a = used.initialize(settings).run(0, 60)
+    b = fresh.initialize(settings).run(0, 60)
+    assert identical(a, b)
+    assert len(np.unique(a, axis=0)) == 60
+
+
+def test_a_restored_state_goes_on_as_before(fmu, slave, identical):
+    instance = slave(fmu).initialize(fmu.settings())
+    instance.run(0, 30)
+    state = instance.api.getFMUState()
+    saved = instance.everything()
+    onward = instance.run(30, 70)
+    instance.api.setFMUState(state)
+    assert identical(instance.everything(), saved)
+    assert identical(instance.run(30, 70), onward)
+    instance.api.freeFMUState(state)
+
+
+def test_a_saved_state_keeps_parameters_and_phase(fmu, slave, identical):
+    instance = slave(fmu)
+    fresh = instance.api.getFMUState()
+    values = instance.everything()
+    instance.initialize(fmu.settings()).run(0, 5)
+    instance.api.setFMUState(fresh)
+    assert identical(instance.everything(), values)
+    with pytest.raises(FMICallException):
+        instance.api.doStep(0.0, 5e-4)
+    instance.initialize()
+    instance.api.freeFMUState(fresh)
+
+
+def test_two_halves_equal_the_whole(fmu, slave, identical):
+    """The second half runs in another instance, from the state the first half ended in."""
+    settings = fmu.settings()
+    whole = slave(fmu).initialize(settings).run(0, 80)
+    first, second = slave(fmu).initialize(settings), slave(fmu)
+    upper = first.run(0, 40)
+    state = first.api.getFMUState()
+    second.api.setFMUState(state)
+    first.api.freeFMUState(state)
+    assert identical(np.vstack([upper, second.run(40, 80)]), whole)
+
+
+RESUME = """
+import importlib.util, pathlib, sys
+conftest, path, version, state = sys.argv[1:]
+spec = importlib.util.spec_from_file_location("conformance", conftest)
+module = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(module)
+slave = module.Slave(module.Fmu(pathlib.Path(path), int(version)))
+slave.api.setFMUState(slave.api.deserializeFMUState(bytes.fromhex(state)))
+print(slave.run(30, 60).tobytes().hex())
+"""
+
+
+def test_a_serialised_state_goes_on_in_another_process(fmu, slave):
+    instance = slave(fmu).initialize(fmu.settings())
+    instance.run(0, 30)
+    state = instance.api.getFMUState()
+    stored = instance.api.serializeFMUState(state).hex()
+    instance.api.freeFMUState(state)
+    conftest = Path(__file__).with_name("conftest.py")
+    resumed = subprocess.run(
+        [sys.executable, "-c", RESUME, conftest, fmu.path, str(fmu.version), stored],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert resumed.stdout.strip() == instance.run(30, 60).tobytes().hex()
+
+
+def test_bytes_of_another_build_are_no_state(fmu, slave, build):
+    other = build(models.model_names()[fmu.model.name == models.model_names()[0]], fmu.version)
+    donor = slave(other).initialize()
+    state = donor.api.getFMUState()
+    foreign = donor.api.serializeFMUState(state)
+    donor.api.freeFMUState(state)
+    instance = slave(fmu).initialize()
+    for wrong in (foreign, foreign[:-1], b"\0"):
+        with pytest.raises(FMICallException):
+            instance.api.deserializeFMUState(wrong)
+        assert "not a state of this build" in instance.messages[-1][2]
+    instance.run(0, 3)
+
+
+def test_both_versions_of_the_standard_give_the_same_bits(name, build, slave, identical):
+    second, third = build(name, 2), build(name, 3)
+    settings = second.settings()
+    assert list(second.variables) == list(third.variables)
+    assert identical(
+        slave(second).initialize(settings).run(0, 100),
+        slave(third).initialize(settings).run(0, 100),
+    )
+
+
+def test_a_run_changes_no_parameter(fmu, slave, identical):
+    instance = slave(fmu).initialize(fmu.settings())
+    parameters = fmu.names("parameter")
+    before = instance.get(parameters)
+    instance.run(0, 50)
+    assert identical(instance.get(parameters), before)
+
+
+def test_time_is_that_of_the_last_communication_point(fmu, slave):
+    instance = slave(fmu).initialize(start=2.0)
+    assert instance.get(["time"]) == [2.0]
+    instance.api.doStep(2.0, 0.25)
+    assert instance.get(["time"]) == [2.25]
+
+
+def test_interleaved_instances_do_not_disturb_one_another(fmu, slave, identical):
+    settings = fmu.settings()
+    alone = slave(fmu).initialize(settings).run(0, 40)
+    one, two = slave(fmu).initialize(settings), slave(fmu).initialize()
+    rows = []
+    for n in range(40):
+        rows.append(one.run(n, n + 1))
+        two.run(2 * n, 2 * n + 2)
+    assert identical(np.vstack(rows), alone)
+
+
+def test_a_description_of_another_build_is_refused(fmu, slave):
+    messages = []
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        slave(fmu, guid="stale", messages=messages)
+    [(status, _, text)] = messages
+    assert status == ERROR
+    assert "was given stale: modelDescription.xml is of another build" in text
+    slave(fmu)
+
+
+def test_events_are_logged_when_asked_for(fmu, slave):
+    quiet, talking = slave(fmu), slave(fmu, logging=True)
+    for instance in (quiet, talking):
+        instance.initialize(start=1.5)
+    assert quiet.messages == []
+    assert talking.messages == [(0, "logEvents", "initialized at t = 1.5 s")]
+
+
+def _refused(instance, call, *words):
+    """Check that a call answers Error with a message holding these words."""
+    count = len(instance.messages)
+    with pytest.raises(FMICallException) as refusal:
+        call()
+    assert refusal.value.status == ERROR
+    status, category, text = instance.messages[-1]
+    assert (len(instance.messages), status, category) == (count + 1, ERROR, "logStatusError")
+    for word in words:
+        assert word in text
+
+
+def test_refused_calls_say_why_and_leave_the_instance_usable(fmu, slave, identical):
+    untouched = slave(fmu).initialize().run(0, 30)
+    instance = slave(fmu)
+    api = instance.api
+    real = "Real" if fmu.version == 2 else "Float64"
+    last = len(fmu.variables) - 1
+    setter, getter = getattr(api, f"set{real}"), getattr(api, f"get{real}")
+    output = fmu.variables[fmu.names("output")[0]].valueReference
+    source = fmu.variables[fmu.names("input")[0]].valueReference
+    memory = [fmu.variables[n].valueReference for n in fmu.names("memory")]
+    bounded = next(v for v in fmu.model.variables if v.minimum is not None and v.type == "real")
+    bound = fmu.variables[bounded.name].valueReference
+
+    _refused(instance, lambda: api.doStep(0.0, 5e-4), "DoStep", "not allowed", "'instantiated'")
+    _refused(instance, lambda: api.exitInitializationMode(), "ExitInitializationMode")
+    _refused(instance, lambda: api.terminate(), "Terminate")
+    _refused(instance, lambda: setter([bound], [bounded.minimum - 1.0]), bounded.name, "outside")
+    _refused(instance, lambda: setter([bound], [float("nan")]), bounded.name, "nan")
+    _refused(instance, lambda: setter([last + 1], [1.0]), f"reference {last + 1} does not exist")
+    _refused(instance, lambda: setter([0], [1.0]), "time cannot be set")
+    instance.initialize()
+    _refused(instance, lambda: setter([output], [1.0]), "cannot be set")
+    for wrong in (float("nan"), float("inf"), float("-inf")):
+        _refused(instance, lambda wrong=wrong: setter([source], [wrong]), "outside")
+    _refused(instance, lambda: getter([last + 1]), f"reference {last + 1} does not exist")
+    for reference in memory:
+        _refused(instance, lambda reference=reference: setter([reference], [0.0]), "cannot be set")
+    _refused(instance, lambda: api.getBoolean([source]), "another type")
+    _refused(instance, lambda: api.setBoolean([source], [True]), "another type")
+    _refused(instance, lambda: api.doStep(0.0, 0.0), "must be positive")
+    _refused(instance, lambda: api.doStep(0.0, -1e-3), "must be positive")
+    _refused(instance, lambda: api.doStep(0.0, float("nan")), "must be positive")
+    _refused(instance, lambda: api.enterInitializationMode(), "EnterInitializationMode")
+    assert identical(instance.run(0, 30), untouched)
+    api.terminate()
+    _refused(instance, lambda: api.doStep(30 * 5e-4, 5e-4), "'terminated'")
+
+
+def test_only_tunable_parameters_change_during_a_run(fmu, slave):
+    instance = slave(fmu).initialize()
+    for variable in fmu.model.variables:
+        if variable.role != "parameter":
+            continue
+        value = variable.start
+        if variable.variability == "tunable":
+            instance.set({variable.name: value})
+        else:
+            _refused(
+                instance,
+                lambda name=variable.name, value=value: instance.set({name: value}),
+                f"{variable.name} cannot be set in phase 'step mode'",
+            )
+
+
+def test_what_is_not_declared_answers_with_a_message(fmu, slave):
+    instance = slave(fmu).initialize()
+    if fmu.version == 2:
+        call = lambda: instance.api.getDirectionalDerivative([1], [2], [1.0])  # noqa: E731
+    else:
+        call = lambda: instance.api.getUInt8([0])  # noqa: E731
+    _refused(instance, call, "is not available in")
+
+
+def test_the_largest_numbers_are_borne_or_refused_and_reset_heals(fmu, slave, identical):
+    instance = slave(fmu).initialize()
+    healthy = instance.run(0, 20)
+    largest = np.finfo(float).max
+    results = fmu.names("state", "memory", "output")
+    try:
+        for n in range(20, 24):
+            instance.set(dict.fromkeys(fmu.names("input"), largest * (-1) ** n))
+            instance.api.doStep(n * 5e-4, 5e-4)
+            assert np.isfinite(instance.get(results)).all()
+    except FMICallException:
+        assert "not finite" in instance.messages[-1][2]
+        _refused(instance, lambda: instance.api.doStep(1.0, 5e-4), "'failed'")
+    instance.api.reset()
+    assert identical(instance.initialize().run(0, 20), healthy)

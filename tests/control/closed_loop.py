@@ -1,0 +1,89 @@
+"""The velocity loop written out again, without python-control, and as a system of FMUs."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from scipy.linalg import expm
+
+import cosim
+from cosim.control import Axis, VelocityLoop
+
+STATES = 8  # of the nominal_loop FMU
+NO_FRICTION = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}
+
+
+def sampled_axis(axis: Axis, T_s: float) -> np.ndarray:
+    """Return what one period does to (x, v, motor force F, command u): the matrix exponential."""
+    rates = np.zeros((4, 4))
+    rates[0, 1] = 1.0
+    rates[1, 1], rates[1, 2] = -axis.b / axis.m, 1.0 / axis.m
+    if axis.tau_i > 0.0:
+        rates[2, 2], rates[2, 3] = -1.0 / axis.tau_i, 1.0 / axis.tau_i
+    return expm(rates * T_s)
+
+
+def open_loop_gain(
+    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float, f: float
+) -> complex:
+    """Return the gain around the loop at a frequency [Hz], product of its parts."""
+    z = np.exp(2j * np.pi * f * T_s)
+    move = sampled_axis(axis, T_s)
+    n, u = (3, 3) if axis.tau_i > 0.0 else (2, 2)  # without a lag the motor force is the command
+    position = np.linalg.solve(z * np.eye(n) - move[:n, :n], move[:n, u])[0]
+    weight = 1.0 - math.exp(-T_s / tau_f) if tau_f > 0.0 else 1.0
+    estimate = weight * z / (z - (1.0 - weight)) * (1.0 - 1.0 / z) / T_s
+    return complex((K_p + K_i * T_s * z / (z - 1.0)) * position * estimate)
+
+
+def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarray:
+    """Return the velocity (n,) [m/s] at the samples: controller and axis step by step."""
+    move = sampled_axis(loop.axis, loop.T_s)
+    weight = 1.0 - math.exp(-loop.T_s / loop.tau_f) if loop.tau_f > 0.0 else 1.0
+    state = np.zeros(4)
+    x_last = v_est = integral = 0.0
+    velocity = []
+    for command, feedforward in zip(v_cmd, F_ff, strict=True):
+        x, v = state[:2]
+        velocity.append(v)
+        v_est += weight * ((x - x_last) / loop.T_s - v_est)
+        x_last = x
+        error = command - v_est
+        integral += loop.T_s * loop.K_i * error
+        state[3] = loop.K_p * error + integral + feedforward
+        if loop.axis.tau_i == 0.0:
+            state[2] = state[3]
+        state = move @ state
+    return np.array(velocity)
+
+
+def nominal_values(loop: VelocityLoop) -> dict[str, float]:
+    """Return the parameters of the nominal_loop FMU; states that the loop has not are zero."""
+    A = np.zeros((STATES, STATES))
+    B, C = np.zeros(STATES), np.zeros(STATES)
+    n = loop.nominal.nstates
+    A[:n, :n], B[:n], C[:n] = loop.nominal.A, loop.nominal.B[:, 0], loop.nominal.C[0]
+    values = {"T_s": loop.T_s, "D": float(loop.nominal.D[0, 0])}
+    for i in range(STATES):
+        values |= {f"B[{i + 1}]": float(B[i]), f"C[{i + 1}]": float(C[i])}
+        values |= {f"A[{i + 1},{k + 1}]": float(A[i, k]) for k in range(STATES)}
+    return values
+
+
+def ideal_servo(fmus: Path, loop: VelocityLoop) -> cosim.System:
+    """Return controller and drive in a loop: no friction to speak of, nothing quantised."""
+    system = cosim.System("servo")
+    gains = {"T_s": loop.T_s, "tau_f": loop.tau_f, "K_p": loop.K_p, "K_i": loop.K_i}
+    system.add("controller", fmus / "velocity_controller.fmu", gains)
+    axis = {"m": loop.axis.m, "b": loop.axis.b, "current_loop": loop.axis.tau_i > 0.0}
+    if loop.axis.tau_i > 0.0:
+        axis["tau_i"] = loop.axis.tau_i
+    ideal = {**axis, **NO_FRICTION, "encoder": False, "dac": False}
+    system.add("drive", fmus / "drive.fmu", ideal)
+    system.connect("controller.u", "drive.u")
+    system.connect("drive.x_enc", "controller.x_enc")
+    system.expose("v_cmd", "controller.v_cmd")
+    system.expose("F_ff", "controller.F_ff")
+    return system

@@ -1,0 +1,210 @@
+"""The designed loop against its specification, and against the same loop written out by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+
+import control
+import numpy as np
+import pytest
+from closed_loop import follow, open_loop_gain
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cosim.control import (
+    Axis,
+    ControlError,
+    LoopSpecification,
+    close_velocity_loop,
+    design_velocity_loop,
+)
+
+T_S = 5e-4
+
+
+def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+axes = st.builds(
+    Axis,
+    m=log_uniform(0.1, 100.0),
+    b=st.just(0.0) | log_uniform(0.1, 1000.0),
+    tau_i=st.just(0.0) | log_uniform(2e-5, 5e-4),
+)
+specifications = st.builds(
+    LoopSpecification,
+    bandwidth=log_uniform(5.0, 250.0),
+    phase_margin=st.floats(10.0, 80.0),
+    T_s=st.just(T_S),
+    tau_f=st.just(0.0) | log_uniform(1e-4, 2e-3),
+)
+
+
+def transfer_function(axis: Axis, K_p: float, K_i: float, tau_f: float) -> control.TransferFunction:
+    """Controller, axis and estimate as transfer functions in z; K_i per second on the error."""
+    z = control.TransferFunction([1, 0], [1], T_S)
+    controller = K_p + K_i * T_S * z / (z - 1)
+    position = control.tf([1], [axis.tau_i, 1]) * control.tf([1], [axis.m, axis.b, 0])
+    way = control.sample_system(position, T_S, method="zoh") * (z - 1) / z
+    weight = 1 - math.exp(-T_S / tau_f) if tau_f > 0 else 1.0
+    estimate = weight * z / (z - (1 - weight)) / T_S
+    return controller * way * estimate
+
+
+@settings(max_examples=60, deadline=None)
+@given(axes, specifications)
+def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
+    try:
+        loop = design_velocity_loop(axis, wanted)
+    except ControlError as error:
+        message = str(error)
+        assert "out of reach" in message or "unstable" in message
+        return
+    assert loop.K_p >= 0.0
+    assert loop.K_i >= 0.0
+    f = wanted.bandwidth
+    by_hand = open_loop_gain(axis, T_S, wanted.tau_f, loop.K_p, loop.K_i, f)
+    for value in (by_hand, complex(loop.open_loop(np.exp(2j * np.pi * f * T_S)))):
+        assert abs(value) == pytest.approx(1.0, rel=1e-7)
+        assert np.degrees(np.angle(-value)) == pytest.approx(wanted.phase_margin, abs=1e-5)
+    figures = loop.margins()
+    # A loop may cross 1 again; what is reported is then the smaller margin.
+    assert abs(figures["phase_margin_deg"]) <= wanted.phase_margin + 1e-6
+    assert max(abs(loop.nominal.poles())) < 1.0
+    assert loop.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.builds(Axis, m=log_uniform(2.0, 50.0), b=st.just(6.6), tau_i=st.just(1e-4)),
+    log_uniform(10.0, 100.0),
+    st.floats(10.0, 60.0),
+)
+def test_reachable_specifications_are_reached(axis, bandwidth, phase_margin):
+    # The axis leaves more than 70 deg at 100 Hz, and an integrator alone less than 10 deg.
+    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, phase_margin, T_S))
+    figures = loop.margins()
+    assert figures["crossover_Hz"] == pytest.approx(bandwidth, rel=1e-9)
+    assert figures["phase_margin_deg"] == pytest.approx(phase_margin, abs=1e-6)
+    assert figures["bandwidth_Hz"] > bandwidth
+
+
+def test_margins_are_those_of_python_control(loop):
+    by_hand = transfer_function(loop.axis, loop.K_p, loop.K_i, loop.tau_f)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it divides by the gain at half the sample rate, 0
+        gain, phase, _, _, crossover, _ = control.stability_margins(by_hand)
+    figures = loop.margins()
+    assert figures["crossover_Hz"] == pytest.approx(crossover / (2 * np.pi), rel=1e-6)
+    assert figures["phase_margin_deg"] == pytest.approx(phase, abs=1e-4)
+    assert figures["gain_margin_dB"] == pytest.approx(20 * math.log10(gain), abs=1e-4)
+
+
+def test_gain_margin_is_where_the_loop_begins_to_swing(loop):
+    gain = 10 ** (loop.margins()["gain_margin_dB"] / 20)
+    for factor, swings in ((0.999 * gain, False), (1.001 * gain, True)):
+        arguments = (loop.axis, loop.T_s, loop.tau_f, factor * loop.K_p, factor * loop.K_i)
+        if swings:
+            with pytest.raises(ControlError, match=r"unstable: a pole lies at \|z\| = 1\."):
+                close_velocity_loop(*arguments)
+        else:
+            close_velocity_loop(*arguments)
+
+
+def test_bandwidth_is_where_a_sine_comes_out_at_minus_3_db(loop):
+    f = loop.margins()["bandwidth_Hz"]
+    response = complex(loop.nominal(np.exp(2j * np.pi * f * loop.T_s)))
+    assert 20 * math.log10(abs(response)) == pytest.approx(10 * math.log10(0.5), abs=1e-9)
+
+
+def test_follows_a_command_as_the_difference_equations_do(loop):
+    rng = np.random.default_rng(0)
+    v_cmd = np.repeat(rng.normal(size=60), 10)
+    t = np.arange(len(v_cmd)) * loop.T_s
+    response = np.asarray(control.forced_response(loop.nominal, t, v_cmd).outputs)
+    expected = follow(loop, v_cmd, np.zeros_like(v_cmd))
+    np.testing.assert_allclose(response, expected, rtol=0, atol=1e-11)
+
+
+def test_compliance_is_what_a_force_does(loop):
+    rng = np.random.default_rng(1)
+    force = np.repeat(rng.normal(scale=10.0, size=60), 10)
+    t = np.arange(len(force)) * loop.T_s
+    response = np.asarray(control.forced_response(loop.compliance, t, force).outputs)
+    expected = follow(loop, np.zeros_like(force), force)
+    assert np.abs(expected).max() > 1e-3
+    np.testing.assert_allclose(response, expected, rtol=0, atol=1e-13)
+
+
+def test_a_standing_force_is_carried_by_the_integrator(loop):
+    assert loop.nominal.dcgain() == pytest.approx(1.0, abs=1e-9)
+    assert loop.compliance.dcgain() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_step_response_settles_at_one(loop):
+    t, v = loop.step_response(1.0)
+    assert t[-1] == pytest.approx(1.0)
+    assert v[0] == 0.0
+    assert v[-1] == pytest.approx(1.0, abs=1e-5)
+    np.testing.assert_allclose(
+        v, follow(loop, np.ones_like(t), np.zeros_like(t)), rtol=0, atol=1e-11
+    )
+
+
+@pytest.mark.parametrize(
+    ("bandwidth", "phase_margin", "tau_f", "message"),
+    [
+        (250.0, 50.0, 5e-4, r"50 deg at 250 Hz is out of reach: .* leaves .* deg there; lower"),
+        (250.0, 50.0, 2e-3, r"leaves -\d.* \.\. -\d.* deg there; lower"),
+        (1.0, 5.0, 0.0, r"5 deg at 1 Hz is out of reach: .* leaves .* deg there; raise"),
+    ],
+)
+def test_says_what_can_be_reached(bandwidth, phase_margin, tau_f, message):
+    axis = Axis(m=5.557, b=6.6135, tau_i=1e-4)
+    with pytest.raises(ControlError, match=message):
+        design_velocity_loop(axis, LoopSpecification(bandwidth, phase_margin, T_S, tau_f))
+
+
+def test_the_range_that_a_message_names_is_the_range_that_is_reached():
+    axis = Axis(m=5.557, b=6.6135, tau_i=1e-4)
+    with pytest.raises(ControlError) as caught:
+        design_velocity_loop(axis, LoopSpecification(125.0, 85.0, T_S, 5e-4))
+    most = float(str(caught.value).split(" .. ")[1].split()[0])
+    reached = design_velocity_loop(axis, LoopSpecification(125.0, most - 0.1, T_S, 5e-4))
+    assert reached.margins()["phase_margin_deg"] == pytest.approx(most - 0.1)
+    with pytest.raises(ControlError):
+        design_velocity_loop(axis, LoopSpecification(125.0, most + 0.1, T_S, 5e-4))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"bandwidth": 1000.0}, "bandwidth is 1000 Hz; expected between 0 and half the sample"),
+        ({"bandwidth": 0.0}, "bandwidth is 0 Hz"),
+        ({"bandwidth": math.nan}, "bandwidth is nan Hz"),
+        ({"phase_margin": 0.0}, "phase margin is 0 deg; expected between 0 and 180"),
+        ({"phase_margin": math.nan}, "phase margin is nan deg"),
+        ({"T_s": 0.0}, "T_s is 0 s; expected above 0"),
+        ({"tau_f": -1e-3}, "tau_f is -0.001 s; expected 0 or above"),
+    ],
+)
+def test_specification_out_of_range(change, message):
+    specification = LoopSpecification(125.0, 50.0)
+    with pytest.raises(ControlError, match=message):
+        dataclasses.replace(specification, **change)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"m": 0.0}, "m is 0 kg; expected above 0"),
+        ({"b": math.inf}, "b is inf N s/m"),
+        ({"tau_i": -1.0}, "tau_i is -1 s"),
+    ],
+)
+def test_axis_out_of_range(change, message):
+    with pytest.raises(ControlError, match=message):
+        dataclasses.replace(Axis(5.557, 6.6135), **change)

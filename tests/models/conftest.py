@@ -1,0 +1,152 @@
+"""Single models, stepped by the kernel; and the C of models/ as functions on arrays."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cosim
+import models
+import toolchain
+
+MODELS = Path(models.__file__).parent
+TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build every model once; return the folder."""
+    folder = tmp_path_factory.mktemp("fmus")
+    for name in models.model_names():
+        models.build_fmu(name, folder)
+    return folder
+
+
+Prepare = Callable[..., cosim.Simulation]
+
+
+@pytest.fixture
+def alone(fmus: Path) -> Prepare:
+    """Prepare one model, its inputs exposed: ``alone("stage", step=5e-4, stop=1.0)``."""
+
+    def alone(name: str, record: tuple[str, ...] | None = None, **options: float) -> object:
+        system = cosim.System(name)
+        system.add(name, fmus / f"{name}.fmu")
+        for variable in system.components[name].variables.values():
+            if variable.causality == "input":
+                system.expose(variable.name, f"{name}.{variable.name}")
+        return system.prepare(record=record, **options)
+
+    return alone
+
+
+@pytest.fixture(scope="session")
+def library() -> ctypes.CDLL:
+    """Compile the shared C of models/ with ``probe.c``, which exports it."""
+    files = {
+        f"{path.parent.name}/{path.name}": path.read_text()
+        for room in ("numerics", "friction")
+        for path in (MODELS / room).glob("*.[ch]")
+    }
+    # The probe takes the step apart, so it includes this file instead of linking it.
+    files["friction/sliding_mass.inc"] = files.pop("friction/sliding_mass.c")
+    files["probe.c"] = Path(__file__).with_name("probe.c").read_text()
+    return ctypes.CDLL(str(toolchain.shared_library("probe", files, flags=["-lm"])))
+
+
+@pytest.fixture(scope="session")
+def c(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
+    """Call ``probe.c``: ``c("exp", x)`` maps an array."""
+
+    def call(name: str, x: np.ndarray) -> np.ndarray:
+        x = np.ascontiguousarray(x, dtype=float)
+        y = np.empty_like(x)
+        getattr(library, f"probe_{name}")(ctypes.c_size_t(x.size), _of(x), _of(y))
+        return y
+
+    return call
+
+
+def _of(array: np.ndarray) -> ctypes.c_void_p:
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+@pytest.fixture(scope="session")
+def lugre(library: ctypes.CDLL) -> Callable[..., tuple[float, float]]:
+    """Step the bristle: ``lugre(h, v, z, parameters)`` returns z after and the mean force."""
+    library.probe_lugre.restype = ctypes.c_double
+
+    def step(h: float, v: float, z: float, p: Mapping[str, float]) -> tuple[float, float]:
+        deflection = ctypes.c_double(z)
+        force = library.probe_lugre(
+            ctypes.c_double(h), ctypes.c_double(v), ctypes.byref(deflection), _contact(p)
+        )
+        return deflection.value, force
+
+    return step
+
+
+def _contact(p: Mapping[str, float]) -> ctypes.Array[ctypes.c_double]:
+    names = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1", "delta")
+    return (ctypes.c_double * 6)(*({"delta": 1.0, **p}[name] for name in names))
+
+
+@pytest.fixture(scope="session")
+def mass_run(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
+    """Move a mass on a contact under a held force.
+
+    ``mass_run(method, h, u, pieces, m, b, contact, start)`` returns x, v, z after each hold of h
+    seconds, (len(u), 3). Methods: ``adaptive``, the step of models/; ``rodas3``, the same with
+    ``pieces`` equal sub-steps; ``rk4``, written for the tests alone, likewise.
+    """
+
+    def run(
+        method: str,
+        h: float,
+        u: np.ndarray,
+        pieces: int = 1,
+        m: float = 5.557,
+        b: float = 6.6135,
+        contact: Mapping[str, float] = TABLE_2,
+        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> np.ndarray:
+        u = np.ascontiguousarray(u, dtype=float)
+        motion = np.empty((len(u), 3))
+        library.probe_run(
+            ["adaptive", "rodas3", "rk4"].index(method),
+            pieces,
+            ctypes.c_double(h),
+            ctypes.c_size_t(len(u)),
+            _of(u),
+            (ctypes.c_double * 2)(m, b),
+            _contact(contact),
+            (ctypes.c_double * 3)(*start),
+            _of(motion),
+        )
+        return motion
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def training_force(fmus: Path) -> np.ndarray:
+    """Record the force [N] of the closed loop over the training command: 10 s at 2 kHz."""
+    system = cosim.System("servo")
+    for name in ("velocity_controller", "drive"):
+        system.add(name, fmus / f"{name}.fmu")
+    system.connect("velocity_controller.u", "drive.u")
+    system.connect("drive.x_enc", "velocity_controller.x_enc")
+    system.expose("v_cmd", "velocity_controller.v_cmd")
+    training = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
+    with system.prepare(step=5e-4, stop=10.0) as simulation:
+        return simulation.run(inputs={"v_cmd": training})["velocity_controller.u"][:-1].copy()
+
+
+@pytest.fixture
+def table_2() -> dict[str, float]:
+    """Give the contact of Table 2 of the paper."""
+    return dict(TABLE_2)

@@ -1,0 +1,151 @@
+"""The compensator: the closed form of the bristle, fed by a velocity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cosim
+
+STEP = 5e-4  # s
+TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+factor = st.floats(-1.0, 2.0).map(lambda e: 10.0**e)  # 0.1 x .. 100 x
+contacts = st.fixed_dictionaries(dict.fromkeys(TABLE_2, factor)).map(
+    lambda factors: {name: factors[name] * value for name, value in TABLE_2.items()}
+)
+RECORD = ("compensator.F_f", "compensator.F_mean", "compensator.z")
+
+
+def velocity(n: int) -> np.ndarray:
+    """Return a velocity [m/s] that crosses zero, creeps and runs fast."""
+    t = np.arange(n) * STEP
+    return 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t)
+
+
+def closed_form(v: np.ndarray, h: float, p: dict[str, float]) -> tuple[np.ndarray, ...]:
+    """Return z and the mean force over each step, for a velocity (n,) held over steps of h."""
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
+    a = p["sigma_0"] * abs(v) / g
+    z, mean = np.zeros(len(v) + 1), np.zeros(len(v))
+    for n in range(len(v)):
+        if a[n] == 0.0:
+            z[n + 1], mean[n] = z[n], p["sigma_0"] * z[n]
+            continue
+        end = v[n] / a[n]
+        gone = -np.expm1(-a[n] * h)
+        z[n + 1] = z[n] + (end - z[n]) * gone
+        mean_z = end + (z[n] - end) * gone / (a[n] * h)
+        mean[n] = p["sigma_0"] * mean_z + p["sigma_1"] * (z[n + 1] - z[n]) / h
+    return z, mean
+
+
+def test_closed_form(alone):
+    v = velocity(2001)
+    with alone("compensator", RECORD, step=STEP, stop=1.0) as simulation:
+        result = simulation.run(inputs={"v": v})
+    z, mean = closed_form(v[:-1], STEP, TABLE_2)
+    np.testing.assert_allclose(result["compensator.z"], z, rtol=0, atol=1e-17)
+    np.testing.assert_allclose(result["compensator.F_mean"][1:], mean, rtol=0, atol=1e-10)
+
+
+def test_held_velocity_needs_no_sub_steps(alone):
+    """With `hold`, twenty steps under one velocity end where one step twenty times as long ends."""
+    ends = []
+    for pieces in (1, 20):
+        with alone("compensator", RECORD, step=0.01 / pieces, stop=0.5) as simulation:
+            v = np.append(np.repeat(velocity(50), pieces), 0.0)
+            ends.append(simulation.run(inputs={"v": v})["compensator.z"][::pieces])
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-11, atol=1e-18)
+
+
+def test_without_hold_the_velocity_of_a_step_is_the_mean_of_its_ends(alone):
+    v = velocity(401)
+    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
+        middle = simulation.run(inputs={"v": v}, parameters={"compensator.hold": False})
+        means = np.append(0.5 * (np.append(v[0], v[:-2]) + v[:-1]), 0.0)
+        held = simulation.run(inputs={"v": means})
+    np.testing.assert_allclose(
+        middle["compensator.F_mean"], held["compensator.F_mean"], rtol=0, atol=1e-12
+    )
+    assert np.ptp(middle["compensator.F_mean"]) > 1.0
+
+
+def test_without_hold_a_smooth_velocity_is_followed_with_second_order(alone):
+    """The same moments of a smooth velocity, sampled twice as finely: a quarter of the error."""
+    ends = []
+    for step in (4e-4, 2e-4, 1e-4, 1e-5):
+        with alone("compensator", RECORD, step=step, stop=0.02) as simulation:
+            # a step from t to t + h is given the velocity of t + h
+            v = 0.01 + 0.02 * np.sin(60 * (simulation.time + step))
+            result = simulation.run(inputs={"v": v}, parameters={"compensator.hold": False})
+            ends.append(result["compensator.z"][-1])
+    errors = abs(np.array(ends[:3]) - ends[3])
+    assert errors[0] / errors[2] == pytest.approx(16, rel=0.35)
+
+
+def test_lead_advances_the_velocity(alone):
+    """A ramp a t with the lead T is the ramp a (t + T)."""
+    with alone("compensator", RECORD, step=STEP, stop=0.1) as simulation:
+        ramp = 0.02 + 0.5 * simulation.time
+        early = simulation.run(inputs={"v": ramp}, parameters={"compensator.lead": 2e-3})
+        shifted = simulation.run(inputs={"v": ramp + 0.5 * 2e-3})
+    np.testing.assert_allclose(
+        early["compensator.F_mean"][40:], shifted["compensator.F_mean"][40:], rtol=1e-7
+    )
+    assert early["compensator.F_f"][-1] == pytest.approx(5.999, rel=1e-4)
+
+
+def test_viscous_term_of_equation_5(alone):
+    v = velocity(401)
+    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
+        without = simulation.run(inputs={"v": v})
+        result = simulation.run(inputs={"v": v}, parameters={"compensator.b": 30.0})
+    extra = result["compensator.F_mean"] - without["compensator.F_mean"]
+    np.testing.assert_allclose(extra[1:], 30.0 * v[:-1], atol=1e-12)
+
+
+def test_parameters_act_from_the_next_step_on(alone, fmus):
+    """Tunable: steady sliding takes on the new Coulomb force."""
+    with alone("compensator", step=STEP, stop=0.5) as simulation:
+        for F_c in (2.0, 5.0):
+            result = simulation.run(inputs={"v": 0.05}, parameters={"compensator.F_c": F_c})
+            assert result["compensator.F_f"][-1] == pytest.approx(F_c, rel=1e-9)
+            assert result["compensator.F_mean"][-1] == pytest.approx(F_c, rel=1e-9)
+
+
+def test_friction_now_is_equation_3_for_the_velocity_now(alone, table_2):
+    p = table_2
+    v = velocity(401)
+    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
+        result = simulation.run(inputs={"v": v})
+    z = result["compensator.z"][1:]
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v[:-1]) / p["v_s"])
+    force = p["sigma_0"] * z + p["sigma_1"] * (v[:-1] - p["sigma_0"] * abs(v[:-1]) / g * z)
+    np.testing.assert_allclose(result["compensator.F_f"][1:], force, rtol=0, atol=1e-9)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60, database=None)
+@given(
+    p=contacts,
+    step=st.floats(-5.0, -2.0).map(lambda e: 10.0**e),
+    amplitude=st.floats(-5.0, 0.0).map(lambda e: 10.0**e),
+    start=st.floats(-3.0, 3.0),
+    hold=st.booleans(),
+)
+def test_stable_for_every_parameter_vector_and_step(fmus, p, step, amplitude, start, hold):
+    """Issue 2: 0.1 x .. 100 x Table 2, 1e-5 .. 1e-2 s: the bristle never leaves its reach."""
+    reach = max(p["F_s"], p["F_c"]) / p["sigma_0"]
+    system = cosim.System()
+    system.add("compensator", fmus / "compensator.fmu", {**p, "z": start * reach, "hold": hold})
+    system.expose("v", "compensator.v")
+    with system.prepare(step=step, stop=300 * step, record=RECORD) as simulation:
+        n = np.arange(301)
+        result = simulation.run(inputs={"v": amplitude * np.sin(0.21 * n) * np.cos(0.013 * n)})
+    assert np.isfinite(result.values).all()
+    bound = max(abs(start), 1.0) * reach
+    assert abs(result["compensator.z"]).max() <= bound * (1 + 1e-12)
+    rate = amplitude * (1 + bound / (min(p["F_s"], p["F_c"]) / p["sigma_0"]))
+    force = p["sigma_0"] * bound + p["sigma_1"] * rate
+    assert abs(result["compensator.F_mean"]).max() <= force * (1 + 1e-9)

@@ -1,0 +1,128 @@
+"""The sampled PI controller against its difference equations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import models
+from cosim.control import Axis, LoopSpecification, design_velocity_loop
+
+NAME = "velocity_controller"
+T_S = 5e-4  # s
+RECORD = tuple(f"{NAME}.{v}" for v in ("u", "v_est", "I", "k"))
+START = {v.name: v.start for v in models.load_model(NAME).variables if v.role == "parameter"}
+
+
+def signals(t: np.ndarray, size: float = 1.0) -> dict[str, np.ndarray]:
+    """Return inputs over time, the encoder in steps of 0.4 um."""
+    return {
+        "v_cmd": size * 0.02 * np.sin(30 * t),
+        "a_cmd": size * 0.6 * np.cos(30 * t),
+        "x_enc": np.round(6e-4 * (1 - np.cos(30 * t)) / 4e-7) * 4e-7,
+        "F_ff": 6.0 * np.sign(np.sin(30 * t)),
+    }
+
+
+def difference_equations(inputs: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
+    """Return u, v_est, I after each sample, (n, 3)."""
+    v_est = integral = 0.0
+    x_last = inputs["x_enc"][0]
+    keep = np.exp(-p["T_s"] / p["tau_f"]) if p["tau_f"] > 0 else 0.0
+    rows = []
+    for v_cmd, a_cmd, x, F_ff in zip(*inputs.values(), strict=True):
+        v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
+        x_last = x
+        e = v_cmd - v_est
+        trial = integral + p["T_s"] * p["K_i"] * e
+        demand = p["K_p"] * e + trial + F_ff + p["m_ff"] * a_cmd
+        u = np.clip(demand, -p["u_max"], p["u_max"])
+        if u == demand or np.sign(demand) != np.sign(e):
+            integral = trial
+        rows.append((u, v_est, integral))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("change", [{}, {"tau_f": 0.0}, {"m_ff": 5.5}, {"u_max": 20.0, "K_i": 1e6}])
+def test_difference_equations(alone, change):
+    with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
+        inputs = signals(simulation.time)
+        result = simulation.run(
+            inputs=inputs, parameters={f"{NAME}.{k}": v for k, v in change.items()}
+        )
+    expected = difference_equations({k: v[:-1] for k, v in inputs.items()}, {**START, **change})
+    np.testing.assert_allclose(result.values[1:, :3], expected, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0, 3.0, 7.0])
+def test_it_samples_at_its_own_period_whatever_the_step(alone, ratio):
+    """Under held inputs the samples are the same, and their number is that of periods begun."""
+    step, stop = ratio * T_S, 42 * T_S
+    with alone(NAME, RECORD, step=step, stop=stop) as simulation:
+        result = simulation.run(inputs={"v_cmd": 0.01, "F_ff": 2.0})
+    with alone(NAME, RECORD, step=T_S, stop=stop) as simulation:
+        period = simulation.run(inputs={"v_cmd": 0.01, "F_ff": 2.0})
+    samples = np.ceil(np.round(result.time / T_S, 6)).astype(int)
+    np.testing.assert_array_equal(result[f"{NAME}.k"], samples)
+    np.testing.assert_array_equal(result[f"{NAME}.u"], period[f"{NAME}.u"][samples])
+    assert len(np.unique(period[f"{NAME}.u"])) == 43
+
+
+@pytest.mark.parametrize("step", [0.7 * T_S, 0.3 * T_S, T_S / 3])
+def test_steps_that_do_not_divide_the_period(alone, step):
+    """Sample k takes the inputs of the step in which k T_s lies."""
+    with alone(NAME, RECORD, step=step, stop=200 * step) as simulation:
+        inputs = signals(simulation.time)
+        result = simulation.run(inputs=inputs)
+    instants = np.arange(int(np.ceil(round(200 * step / T_S, 6)))) * T_S
+    taken = np.searchsorted(simulation.time, instants + 1e-6 * T_S, side="right") - 1
+    expected = difference_equations({k: v[taken] for k, v in inputs.items()}, START)
+    samples = np.ceil(np.round(result.time / T_S, 6)).astype(int)
+    np.testing.assert_array_equal(result[f"{NAME}.k"], samples)
+    np.testing.assert_allclose(
+        result[f"{NAME}.u"][1:], expected[samples[1:] - 1, 0], rtol=1e-11, atol=1e-11
+    )
+
+
+def test_a_run_may_start_at_any_time(alone):
+    """Samples lie at multiples of T_s of the simulation's clock."""
+    with alone(NAME, RECORD, step=T_S, start=1.0, stop=1.0 + 10 * T_S) as simulation:
+        counts = simulation.run()[f"{NAME}.k"]
+    np.testing.assert_array_equal(counts, 2000 + np.arange(11))
+
+
+def test_the_first_position_is_no_motion(alone):
+    with alone(NAME, RECORD, step=T_S, stop=20 * T_S) as simulation:
+        result = simulation.run(inputs={"x_enc": 0.3})
+    assert (result[f"{NAME}.v_est"] == 0.0).all()
+
+
+def test_force_stays_within_its_limit(alone):
+    with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
+        result = simulation.run(inputs=signals(simulation.time, 50.0))
+    assert abs(result[f"{NAME}.u"]).max() == 205.0
+
+
+def test_the_integral_does_not_wind_up(alone):
+    """After a second at the limit the force leaves it as soon as the error changes sign."""
+    with alone(NAME, RECORD, step=T_S, stop=2.0) as simulation:
+        v_cmd = np.where(simulation.time < 1.0, 0.5, -0.001)
+        result = simulation.run(inputs={"v_cmd": v_cmd})
+    turn = np.searchsorted(simulation.time, 1.0)
+    assert result[f"{NAME}.u"][turn] == 205.0
+    assert abs(result[f"{NAME}.I"]).max() <= 205.0
+    assert result[f"{NAME}.u"][turn + 1] < 205.0
+
+
+def test_at_the_limit_the_integral_may_still_come_back(alone):
+    """A feedforward force beyond the limit, the error against it: the integral unloads it."""
+    with alone(NAME, RECORD, step=T_S, stop=1.0) as simulation:
+        result = simulation.run(inputs={"F_ff": 400.0, "v_cmd": -0.01})
+    assert result[f"{NAME}.u"][1] == 205.0
+    assert result[f"{NAME}.u"][-1] < 0.0
+
+
+def test_gains_are_those_python_control_designs():
+    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
+    for name in ("K_p", "K_i", "T_s", "tau_f"):
+        assert START[name] == pytest.approx(getattr(loop, name), rel=1e-9)

@@ -1,0 +1,81 @@
+"""What identifies and learns sees the drive's commands and measurements, never its truth."""
+
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import cosim
+import ga
+import stickslip
+from stickslip.identification import identify
+from stickslip.learning import Study, learn
+from stickslip.refinement import refine
+from stickslip.setup import LOOP, TRAINING
+
+SOURCES = Path(stickslip.__file__).parent
+BLIND = sorted((SOURCES / "identification").glob("*.py")) + [
+    SOURCES / name for name in ("learning.py", "refinement.py", "rig.py")
+]
+SETTINGS = ga.Settings(generations=3)
+
+
+def found(rig):
+    """Return all that identification and a short learning find, as exact text."""
+    identification = identify(rig, LOOP)
+    v_cmd = TRAINING.sample(rig.samples(2.0))
+    study = Study(rig, identification, v_cmd, settings=SETTINGS)
+    algorithm = learn(study)
+    start = {name: e.value for name, e in identification.estimates.items()}
+    refined = refine(study, {name: start[name] for name in algorithm.names})
+    return repr((identification.estimates, algorithm.history.to_csv(), refined))
+
+
+def falsify_description(fmu: Path) -> None:
+    """Give every parameter in modelDescription.xml another start value; the binary keeps its own."""
+    with zipfile.ZipFile(fmu) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    text = members["modelDescription.xml"].decode()
+
+    def other(match):
+        return f'start="{float(match[1]) * 0.5:g}"'
+
+    head, variables, tail = re.split(r"(<ModelVariables>.*</ModelVariables>)", text, flags=re.S)
+    changed = re.sub(r'start="([-+.e\d]+)"', other, variables)
+    assert changed != variables
+    members["modelDescription.xml"] = (head + changed + tail).encode()
+    with zipfile.ZipFile(fmu, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+
+
+def test_a_description_that_lies_about_the_truth_changes_nothing(make_rig):
+    rig = make_rig(F_c=7.0, sigma_0=2e5)
+    honest = found(rig)
+    falsify_description(rig.fmus / "drive.fmu")
+    assert found(rig) == honest
+
+
+def test_only_measurements_are_recorded_and_no_parameter_of_the_drive_is_set(make_rig, monkeypatch):
+    rig = make_rig()
+    seen, prepare = [], cosim.Simulation.__init__
+
+    def watch(self, specification):
+        seen.append(specification)
+        prepare(self, specification)
+
+    monkeypatch.setattr(cosim.Simulation, "__init__", watch)
+    found(rig)
+    with_drive = [s for s in seen if "drive" in s.system.components]
+    assert len(with_drive) > 30
+    for specification in with_drive:
+        of_drive = {name for name in specification.record if name.startswith("drive.")}
+        assert of_drive <= {"drive.x_enc", "drive.F_m"}
+        assert not [name for name in specification.system.parameters if name.startswith("drive.")]
+
+
+@pytest.mark.parametrize("source", BLIND, ids=lambda path: path.name)
+def test_their_sources_name_no_truth(source):
+    named = set(re.findall(r"drive\.(\w+)", source.read_text(encoding="utf-8")))
+    assert named <= {"x_enc", "F_m", "u", "fmu"}

@@ -1,0 +1,131 @@
+"""The command line: what works, and one clear line for what does not."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cli")
+    assert main(["build", "stage", "--fmi", "2", "--out", str(folder)]) == 0
+    return folder / "stage.fmu"
+
+
+def complaint(capsys, *arguments) -> str:
+    """Return the one line that a failing command says."""
+    assert main([str(a) for a in arguments]) == 1
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("stickslip: ")
+    return lines[0]
+
+
+def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
+    assert main(["build", "--out", str(tmp_path)]) == 0
+    assert len(capsys.readouterr().out.split()) == 10
+    assert (tmp_path / "fmi3" / "drive.fmu").exists()
+
+
+def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):
+    force = tmp_path / "force.csv"
+    force.write_text("time,u\n0,0\n1,50\n")
+    out = tmp_path / "out.csv"
+    arguments = ["simulate", stage, "--input", force, "--stop", 1, "--set", "m=2.0", "stage.b=0"]
+    assert main([str(a) for a in [*arguments, "--record", "v", "--out", out]]) == 0
+    run = pd.read_csv(out)
+    assert list(run.columns) == ["time", "stage.v"]
+    # Far above friction, m v = integral of (u - F_c).
+    assert run["stage.v"].iloc[-1] == pytest.approx((25 - 5.999) / 2.0, rel=0.1)
+    assert "m/s" in capsys.readouterr().out
+
+
+def test_design_prints_what_was_asked_for(tmp_path, capsys):
+    assert main(["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]) == 0
+    design = json.loads((tmp_path / "design.json").read_text())
+    assert design["crossover_Hz"] == pytest.approx(80, rel=1e-6)
+    assert design["phase_margin_deg"] == pytest.approx(55, rel=1e-6)
+    assert "K_p" in capsys.readouterr().out
+
+
+def test_identify_writes_values_with_errors(tmp_path, capsys):
+    assert main(["identify", "--set", "drive.F_c=7", "--out", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "identified.json").read_text())
+    assert found["F_c"]["value"] == pytest.approx(7.0, rel=0.05)
+    assert found["F_c"]["unit"] == "N"
+    assert "F_c" in capsys.readouterr().out
+
+
+def test_export_takes_what_was_learned(results, tmp_path, capsys):
+    learned = results / "learned.json"
+    assert main(["export", "compensator", "--parameters", str(learned), "--out", str(tmp_path)]) == 0
+    exported = tmp_path / "compensator.fmu"
+    assert exported.read_bytes() == (results / "compensator.fmu").read_bytes()
+    assert str(exported) in capsys.readouterr().out
+
+
+def test_wrong_names_are_told(stage, capsys):
+    assert "there is no model 'stag'" in complaint(capsys, "build", "stag")
+    assert "no variable 'mm'" in complaint(capsys, "simulate", stage, "--set", "mm=1")
+    assert "drive has no parameter F_x" in complaint(capsys, "reproduce", "--set", "drive.F_x=1")
+    assert "only the drive's" in complaint(capsys, "reproduce", "--set", "stage.F_c=1")
+    assert "foo" in complaint(capsys, "simulate", stage, "--record", "foo")
+
+
+def test_wrong_values_are_told(stage, capsys):
+    assert "outside" in complaint(capsys, "simulate", stage, "--set", "m=-1")
+    assert "outside" in complaint(capsys, "reproduce", "--set", "drive.F_c=-1")
+    assert "must be a number" in complaint(capsys, "reproduce", "--set", "drive.F_c=x")
+    assert "expected NAME=VALUE" in complaint(capsys, "simulate", stage, "--set", "m")
+    assert "--workers" in complaint(capsys, "reproduce", "--workers", "0")
+    assert "does not divide" in complaint(capsys, "simulate", stage, "--stop", "0.1001")
+    assert "out of reach" in complaint(capsys, "design", "--phase-margin", "89")
+
+
+def test_wrong_files_are_told(stage, tmp_path, capsys):
+    text = tmp_path / "text.fmu"
+    text.write_text("no zip")
+    assert "not a zip" in complaint(capsys, "simulate", text)
+    assert "No such file" in complaint(capsys, "simulate", tmp_path / "none.fmu")
+    assert "expected a file" in complaint(capsys, "simulate", tmp_path / "loop.xml")
+    assert "time" in complaint(capsys, "simulate", stage, "--input", text)
+    assert "not a learned.json" in complaint(
+        capsys, "export", "compensator", "--parameters", text, "--out", tmp_path
+    )
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_the_work(tmp_path, stage, capsys):
+    taken = tmp_path / "file"
+    taken.write_text("here already")
+    assert "cannot write there" in complaint(capsys, "reproduce", "--out", taken)
+    assert "cannot write there" in complaint(capsys, "simulate", stage, "--out", taken / "x.csv")
+    assert taken.read_text() == "here already"
+
+
+def test_debug_shows_the_traceback(stage):
+    with pytest.raises(ValueError, match="no variable"):
+        main(["simulate", str(stage), "--set", "mm=1", "--debug"])
+
+
+def test_a_connection_to_nothing_is_told(results, tmp_path, capsys):
+    broken = tmp_path / "broken.ssp"
+    content = rename_end(results / "loop.ssp", b'endConnector="F_ff"', b'endConnector="F_gg"')
+    broken.write_bytes(content)
+    line = complaint(capsys, "simulate", broken)
+    assert "compensator.F_mean" in line
+    assert "controller.F_gg" in line
+
+
+def rename_end(package, old: bytes, new: bytes) -> bytes:
+    import io
+    import zipfile
+
+    stream = io.BytesIO()
+    with zipfile.ZipFile(package) as source, zipfile.ZipFile(stream, "w") as target:
+        for name in source.namelist():
+            content = source.read(name)
+            target.writestr(name, content.replace(old, new) if name.endswith(".ssd") else content)
+    return stream.getvalue()

@@ -1,0 +1,88 @@
+"""The paper's claims, on the FMUs."""
+
+import numpy as np
+import pytest
+
+import ga
+from stickslip.learning import Study, learn
+from stickslip.loop import build_fmus, paper_loop
+from stickslip.parameters import LUGRE, PAPER
+from stickslip.reproduction import Options, reproduce
+from stickslip.setup import LOOP, TRAINING, VALIDATION
+
+
+def measured(table):
+    rows = table[table.velocity == "measured"]
+    return rows.set_index(["region", "metric"])
+
+
+def test_without_compensation_table_4_is_the_papers_within_5_percent(reproduction):
+    table = measured(reproduction.validation.table())
+    assert table["without"].to_numpy() == pytest.approx(table.paper_without.to_numpy(), rel=0.05)
+
+
+def test_compensation_reduces_the_errors_far_beyond_the_paper(reproduction):
+    table = measured(reproduction.validation.table())
+    assert (table.reduction > table.paper_reduction).all()
+    assert (table.reduction.to_numpy() >= [0.85, 0.90, 0.85, 0.90]).all()
+
+
+def test_the_true_velocity_improves_too(reproduction):
+    table = reproduction.validation.table()
+    assert (table[table.velocity == "true"].reduction > 0.8).all()
+
+
+def test_learned_coulomb_friction_is_within_1_percent_of_the_drive(reproduction):
+    learned = reproduction.learned.values["F_c"]
+    assert learned == pytest.approx(reproduction.truth["F_c"], rel=0.01)
+
+
+def test_a_parameter_that_learning_made_worse_is_remarked(reproduction):
+    for row in reproduction.table2().itertuples():
+        if row.parameter in LUGRE:
+            worse = abs(row.learned / row.drive - 1) > abs(row.identified / row.drive - 1)
+            assert ("farther from the drive" in row.remark) == worse
+
+
+def test_the_best_cost_never_rises(reproduction):
+    assert (np.diff(reproduction.algorithm.convergence().best_cost) <= 0).all()
+
+
+def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
+    truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
+    found = reproduce(Options(truth=truth), tmp_path, quiet)
+    assert found.learned.values["F_c"] == pytest.approx(3.0, rel=0.01)
+    assert (measured(found.validation.table()).reduction > 0.8).all()
+
+
+@pytest.mark.parametrize("command", [TRAINING, VALIDATION], ids=["training", "trapezoid"])
+@pytest.mark.parametrize("current_loop", [False, True])
+def test_with_exact_parameters_the_loop_is_the_nominal_loop(
+    reproduction, tmp_path, command, current_loop
+):
+    """Fig. 2(a) reduces to Fig. 2(b): RMS(v - v_r) below 0.1 % of RMS(v)."""
+    build_fmus(tmp_path, {"encoder": False, "dac": False, "current_loop": current_loop})
+    exact = {name: PAPER[name] for name in LUGRE}
+    system = paper_loop(tmp_path, reproduction.identification.loop, exact)
+    record = ["drive.v", "nominal.v_r"]
+    with system.prepare(step=LOOP.T_s, stop=10.0, record=record) as simulation:
+        run = simulation.run(inputs={"v_cmd": command})
+    gap = run["drive.v"] - run["nominal.v_r"]
+    assert np.sqrt(np.mean(gap**2)) < 1e-3 * np.sqrt(np.mean(run["drive.v"] ** 2))
+
+
+def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, make_rig):
+    rig = make_rig()
+    settings = ga.Settings(**{**vars(ga.PAPER), "generations": 8})
+    v_cmd = TRAINING.sample(rig.samples(2.0))
+
+    def run(workers):
+        study = Study(
+            rig, reproduction.identification, v_cmd, settings=settings, seed=3, workers=workers
+        )
+        return learn(study).convergence()
+
+    serial, parallel = run(workers=1), run(workers=2)
+    assert serial.to_csv() == parallel.to_csv()
+    assert (np.diff(serial.best_cost) <= 0).all()
+    assert len(serial) == 8

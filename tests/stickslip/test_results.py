@@ -1,0 +1,78 @@
+"""The files that a reproduction leaves behind."""
+
+import hashlib
+import json
+
+import fmpy
+import numpy as np
+import pandas as pd
+import pytest
+
+import cosim
+from stickslip.cli import main
+from stickslip.default_input import packed_input
+from stickslip.parameters import LUGRE
+
+FILES = {
+    *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),
+    *("compensator.fmu", "loop.ssp"),
+    *(
+        f"{name}.{ending}"
+        for name in ("fig2_loops", "fig5_fitness", "fig6_tracking")
+        for ending in ("png", "svg")
+    ),
+}
+
+
+def test_all_files_are_there_and_the_manifest_knows_them(results):
+    present = {path.name for path in results.iterdir()}
+    assert present >= FILES
+    manifest = json.loads((results / "manifest.json").read_text())
+    assert manifest["sha256"].keys() == present - {"manifest.json"}
+    for name, digest in manifest["sha256"].items():
+        assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
+
+
+def test_tables_have_the_columns_that_others_rely_on(results):
+    table2 = pd.read_csv(results / "table2.csv")
+    assert list(table2.columns[:7]) == [
+        *("parameter", "unit", "paper", "drive", "identified", "learned", "spread")
+    ]
+    table4 = pd.read_csv(results / "table4.csv")
+    assert list(table4.columns) == [
+        *("velocity", "region", "metric", "without", "with", "reduction"),
+        *("paper_without", "paper_with", "paper_reduction"),
+    ]
+    assert len(table4) == 8
+    fitness = pd.read_csv(results / "fitness.csv")
+    assert list(fitness.columns) == ["generation", "evaluations", "best_cost", "mean_cost"]
+
+
+def test_the_compensator_starts_with_what_was_learned(results):
+    learned = json.loads((results / "learned.json").read_text())["parameters"]
+    description = fmpy.read_model_description(results / "compensator.fmu")
+    start = {v.name: float(v.start) for v in description.modelVariables if v.name in LUGRE}
+    assert start == {name: learned[name]["value"] for name in LUGRE}
+
+
+def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_path, capsys):
+    out = tmp_path / "run.csv"
+    assert main(["simulate", str(results / "loop.ssp"), "--out", str(out)]) == 0
+    run = pd.read_csv(out)
+    expected = reproduction.validation.compensated
+    assert run["time"].to_numpy() == pytest.approx(expected.t)
+    assert run["drive.v"].to_numpy() == pytest.approx(expected.v["true"], abs=1e-9)
+    assert "drive.v" in capsys.readouterr().out
+
+
+def test_the_packed_input_is_the_trapezoid(results, reproduction):
+    signal = packed_input(results / "loop.ssp")["v_cmd"]
+    run = reproduction.validation.compensated
+    assert signal.sample(run.t) == pytest.approx(run.v_cmd, abs=1e-12)
+
+
+def test_the_package_is_plain_ssp(results):
+    system, experiment = cosim.read_ssp(results / "loop.ssp")
+    assert list(system.components) == ["nominal", "compensator", "controller", "drive"]
+    assert experiment.step == 5e-4
+    assert np.isfinite(experiment.stop)
