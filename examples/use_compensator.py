@@ -43,7 +43,7 @@ fmu = models.build_fmu("compensator", folder, start=values)
 # 3. A velocity command: to and fro within the presliding range at first, then sliding.
 time = STEP * np.arange(round(STOP / STEP) + 1)  # s
 velocity = np.where(time < 0.5, 1e-4, 4e-3) * np.sin(2 * np.pi * 4 * time)  # m/s
-way = STEP * np.cumsum(velocity)  # m
+displacement = STEP * np.cumsum(velocity)  # m
 
 # 4. Alone in FMPy. Inputs are a structured array: time first, then a column per input.
 table = np.array(list(zip(time, velocity, strict=True)), dtype=[("time", "f8"), ("v", "f8")])
@@ -68,14 +68,16 @@ print(f"largest force {peaks[0]:.3f} N within presliding, {peaks[1]:.3f} N when 
 v = np.linspace(-4e-3, 4e-3, 1000)  # m/s
 stribeck = values["F_c"] + (values["F_s"] - values["F_c"]) * np.exp(-np.abs(v) / values["v_s"])
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
-left.plot(1e3 * v, np.sign(v) * stribeck, "k--", linewidth=1, label="at constant velocity")
+left.plot(1e3 * v, np.sign(v) * stribeck, "k--", linewidth=1, label="steady")
 left.plot(1e3 * velocity[sliding], force[sliding], label="4 Hz, 4 mm/s")
 left.set(xlabel="velocity [mm/s]", title="Sliding: the Stribeck curve, with hysteresis")
-right.plot(1e6 * way[presliding], force[presliding], color="tab:orange", label="4 Hz, 0.1 mm/s")
-right.set(xlabel="way [µm]", title="Presliding: the bristles act as a spring")
+right.plot(
+    1e6 * displacement[presliding], force[presliding], color="tab:orange", label="4 Hz, 0.1 mm/s"
+)
+right.set(xlabel="displacement [µm]", title="Presliding: bristles bend as a spring")
 for axes in (left, right):
     axes.set_ylabel("friction force [N]")
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper left")
+    axes.legend(loc="upper left", fontsize="small")
 figure.savefig(folder / "use_compensator.png", dpi=150)
 print(f"written: {folder / 'use_compensator.png'} and {fmu.name} beside it")

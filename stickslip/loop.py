@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 import cosim
 import models
 from cosim.control import VelocityLoop
 
 Feed = Literal["nominal", "command"]
+NOMINAL_ORDER = 8
+"""States that the nominal-loop FMU has room for."""
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 
 
@@ -83,14 +87,18 @@ def _add_feedforward(
 
 
 def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
-    """Return the parameters of the nominal-loop FMU: the matrices of ``loop.nominal``."""
+    """Return the parameters of the nominal-loop FMU: the matrices of ``loop.nominal``.
+
+    What the order of the loop leaves unused is 0, whatever the FMU starts with.
+    """
     nominal = loop.nominal
+    matrices = {"A": nominal.A, "B": nominal.B[:, 0], "C": nominal.C[0]}
     values = {"T_s": loop.T_s, "D": float(nominal.D[0, 0])}
-    for i in range(nominal.nstates):
-        values[f"B[{i + 1}]"] = float(nominal.B[i, 0])
-        values[f"C[{i + 1}]"] = float(nominal.C[0, i])
-        for k in range(nominal.nstates):
-            values[f"A[{i + 1},{k + 1}]"] = float(nominal.A[i, k])
+    for name, matrix in matrices.items():
+        room = np.zeros((NOMINAL_ORDER,) * matrix.ndim)
+        room[tuple(slice(n) for n in matrix.shape)] = matrix
+        for index, value in np.ndenumerate(room):
+            values[f"{name}[{','.join(str(i + 1) for i in index)}]"] = float(value)
     return values
 
 

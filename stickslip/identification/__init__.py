@@ -66,6 +66,7 @@ def identify(
         "v_s": friction.v_s.value,
     }
     on_stage("presliding")
-    presliding = measure_presliding(rig, known)
+    weaker = min(friction.breakaway) / (0.5 * sum(friction.breakaway))
+    presliding = measure_presliding(rig, known, weaker * min(known["F_s"], 1.2 * known["F_c"]))
     loop = design_velocity_loop(rig.datasheet.axis(known["m"], known["b"]), specification)
     return Identification(inertia, friction, presliding, loop)

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from cosim.control import VelocityLoop
 from stickslip.errors import IdentificationError
 from stickslip.identification.estimate import Estimate, covariance
-from stickslip.measurement import Array
+from stickslip.measurement import Array, measured_velocity
 from stickslip.rig import Rig
 
 SPEEDS = np.geomspace(0.25e-3, 40e-3, 12)  # [m/s]
@@ -18,7 +18,7 @@ SETTLE = 2.0  # before the force is averaged [s]
 AVERAGE = 2.0  # [s]
 BLOCKS = 8  # means whose scatter gives the standard error of a point
 RAMP = 0.25  # rate of the break-away ramp, in Coulomb forces per second
-MOVED = 100  # encoder steps that count as break-away
+SLIDING = 2e-3  # velocity that counts as break-away: no bristle creeps as fast [m/s]
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class FrictionMap:
     velocity, force, error : (n,) the points: speed with its sign [m/s], mean force and its
         standard error [N]
     breakaway : force at which the stage broke away, forward and back [N]
-    ramp_rate : of the force that led there [N/s]; a faster ramp breaks away later
+    ramp_rate : of the force that led there, at first [N/s]; a faster ramp breaks away later
     """
 
     b: Estimate
@@ -50,13 +50,13 @@ class FrictionMap:
         return np.sign(v) * _friction(np.abs(v), values)
 
 
-def measure_friction(rig: Rig, loop: VelocityLoop, F_c: float) -> FrictionMap:
+def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> FrictionMap:
     """Drive at constant velocities, break away from rest, and fit the Stribeck curve.
 
     Parameters
     ----------
     loop : holds the velocity
-    F_c : coarse Coulomb friction, which scales the ramp [N]
+    coarse_F_c : Coulomb friction of stage 1, which scales the ramp [N]
 
     Raises
     ------
@@ -66,7 +66,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, F_c: float) -> FrictionMap:
     velocity = np.concatenate([-SPEEDS[::-1], SPEEDS])
     points = np.array([_mean_force(rig, loop, v) for v in velocity])
     force, error = points.T
-    rate = RAMP * abs(F_c)
+    rate = RAMP * abs(coarse_F_c)
     breakaway = (_break_away(rig, rate, 1.0), _break_away(rig, rate, -1.0))
 
     # Both directions together; an offset and an asymmetry cancel. Standstill is F_s.
@@ -77,20 +77,30 @@ def measure_friction(rig: Rig, loop: VelocityLoop, F_c: float) -> FrictionMap:
     weight = 1.0 / np.maximum(scatter, 1e-3 * mean.max())
 
     def residual(p: Array) -> Array:
-        return np.asarray((_friction(speed, np.append(p[0], np.exp(p[1:]))) - mean) * weight)
+        return np.asarray((_friction(speed, _values(p)) - mean) * weight)
 
     low = max(float(mean[1:].min()), 1e-3 * float(mean.max()))
-    high = max(float(mean.max()), 1.001 * low)
+    rise = max(float(mean.max()) - low, 1e-3 * low)
     fits = [
-        least_squares(residual, [0.0, np.log(low), np.log(high), np.log(v_s)], x_scale="jac")
+        least_squares(residual, [0.0, np.log(low), np.log(rise), np.log(v_s)], x_scale="jac")
         for v_s in np.geomspace(SPEEDS[0], SPEEDS[-1] / 4, 4)
     ]
     fit = min(fits, key=lambda candidate: candidate.cost)
-    values = np.append(fit.x[0], np.exp(fit.x[1:]))
-    relative = np.sqrt(np.diag(covariance(np.asarray(fit.jac), fit.fun)))
-    errors = relative * np.append(1.0, values[1:])
-    b, F_c_, F_s, v_s = (Estimate(float(v), float(e)) for v, e in zip(values, errors, strict=True))
-    return FrictionMap(b, F_c_, F_s, v_s, velocity, force, error, breakaway, rate)
+    values = _values(fit.x)
+    slope = np.diag(np.append(1.0, np.exp(fit.x[1:])))
+    slope[2, 1] = values[1]  # F_s is F_c and a rise
+    spread = slope @ covariance(np.asarray(fit.jac), fit.fun) @ slope.T
+    b, F_c, F_s, v_s = (
+        Estimate(float(value), float(error))
+        for value, error in zip(values, np.sqrt(np.diag(spread)), strict=True)
+    )
+    return FrictionMap(b, F_c, F_s, v_s, velocity, force, error, breakaway, rate)
+
+
+def _values(p: Array) -> Array:
+    """Return b, F_c, F_s, v_s from the fit's variables, which keep F_s > F_c > 0."""
+    F_c = np.exp(p[1])
+    return np.array([p[0], F_c, F_c + np.exp(p[2]), np.exp(p[3])])
 
 
 def _friction(speed: Array, p: Array) -> Array:
@@ -107,14 +117,18 @@ def _mean_force(rig: Rig, loop: VelocityLoop, v: float) -> tuple[float, float]:
 
 
 def _break_away(rig: Rig, rate: float, direction: float) -> float:
-    """Ramp the force up from rest until the stage slides; return the force [N] without sign."""
-    duration = 8.0 / RAMP  # up to eight times the coarse Coulomb force
-    log = rig.push(direction * rate * rig.samples(duration))
-    way = np.abs(log.x_enc - log.x_enc[0])
-    slid = np.flatnonzero(way > MOVED * rig.datasheet.encoder_step)
-    if not len(slid):
-        raise IdentificationError(
-            f"break-away: a ramp of {rate:.3g} N/s up to {rate * duration:.3g} N moved the stage "
-            f"by {way.max():.3g} m only; friction is higher than stage 1 found"
-        )
-    return float(np.abs(log.F_m[: slid[0]]).max())
+    """Ramp the force up from rest until the stage slides; return the force [N] without sign.
+
+    A ramp that ends before is repeated at twice the rate, up to the peak force.
+    """
+    t = rig.samples(8.0 / RAMP)
+    while rate * t[-1] < 2.0 * rig.datasheet.peak_force:
+        log = rig.push(direction * rate * t)
+        slid = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) > SLIDING)
+        if len(slid):
+            return float(np.abs(log.F_m[: slid[0]]).max())
+        rate *= 2.0
+    raise IdentificationError(
+        f"break-away: the peak force of {rig.datasheet.peak_force:g} N does not make the stage "
+        "slide"
+    )

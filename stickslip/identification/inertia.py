@@ -60,7 +60,8 @@ def measure_inertia(rig: Rig) -> Inertia:
     a = np.gradient(v, rig.T_s)
     force = smoothed(log.F_m, rig.T_s, CUTOFF)
     ends = 0.1  # the filter settles [s]
-    used = (np.abs(v) > FAST * np.abs(v).max()) & (t > ends) & (t < t[-1] - ends)
+    inner = (t > ends) & (t < t[-1] - ends)
+    used = inner & ((v > FAST * v[inner].max()) | (v < FAST * v[inner].min()))
     regressors = np.column_stack([a, v, np.sign(v), np.ones_like(a)])[used]
     values, *_ = np.linalg.lstsq(regressors, force[used], rcond=None)
     errors = np.sqrt(np.diag(covariance(regressors, force[used] - regressors @ values)))

@@ -15,7 +15,7 @@ from stickslip.measurement import Array
 from stickslip.rig import Log, Rig
 
 LEVELS = (0.6, 0.0, -0.6, 0.3, -0.3, 0.7, 0.1, -0.5, 0.5, -0.7, 0.2, -0.2, 0.65, -0.4, 0.4, 0.0)
-"""Force steps in shares of the break-away force."""
+"""Force steps in shares of the force that the stage holds."""
 HOLD = 0.1  # of each level [s]
 
 
@@ -37,12 +37,13 @@ class Presliding:
     x_fit: Array
 
 
-def measure_presliding(rig: Rig, known: Mapping[str, float]) -> Presliding:
+def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Presliding:
     """Step the force below break-away and fit the stage FMU's position to the encoder's.
 
     Parameters
     ----------
     known : m, b, F_s, F_c and v_s from the stages before, in SI units
+    force : scale of the steps, at which the stage does not yet slide in its weaker direction [N]
 
     Raises
     ------
@@ -51,7 +52,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float]) -> Presliding:
     """
     t = rig.samples(HOLD * len(LEVELS))
     level = np.minimum((t / HOLD + 1e-9).astype(int), len(LEVELS) - 1)
-    log = rig.push(np.array(LEVELS)[level] * min(known["F_s"], 1.2 * known["F_c"]))
+    log = rig.push(np.array(LEVELS)[level] * force)
     deflection = np.ptp(log.x_enc) / 2.0
     if deflection < rig.datasheet.encoder_step:
         raise IdentificationError(
@@ -59,7 +60,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float]) -> Presliding:
             f"{rig.datasheet.encoder_step:.3g} m; a finer encoder is needed to see sigma_0"
         )
     # Held over the sample before it, F_m is what the current loop has settled to.
-    force = np.append(log.F_m[1:], log.F_m[-1])
+    applied = np.append(log.F_m[1:], log.F_m[-1])
     system = cosim.System("presliding")
     system.add("stage", rig.fmus / "stage.fmu", known)
     system.expose("u", "stage.u")
@@ -67,7 +68,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float]) -> Presliding:
 
         def position(p: Array) -> Array:
             values = {"stage.sigma_0": float(np.exp(p[0])), "stage.sigma_1": float(np.exp(p[1]))}
-            return simulation.run(parameters=values, inputs={"u": force})["stage.x"]
+            return simulation.run(parameters=values, inputs={"u": applied})["stage.x"]
 
         def residual(p: Array) -> Array:
             gap = position(p) - log.x_enc

@@ -78,14 +78,15 @@ def _compensated(sheet: Sheet, reproduction: Reproduction) -> None:
         sheet.arrow(nominal.right, compensator.left)
         sheet.text((51, high + 2.8), r"$v_r$")
     else:
-        above = high + 10.0
+        above = high + 8.8
         sheet.node((branch[0], high))
         sheet.arrow(
             (branch[0], high), (branch[0], above), (compensator.x, above),
             (compensator.x, compensator.top),
         )  # fmt: skip
         sheet.arrow(nominal.right, (54, high))
-        sheet.text((51, high + 2.8), r"$v_r$")
+        sheet.text((49, high + 2.8), r"$v_r$")
+        sheet.text((49, high - 2.8), "to (6)", small=True)
     sheet.arrow((force[0], compensator.bottom), (force[0], middle + RADIUS))
 
     for at in (branch, velocity, tap):

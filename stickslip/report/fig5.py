@@ -21,7 +21,7 @@ def draw(reproduction: Reproduction) -> Figure:
     mean = line["mean_cost"].to_numpy(dtype=float)
     identified = float(algorithm.history["cost"].iloc[0])
 
-    figure = new_figure(COLUMN, 72.0)
+    figure = new_figure(COLUMN, 78.0)
     axes = figure.add_subplot()
     axes.set_yscale("log")
     axes.grid(visible=True, axis="y")
@@ -43,7 +43,7 @@ def draw(reproduction: Reproduction) -> Figure:
     axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
     axes.set_xlabel("Generation [1]")
     axes.set_ylabel(r"Cost $\sum (v - v_r)^2$ [m$^2$/s$^2$]")
-    axes.legend(loc="upper right")
+    figure.legend(loc="outside lower center", ncols=2)
 
     # After the first generation each one adds as many evaluations.
     span = max(generation[-1] - generation[0], 1.0)

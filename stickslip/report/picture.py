@@ -37,6 +37,7 @@ class Picture:
         """Draw a figure in the house style."""
         with house_style():
             figure = draw(reproduction)
+            _settle(figure)
             png, svg = io.BytesIO(), io.BytesIO()
             figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})
             figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
@@ -49,3 +50,14 @@ class Picture:
         As an image of its own its ids and styles do not meet those of the page.
         """
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
+
+
+def _settle(figure: Figure) -> None:
+    """Place the axes for good, to six digits: the layout's solver varies in the last ones."""
+    if figure.get_layout_engine() is None:
+        return
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = (round(side, 6) for side in axes.get_position().bounds)
+        axes.set_position((left, bottom, width, height))

@@ -50,12 +50,19 @@ class Fmu:
             if v.role == "parameter" and v.type in values
         }
 
+    def sizes(self) -> dict[str, float]:
+        """Return how far to move each input; positions little, for their speed is what counts."""
+        return {
+            v.name: (v.nominal or 1.0) * (1e-3 if v.unit == "m" else 1.0)
+            for v in self.model.variables
+            if v.role == "input"
+        }
+
     def inputs(self, n: int) -> dict[str, float]:
         """Return inputs for step n that move everything, a different way each."""
         return {
-            v.name: (v.nominal or 1.0) * (math.sin(0.05 * (k + 1) * n + k) + 0.3 * (n % 3))
-            for k, v in enumerate(self.model.variables)
-            if v.role == "input"
+            name: size * (math.sin(0.05 * (k + 1) * n + k) + 0.3 * (n % 3))
+            for k, (name, size) in enumerate(self.sizes().items())
         }
 
 

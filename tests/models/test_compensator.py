@@ -106,8 +106,7 @@ def test_viscous_term_of_equation_5(alone):
     np.testing.assert_allclose(extra[1:], 30.0 * v[:-1], atol=1e-12)
 
 
-def test_parameters_act_from_the_next_step_on(alone, fmus):
-    """Tunable: steady sliding takes on the new Coulomb force."""
+def test_steady_sliding_gives_the_coulomb_force(alone):
     with alone("compensator", step=STEP, stop=0.5) as simulation:
         for F_c in (2.0, 5.0):
             result = simulation.run(inputs={"v": 0.05}, parameters={"compensator.F_c": F_c})

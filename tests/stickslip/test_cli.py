@@ -44,7 +44,9 @@ def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):
 
 
 def test_design_prints_what_was_asked_for(tmp_path, capsys):
-    assert main(["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]) == 0
+    assert (
+        main(["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]) == 0
+    )
     design = json.loads((tmp_path / "design.json").read_text())
     assert design["crossover_Hz"] == pytest.approx(80, rel=1e-6)
     assert design["phase_margin_deg"] == pytest.approx(55, rel=1e-6)
@@ -61,7 +63,9 @@ def test_identify_writes_values_with_errors(tmp_path, capsys):
 
 def test_export_takes_what_was_learned(results, tmp_path, capsys):
     learned = results / "learned.json"
-    assert main(["export", "compensator", "--parameters", str(learned), "--out", str(tmp_path)]) == 0
+    assert (
+        main(["export", "compensator", "--parameters", str(learned), "--out", str(tmp_path)]) == 0
+    )
     exported = tmp_path / "compensator.fmu"
     assert exported.read_bytes() == (results / "compensator.fmu").read_bytes()
     assert str(exported) in capsys.readouterr().out

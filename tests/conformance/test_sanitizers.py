@@ -1,0 +1,51 @@
+"""The C of every FMU runs clean under the address and undefined-behaviour sanitizers."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from models.export import package
+from models.export.headers import table_header
+
+SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1")
+
+
+@pytest.fixture(scope="session")
+def compiler(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Find a system compiler whose sanitizers work; ziglang brings none for addresses."""
+    folder = tmp_path_factory.mktemp("compiler")
+    source = folder / "empty.c"
+    source.write_text("int main(void) { return 0; }\n")
+    program = folder / "empty"
+    for name in filter(shutil.which, ("gcc", "clang", "cc")):
+        command = [name, *SANITIZE, str(source), "-o", str(program)]
+        if all(
+            subprocess.run(c, capture_output=True).returncode == 0 for c in (command, [program])
+        ):
+            return name
+    pytest.skip("no gcc or clang with working address and undefined-behaviour sanitizers")
+
+
+def test_a_whole_life_is_clean(fmu, compiler, tmp_path):
+    token = package._token(fmu.model, fmu.version)
+    files = package._sources(fmu.model, fmu.version) | package._fmi_headers()
+    files["table.h"] = table_header(fmu.model, token)
+    files["driver.c"] = Path(__file__).with_name("driver.c").read_text()
+    for path, text in files.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text)
+    sources = sorted(path for path in files if path.endswith(".c"))
+    build = [compiler, *SANITIZE, f"-DFMI={fmu.version}", "-std=c11", "-ffp-contract=off"]
+    built = subprocess.run(
+        [*build, "-I.", "-isystem", "system", *sources, "-o", "driver"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert built.returncode == 0, built.stderr
+    done = subprocess.run([tmp_path / "driver"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")

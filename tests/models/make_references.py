@@ -1,0 +1,154 @@
+"""Writes models/*/reference.csv: what each model does in a short run, calculated without it.
+
+    python tests/models/make_references.py [FOLDER]
+
+Nothing here calls the C of models/: differential equations are solved by scipy's Radau at a
+relative tolerance of 1e-10, the rest by numpy from the closed form or the difference equations.
+Parameters are the start values of model.toml. Inputs hold from one row to the next.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.integrate import solve_ivp
+
+import models
+from toolchain import write_whole
+
+Columns = dict[str, np.ndarray]
+Parameters = dict[str, float]
+STEP = 5e-4  # s
+Z_UNIT = 1e-6  # the solver sees the bristle in um, so that one absolute tolerance fits all
+
+
+def start_values(name: str) -> Parameters:
+    """Return the parameters of a model by name."""
+    return {v.name: v.start for v in models.load_model(name).variables if v.role == "parameter"}
+
+
+def stribeck(v: np.ndarray | float, p: Parameters) -> np.ndarray:
+    """Return g(v) [N], equation (4)."""
+    return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((abs(v) / p["v_s"]) ** p["delta"]))
+
+
+def bristle_rate(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
+    """Return dz/dt [m/s], equation (2)."""
+    return v - p["sigma_0"] * abs(v) / stribeck(v, p) * z
+
+
+def friction(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
+    """Return F_f [N], equation (3)."""
+    return p["sigma_0"] * z + p["sigma_1"] * bristle_rate(v, z, p)
+
+
+def hold(y: np.ndarray, p: Parameters, force: Callable[[float], float]) -> np.ndarray:
+    """Return x, v, z after one step under a force [N] that is a function of the time in it [s]."""
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        v, z = y[1], y[2] * Z_UNIT
+        dv = (force(t) - p["b"] * v - friction(v, z, p)) / p["m"]
+        return [v, dv, bristle_rate(v, z, p) / Z_UNIT]
+
+    scaled = y / [1.0, 1.0, Z_UNIT]
+    end = solve_ivp(motion, (0.0, STEP), scaled, "Radau", rtol=1e-10, atol=1e-13).y[:, -1]
+    return end * [1.0, 1.0, Z_UNIT]
+
+
+def stage(p: Parameters) -> Columns:
+    """Break away, turn, stop."""
+    t = np.arange(201) * STEP
+    u = 15.0 * np.sin(2 * np.pi * 14.0 * t) * np.where(t < 0.08, 1.0, 0.2)
+    y = [np.zeros(3)]
+    for force in u[:-1]:
+        y.append(hold(y[-1], p, lambda _, force=force: force))
+    x, v, z = np.transpose(y)
+    return {"time": t, "u": u, "x": x, "v": v, "F_f": friction(v, z, p)}
+
+
+def drive(p: Parameters) -> Columns:
+    """Move as the stage, behind DAC and motor lag."""
+    t = np.arange(201) * STEP
+    u = 15.0 * np.sin(2 * np.pi * 14.0 * t)
+    target = np.clip(np.rint(u / p["dac_step"]) * p["dac_step"], -p["u_max"], p["u_max"])
+    y, motor = [np.zeros(3)], [0.0]
+    for force in target[:-1]:
+        lack = motor[-1] - force
+        y.append(hold(y[-1], p, lambda t, f=force, k=lack: f + k * np.exp(-t / p["tau_i"])))
+        motor.append(force + lack * np.exp(-STEP / p["tau_i"]))
+    x, v, z = np.transpose(y)
+    x_enc = np.rint(x / p["encoder_step"]) * p["encoder_step"]
+    shown = {"x_enc": x_enc, "F_m": np.array(motor), "F_f": friction(v, z, p)}
+    return {"time": t, "u": u, **shown, "x": x, "v": v}
+
+
+def compensator(p: Parameters) -> Columns:
+    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
+    t = np.arange(401) * STEP
+    v = 0.03 * np.sin(2 * np.pi * 6.0 * t) * np.cos(2 * np.pi * 1.5 * t) + 1e-4
+    z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
+    for speed in v[:-1]:
+        end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
+        y = p["sigma_0"] * abs(speed) / stribeck(speed, p) * STEP
+        way = -(end - z) * np.expm1(-y)
+        mean_z = end - way / y
+        F_mean.append(p["sigma_0"] * mean_z + p["sigma_1"] * way / STEP)
+        z += way
+        F_f.append(friction(speed, z, p))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
+def velocity_controller(p: Parameters) -> Columns:
+    """Follow a sine with an encoder that lags behind it; the force runs into its limit."""
+    t = np.arange(201) * STEP
+    v_cmd = 0.03 * np.sin(2 * np.pi * 20.0 * t) + np.where((t > 0.06) & (t < 0.07), 0.05, 0.0)
+    x_enc = np.rint(2e-4 * (1.0 - np.cos(2 * np.pi * 20.0 * t - 0.2)) / 4e-7) * 4e-7
+    inputs = {
+        "v_cmd": v_cmd,
+        "a_cmd": np.gradient(v_cmd, STEP),
+        "x_enc": x_enc,
+        "F_ff": 6.0 * np.sign(v_cmd),
+    }
+    keep = np.exp(-p["T_s"] / p["tau_f"])
+    v, integral, x_last, u, v_est = 0.0, 0.0, x_enc[0], [0.0], [0.0]
+    for command, acceleration, x, feedforward in list(zip(*inputs.values(), strict=True))[:-1]:
+        v = keep * v + (1.0 - keep) * (x - x_last) / p["T_s"]
+        x_last, e = x, command - v
+        trial = integral + p["T_s"] * p["K_i"] * e
+        demand = p["K_p"] * e + trial + feedforward + p["m_ff"] * acceleration
+        u.append(np.clip(demand, -p["u_max"], p["u_max"]))
+        v_est.append(v)
+        if u[-1] == demand or np.sign(demand) != np.sign(e):
+            integral = trial
+    return {"time": t, **inputs, "u": np.array(u), "v_est": np.array(v_est)}
+
+
+def nominal_loop(p: Parameters) -> Columns:
+    """Follow a step and a sine."""
+    t = np.arange(101) * STEP
+    v_cmd = np.where(t < 0.02, 0.02, 0.03 * np.sin(2 * np.pi * 60.0 * t))
+    n = range(1, 9)
+    A = np.array([[p[f"A[{i},{k}]"] for k in n] for i in n])
+    B, C = (np.array([p[f"{name}[{i}]"] for i in n]) for name in "BC")
+    x, v_r = np.zeros(8), [0.0]
+    for command in v_cmd[:-1]:
+        x = A @ x + B * command
+        v_r.append(C @ x + p["D"] * command)
+    return {"time": t, "v_cmd": v_cmd, "v_r": np.array(v_r)}
+
+
+def main(folder: Path) -> None:
+    """Write every model's reference.csv below a folder."""
+    for calculate in (stage, drive, compensator, velocity_controller, nominal_loop):
+        name = calculate.__name__
+        table = pd.DataFrame(calculate(start_values(name)))
+        text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
+        write_whole(folder / name / "reference.csv", text)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(models.__file__).parent)

@@ -1,0 +1,206 @@
+"""The drive: amplifier, motor, stage and encoder, and what each switch adds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+STEP = 5e-4  # s
+IDEAL = {"drive.current_loop": False, "drive.dac": False, "drive.encoder": False}
+RECORD = ("drive.x_enc", "drive.F_m", "drive.F_f", "drive.x", "drive.v", "drive.z")
+TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+
+
+def force(t: np.ndarray) -> np.ndarray:
+    return 20 * np.sin(15 * t) * np.cos(2 * t)
+
+
+@pytest.fixture
+def run(alone):
+    """Run the drive: ``run(u, stop=1.0, F_c=3.0)``; u is an array, a function of time, a number."""
+
+    def run(u=force, stop=1.0, step=STEP, **parameters):
+        with alone("drive", RECORD, step=step, stop=stop) as simulation:
+            values = {f"drive.{name}": value for name, value in parameters.items()}
+            return simulation.run(values, {"u": u})
+
+    return run
+
+
+def test_without_its_extras_it_is_the_stage(alone, training_force):
+    u = np.append(training_force, 0.0)[:4001]
+    with alone("drive", RECORD, step=STEP, stop=2.0) as simulation:
+        drive = simulation.run(IDEAL, {"u": u})
+    with alone("stage", step=STEP, stop=2.0) as simulation:
+        stage = simulation.run(inputs={"u": u})
+    for name in ("x", "v", "F_f"):
+        np.testing.assert_array_equal(drive[f"drive.{name}"], stage[f"stage.{name}"])
+    np.testing.assert_array_equal(drive["drive.x_enc"], drive["drive.x"])
+    np.testing.assert_array_equal(drive["drive.F_m"][1:], u[:-1])
+
+
+def test_default_motion_against_radau(run):
+    """Lag of the motor force and DAC steps in; 60 holds from rest, each integrated on its own."""
+    p, m, b, tau = TABLE_2, 5.557, 6.6135, 1e-4
+    t = np.arange(61) * STEP
+    u = 15 * np.sin(150 * t)
+    target = np.round(u / 0.00625) * 0.00625
+    state, motor, expected = np.zeros(3), 0.0, [np.zeros(3)]
+    for command in target[:-1]:
+
+        def motion(t, y, command=command, motor=motor):
+            _, v, bent = y
+            z = bent * 1e-4
+            drive = command + (motor - command) * np.exp(-t / tau)
+            g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
+            dz = v - p["sigma_0"] * abs(v) / g * z
+            return [v, (drive - b * v - p["sigma_0"] * z - p["sigma_1"] * dz) / m, dz * 1e4]
+
+        state = solve_ivp(motion, (0, STEP), state, "Radau", rtol=1e-8, atol=1e-12).y[:, -1]
+        motor = command + (motor - command) * np.exp(-STEP / tau)
+        expected.append(state)
+    result = run(u, stop=0.03)
+    v = np.array(expected)[:, 1]
+    assert np.ptp(v) > 0.005
+    assert abs(result["drive.v"] - v).max() < 1e-6  # m/s
+
+
+def test_motor_force_lags_by_its_time_constant(run):
+    """F(t) = u (1 - e^(-t / tau_i)) after a step of the command."""
+    result = run(8.0, stop=5e-3, step=1e-4, tau_i=1e-3)
+    expected = 8.0 * (1 - np.exp(-np.arange(51) * 1e-4 / 1e-3))
+    np.testing.assert_allclose(result["drive.F_m"], expected, rtol=0, atol=1e-12)
+    assert run(8.0, stop=STEP, current_loop=False)["drive.F_m"][1] == 8.0
+
+
+def test_the_lag_moves_the_mass_by_the_impulse_it_delays(run):
+    """Without friction the velocity after a force step is behind by u tau_i / m."""
+    slippery = {"F_s": 1e-9, "F_c": 1e-9, "sigma_1": 0.0, "b": 0.0}
+    lagging = run(8.0, stop=0.1, tau_i=2e-3, **slippery)["drive.v"][-1]
+    prompt = run(8.0, stop=0.1, current_loop=False, **slippery)["drive.v"][-1]
+    assert prompt - lagging == pytest.approx(8.0 * 2e-3 / 5.557, rel=1e-5)
+
+
+def test_force_never_exceeds_the_peak(run):
+    result = run(lambda t: 1000 * np.sin(40 * t), current_loop=False)
+    assert result["drive.F_m"].max() == 205.0
+    assert result["drive.F_m"].min() == -205.0
+    assert run(1000.0, u_max=50.0, current_loop=False)["drive.F_m"][-1] == 50.0
+
+
+def test_force_comes_in_steps_of_the_dac(run):
+    result = run(current_loop=False, dac_step=0.5)
+    counts = result["drive.F_m"] / 0.5
+    np.testing.assert_array_equal(counts, np.round(counts))
+    assert abs(result["drive.F_m"][1:] - force(result.time)[:-1]).max() <= 0.25
+    assert len(np.unique(counts)) > 40
+
+
+def test_encoder_shows_the_nearest_of_its_steps(run):
+    result = run()
+    counts = result["drive.x_enc"] / 4e-7
+    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+    assert abs(result["drive.x_enc"] - result["drive.x"]).max() <= 2e-7 * (1 + 1e-9)
+    assert len(np.unique(np.round(counts))) > 100
+
+
+@pytest.mark.parametrize("change", [{"encoder": False}, {"encoder_step": 1e-3}, {"noise": True}])
+def test_what_is_measured_does_not_move_the_mass(run, change):
+    """Open loop, the true motion knows nothing of encoder and noise."""
+    plain, changed = run(), run(**change)
+    assert not np.array_equal(plain["drive.x_enc"], changed["drive.x_enc"])
+    for name in ("x", "v", "F_f"):
+        np.testing.assert_array_equal(plain[f"drive.{name}"], changed[f"drive.{name}"])
+
+
+SWITCHES = {
+    "asymmetric": "asymmetry",
+    "position_dependent": "position_amplitude",
+    "ripple": "ripple_amplitude",
+    "noise": "noise_x",
+}
+
+
+@pytest.mark.parametrize("switch", SWITCHES)
+def test_a_switch_that_is_off_hides_its_size(run, switch):
+    plain = run()
+    np.testing.assert_array_equal(plain.values, run(**{SWITCHES[switch]: 0.3}).values)
+    assert not np.array_equal(plain.values, run(**{switch: True}).values)
+
+
+def test_asymmetric_friction_differs_by_direction(run):
+    """Steady sliding: F_f = (1 + asymmetry) F_c forward, (1 - asymmetry) F_c backward."""
+    size = {"asymmetric": True, "asymmetry": 0.2, "b": 100.0, "stop": 3.0}
+    forward, backward = (run(u, **size)["drive.F_f"][-1] for u in (12.0, -12.0))
+    assert forward == pytest.approx(1.2 * 5.999, rel=1e-6)
+    assert backward == pytest.approx(-0.8 * 5.999, rel=1e-6)
+
+
+def test_friction_varies_along_the_guide(run):
+    """Slow sliding: F_f = F_c (1 + amplitude sin(2 pi x / period)), in phase with the position."""
+    result = run(
+        12.0,
+        stop=4.0,
+        b=300.0,
+        sigma_1=0.0,
+        position_dependent=True,
+        position_amplitude=0.3,
+        position_period=0.02,
+    )
+    sliding = result.time > 0.5
+    expected = 5.999 * (1 + 0.3 * np.sin(2 * np.pi * result["drive.x"] / 0.02))
+    assert np.ptp(result["drive.x"][sliding]) > 0.04
+    np.testing.assert_allclose(result["drive.F_f"][sliding], expected[sliding], rtol=5e-3)
+
+
+def test_ripple_pushes_with_the_period_of_the_magnets(run):
+    """m a + b v + F_f = u + amplitude sin(2 pi x / period), read off the motion."""
+    result = run(
+        20.0,
+        stop=1.0,
+        b=0.0,
+        ripple=True,
+        ripple_amplitude=3.0,
+        ripple_period=0.032,
+        current_loop=False,
+    )
+    x = result["drive.x"]
+    pushed = 5.557 * np.gradient(result["drive.v"], STEP) + result["drive.F_f"]
+    expected = 20.0 + 3.0 * np.sin(2 * np.pi * x / 0.032)
+    moving = slice(200, -1)
+    assert np.ptp(x) > 0.3
+    assert abs(pushed - expected)[moving].max() < 0.05
+    assert result["drive.F_m"][-1] == 20.0
+
+
+def test_noise_has_the_stated_deviation(run):
+    quiet = run(0.0, stop=10.0, encoder=False)
+    noisy = run(0.0, stop=10.0, encoder=False, noise=True, noise_x=2e-7, noise_F=0.1)
+    n = len(quiet.time)
+    for name, deviation in (("drive.x_enc", 2e-7), ("drive.F_m", 0.1)):
+        noise = noisy[name] - quiet[name]
+        assert noise.std() == pytest.approx(deviation, rel=5 / np.sqrt(2 * n))
+        assert abs(noise.mean()) < 5 * deviation / np.sqrt(n)
+    both = np.corrcoef(noisy["drive.x_enc"], noisy["drive.F_m"])[0, 1]
+    assert abs(both) < 5 / np.sqrt(n)
+
+
+def test_noise_is_a_function_of_its_seed(run):
+    one, same, other = (run(noise=True, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.values, same.values)
+    assert not np.array_equal(one["drive.F_m"], other["drive.F_m"])
+
+
+@pytest.mark.parametrize("sigma_0", [3.9e4, 1e8])
+@pytest.mark.parametrize("u", [205.0, 8.0])
+def test_extreme_stiffness_stays_finite(run, sigma_0, u):
+    result = run(
+        lambda t: u * np.sign(np.sin(60 * t)),
+        sigma_0=sigma_0,
+        asymmetric=True,
+        position_dependent=True,
+        ripple=True,
+    )
+    assert np.isfinite(result.values).all()
+    assert np.ptp(result["drive.v"]) > 0.0

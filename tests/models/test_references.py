@@ -1,0 +1,22 @@
+"""The reference.csv beside each model is what make_references.py calculates."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import models
+
+
+# Those of stage and drive take seconds; tests/conformance holds them against the models.
+@pytest.mark.parametrize("name", ["compensator", "velocity_controller", "nominal_loop"])
+def test_reference_is_up_to_date(name):
+    script = runpy.run_path(str(Path(__file__).with_name("make_references.py")))
+    fresh = pd.DataFrame(script[name](script["start_values"](name)))
+    kept = pd.read_csv(Path(models.__file__).parent / name / "reference.csv")
+    assert list(kept) == list(fresh)
+    np.testing.assert_allclose(kept, fresh, rtol=1e-12, atol=1e-13)

@@ -1,0 +1,135 @@
+"""The house stands as it was drawn: arrows run down, public names explain themselves."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import models
+
+ROOT = Path(models.__file__).parent.parent
+ALLOWED = {
+    "toolchain": set(),
+    "models": {"toolchain"},
+    "cosim": {"toolchain"},
+    "ga": {"cosim"},
+    "stickslip": {"ga", "cosim", "models", "toolchain"},
+}
+FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}
+
+
+def modules(package: str) -> Iterator[Path]:
+    yield from sorted((ROOT / package).rglob("*.py"))
+
+
+def imported(tree: ast.AST) -> Iterator[str]:
+    """Yield the top-level names that a module imports, wherever in it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.split(".")[0]
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_arrows_run_down(package):
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for path in modules(package)
+        for name in imported(ast.parse(path.read_text(encoding="utf-8")))
+        if name in ALLOWED and name not in {package, *ALLOWED[package]}
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_nothing_is_imported_relatively(package):
+    """Absolute imports only, so that the arrows can be read off the import lines."""
+    relative = [
+        str(path.relative_to(ROOT))
+        for path in modules(package)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.level
+    ]
+    assert not relative
+
+
+def test_importing_the_lower_rooms_loads_no_upper_one():
+    assert {name for deps in ALLOWED.values() for name in deps} < set(ALLOWED)
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_every_module_has_a_docstring(package):
+    silent = [
+        str(path.relative_to(ROOT))
+        for path in modules(package)
+        if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    assert not silent
+
+
+def public(package: str) -> Iterator[tuple[str, object]]:
+    """Yield the public names of a package, and the public methods of its classes."""
+    module = importlib.import_module(package)
+    for name in getattr(module, "__all__", []):
+        item = getattr(module, name)
+        yield f"{package}.{name}", item
+        if inspect.isclass(item):
+            for key, member in vars(item).items():
+                function = member.fget if isinstance(member, property) else member
+                if not key.startswith("_") and inspect.isfunction(function):
+                    yield f"{package}.{name}.{key}", function
+
+
+@pytest.mark.parametrize("package", [*ALLOWED, "cosim.control"])
+def test_public_names_have_docstrings(package):
+    """A dataclass without one would get its signature for a docstring, which does not count."""
+    silent = [
+        name
+        for name, item in public(package)
+        if (inspect.isclass(item) or inspect.isroutine(item))
+        and (not item.__doc__ or item.__doc__.startswith(f"{name.rpartition('.')[2]}("))
+    ]
+    assert not silent
+
+
+@pytest.mark.parametrize("package", ["toolchain", "models", "cosim", "ga"])
+def test_public_names_are_listed(package):
+    """`__all__` is sorted the way ruff sorts it, complete, and all of it exists."""
+    module = importlib.import_module(package)
+    assert module.__all__
+    assert all(hasattr(module, name) for name in module.__all__)
+
+
+@pytest.mark.parametrize("name", models.model_names())
+def test_a_model_is_four_files(name):
+    assert {path.name for path in (ROOT / "models" / name).iterdir()} == FOUR_FILES
+
+
+@pytest.mark.parametrize("name", models.model_names())
+def test_a_readme_explains_every_variable(name):
+    """Every variable of model.toml occurs in the README with its unit."""
+    model = models.load_model(name)
+    text = (ROOT / "models" / name / "README.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    for variable in model.variables[1:]:
+        symbol = re.sub(r"\[.*", "", variable.name)
+        row = [line for line in rows if f"`{symbol}`" in line]
+        assert row, f"{symbol} is in no table"
+        if variable.unit not in (None, "1"):
+            unit = variable.unit.replace("m/s2", "m/s²").replace("N.s/m", "N s/m")
+            assert any(f"| {unit} |" in line for line in row), f"{symbol} is not in {unit}"
+
+
+@pytest.mark.parametrize("name", models.model_names())
+def test_physics_knows_no_fmi(name):
+    """model.c names no standard, allocates nothing and keeps nothing between calls."""
+    text = (ROOT / "models" / name / "model.c").read_text(encoding="utf-8")
+    assert not re.search(r"fmi|malloc|calloc|free\(", text, re.IGNORECASE)
+    assert not re.search(r"^static (?!const)\w+ \w+( =|;)", text, re.MULTILINE)

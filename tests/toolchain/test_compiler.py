@@ -1,0 +1,141 @@
+"""Sources in, a shared library out, once."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import toolchain
+from toolchain import compiler
+
+EXPORT = """
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+"""
+ANSWER = {
+    "answer.h": f"{EXPORT}EXPORT int answer(void);\n#ifndef ANSWER\n#define ANSWER 42\n#endif\n",
+    "answer.c": '#include "answer.h"\nint answer(void) { return ANSWER; }\n',
+}
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give this test a cache of its own; the compiler keeps its own files where they are."""
+    kept = toolchain.cache_directory() / "zig"
+    kept.mkdir(parents=True, exist_ok=True)
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "zig").symlink_to(kept)
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Count what is really compiled."""
+    done: list[str] = []
+    original = compiler._compile
+
+    def counted(command, files, output):
+        done.append(output)
+        return original(command, files, output)
+
+    monkeypatch.setattr(compiler, "_compile", counted)
+    return done
+
+
+@pytest.mark.usefixtures("fresh")
+def test_the_library_does_what_the_source_says():
+    library = toolchain.shared_library("answer", ANSWER)
+    assert ctypes.CDLL(str(library)).answer() == 42
+    assert library.name == f"answer{toolchain.host_platform().suffix}"
+
+
+@pytest.mark.usefixtures("fresh")
+def test_same_content_is_compiled_once(compilations):
+    first = toolchain.shared_library("answer", ANSWER)
+    again = toolchain.shared_library("answer", dict(reversed(ANSWER.items())))
+    assert first == again
+    assert len(compilations) == 1
+
+
+@pytest.mark.usefixtures("fresh")
+def test_whatever_goes_in_makes_another_file(compilations):
+    header = ANSWER | {"answer.h": ANSWER["answer.h"].replace("42", "43")}
+    made = [
+        toolchain.shared_library("answer", ANSWER),
+        toolchain.shared_library("answer", ANSWER, flags=["-DANSWER=7"]),
+        toolchain.shared_library("answer", header),
+        toolchain.shared_library("reply", ANSWER),
+    ]
+    assert len(set(made)) == len(compilations) == 4
+    assert [ctypes.CDLL(str(path)).answer() for path in made] == [42, 7, 43, 42]
+
+
+@pytest.mark.usefixtures("fresh")
+def test_moving_text_between_files_makes_another_file():
+    a = compiler._digest(["cc"], {"a.c": "x", "b.c": "y"})
+    b = compiler._digest(["cc"], {"a.c": "", "b.c": "xy"})
+    assert a != b
+
+
+def test_a_library_lies_in_the_cache(fresh):
+    library = toolchain.shared_library("answer", ANSWER)
+    assert library.parent.parent == fresh / "libraries"
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_failed_compilation_says_where_and_leaves_nothing(fresh):
+    with pytest.raises(toolchain.CompilationFailed) as failure:
+        toolchain.shared_library("answer", {"wrong.c": "int answer(void) { return nothing; }\n"})
+    message = str(failure.value)
+    assert message.startswith("cannot compile answer")
+    assert "wrong.c:1:" in message
+    assert "nothing" in message
+    assert not list(fresh.glob("libraries/*/*"))
+
+
+@pytest.mark.usefixtures("fresh")
+def test_warnings_are_errors():
+    loss = ANSWER | {"loss.c": "int loss(double x);\nint loss(double x) { return x; }\n"}
+    with pytest.raises(toolchain.CompilationFailed, match="conversion"):
+        toolchain.shared_library("answer", loss)
+
+
+@pytest.mark.usefixtures("fresh")
+def test_system_headers_raise_no_warnings():
+    files = ANSWER | {
+        "system/lax.h": "static inline int lax(double x) { return x; }\n",
+        "lax.c": "#include <lax.h>\nint used(void);\nint used(void) { return lax(1.5); }\n",
+    }
+    assert toolchain.shared_library("answer", files).exists()
+
+
+def test_a_missing_compiler_is_named_with_the_cure(monkeypatch):
+    compiler._compiler_version.cache_clear()
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    with pytest.raises(toolchain.CompilerMissing, match="pip install ziglang"):
+        toolchain.shared_library("answer", ANSWER)
+    monkeypatch.undo()
+    compiler._compiler_version.cache_clear()
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="nm, which lists symbols, is missing")
+@pytest.mark.usefixtures("fresh")
+def test_only_what_is_marked_is_exported():
+    files = ANSWER | {"other.c": "int other(void);\nint other(void) { return 1; }\n"}
+    library = toolchain.shared_library("answer", files)
+    listing = subprocess.run(
+        ["nm", "-D", "--defined-only", str(library)],  # noqa: S607
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert [line.split()[-1] for line in listing.stdout.splitlines()] == ["answer"]
