@@ -1,4 +1,4 @@
-"""Speed, as ratios inside one run: ``python -m benchmarks``. Absolute times depend on the machine."""
+"""Speed as ratios inside one run: ``python -m benchmarks``. Absolute times vary by machine."""
 
 import tempfile
 from pathlib import Path

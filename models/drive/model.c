@@ -6,29 +6,9 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-/* The motor while the command is held: F(t) = target + (start - target) e^(-t / tau). */
-typedef struct {
-    double start, target; /* [N] */
-    double tau;           /* [s], 0: no lag */
-    const Parameters *p;
-} Motor;
-
-static double decay(double t, const Motor *motor) {
-    return motor->tau > 0.0 ? elementary_exp(-t / motor->tau) : 0.0;
-}
-
-static double mean_force(double t, double dt, double x, const void *context) {
-    const Motor *motor = context;
-    const Parameters *p = motor->p;
-    double force = motor->target;
-    if (motor->tau > 0.0)
-        force += (motor->start - motor->target) * decay(t, motor) * elementary_phi(dt / motor->tau);
-    if (p->ripple != 0.0)
-        force += p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
-    return force;
-}
-
-static double unevenness(double x, double v, const Parameters *p) {
+/* Factor on the friction near x in the direction of v. */
+static double roughness(double x, double v, const void *context) {
+    const Parameters *p = context;
     double factor = 1.0;
     if (p->asymmetric != 0.0)
         factor += v < 0.0 ? -p->asymmetry : p->asymmetry;
@@ -37,8 +17,11 @@ static double unevenness(double x, double v, const Parameters *p) {
     return factor;
 }
 
-static double roughness(double x, double v, const void *context) {
-    return unevenness(x, v, ((const Motor *)context)->p);
+static double ripple(double x, const void *context) {
+    const Parameters *p = context;
+    if (p->ripple == 0.0)
+        return 0.0;
+    return p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
 }
 
 static double quantised(double value, double step) { return nearest(value / step) * step; }
@@ -55,14 +38,35 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    const double tau = p->current_loop != 0.0 ? p->tau_i : 0.0;
-    const Motor motor = {w->F_motor, amplified(u->u, p), tau, p};
-    const SlidingMass mass = {p->m, p->b, LUGRE_OF(p), mean_force, roughness, &motor};
+    SlidingMass mass = {
+        .m = p->m,
+        .b = p->b,
+        .contact = LUGRE_OF(p),
+        .ripple = ripple,
+        .roughness = roughness,
+        .context = p,
+    };
     Motion motion = {x->x, x->v, x->z};
-    if (!sliding_mass_step(h, &motion, &mass, &w->dt))
+    const double target = amplified(u->u, p);
+    double lagging = 0.0; /* [s] */
+    if (p->current_loop != 0.0) {
+        /* F(t) = target + gap e^(-t / tau_i). A constant force for a part of the step and then the
+         * target have the same impulse and move the mass as far. */
+        const double gap = w->F_motor - target;
+        const double left = elementary_exp(-h / p->tau_i);
+        const double mean = elementary_phi(h / p->tau_i);
+        lagging = 2.0 * p->tau_i * (1.0 - left / mean);
+        mass.u = target + gap * mean * h / lagging;
+        if (!sliding_mass_step(lagging, &motion, &mass, &w->dt))
+            return false;
+        w->F_motor = target + gap * left;
+    } else {
+        w->F_motor = target;
+    }
+    mass.u = target;
+    if (!sliding_mass_step(h - lagging, &motion, &mass, &w->dt))
         return false;
     *x = (States){motion.x, motion.v, motion.z};
-    w->F_motor = motor.target + (motor.start - motor.target) * decay(h, &motor);
     w->n += 1.0;
     return true;
 }
@@ -72,7 +76,7 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
     y->x_enc = x->x;
     y->F_m = w->F_motor;
     LuGre contact = LUGRE_OF(p);
-    const double factor = unevenness(x->x, x->v, p);
+    const double factor = roughness(x->x, x->v, p);
     contact.F_s *= factor;
     contact.F_c *= factor;
     y->F_f = lugre_force(x->v, x->z, &contact);

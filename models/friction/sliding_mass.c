@@ -84,8 +84,8 @@ bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *d
         const bool last = t + trial * 1.000001 >= h;
         const double step = last ? h - t : trial;
         const double middle = motion->x + 0.5 * step * motion->v;
-        const double u = s->force(t, step, middle, s->context);
-        const double scale = s->roughness(middle, motion->v, s->context);
+        const double u = s->u + (s->ripple ? s->ripple(middle, s->context) : 0.0);
+        const double scale = s->roughness ? s->roughness(middle, motion->v, s->context) : 1.0;
         Motion next;
         const double error = try_step(step, motion, u, scale, s, &next);
         if (error != error)

@@ -18,14 +18,14 @@ typedef struct {
     double z; /* [m]   bristle deflection */
 } Motion;
 
-/* Forces that depend on time t [s] since the call and on where the mass is. */
 typedef struct {
     double m; /* [kg]    mass */
     double b; /* [N s/m] viscous friction */
+    double u; /* [N]     driving force */
     LuGre contact;
-    /* Mean driving force [N] over t .. t + dt near position x. */
-    double (*force)(double t, double dt, double x, const void *context);
-    /* Factor on g(v), 1 for an even contact, near x in the direction of v. */
+    /* Further driving force [N] near position x; NULL: none. */
+    double (*ripple)(double x, const void *context);
+    /* Factor on g(v) near x in the direction of v; NULL: 1. */
     double (*roughness)(double x, double v, const void *context);
     const void *context;
 } SlidingMass;

@@ -51,16 +51,6 @@ double probe_g(double v, const double p[6], double *slope) {
     return lugre_g(v, &contact, slope);
 }
 
-static double held(double t, double dt, double x, const void *context) {
-    (void)t, (void)dt, (void)x;
-    return *(const double *)context;
-}
-
-static double even(double x, double v, const void *context) {
-    (void)x, (void)v, (void)context;
-    return 1.0;
-}
-
 /* The equations of the paper once more, with the C library's exp. y: x, v, z */
 static void derivative(const double y[3], double u, const SlidingMass *s, double dy[3]) {
     const LuGre *p = &s->contact;
@@ -94,7 +84,7 @@ void probe_run(int method, int pieces, double h, size_t n, const double u[], con
                const double p[6], const double start[3], double motion[][3]) {
     double y[3] = {start[0], start[1], start[2]}, dt = 0.0;
     for (size_t i = 0; i < n; i++) {
-        const SlidingMass s = {mass[0], mass[1], contact_of(p), held, even, &u[i]};
+        const SlidingMass s = {.m = mass[0], .b = mass[1], .u = u[i], .contact = contact_of(p)};
         Motion now = {y[0], y[1], y[2]};
         if (method == 0 && !sliding_mass_step(h, &now, &s, &dt))
             now.v = NAN;

@@ -33,7 +33,7 @@ def found(rig):
 
 
 def falsify_description(fmu: Path) -> None:
-    """Give every parameter in modelDescription.xml another start value; the binary keeps its own."""
+    """Change every start value in modelDescription.xml; the binary keeps its own."""
     with zipfile.ZipFile(fmu) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
     text = members["modelDescription.xml"].decode()

@@ -35,7 +35,7 @@ def test_a_drive_unlike_its_model_is_still_identified(make_rig):
 
 
 def test_a_stage_that_does_not_move_is_told(make_rig):
-    with pytest.raises(IdentificationError, match="inertia: .* N"):
+    with pytest.raises(IdentificationError, match=r"inertia: .* N"):
         identify(make_rig(F_c=500.0, F_s=500.0), LOOP)
 
 
