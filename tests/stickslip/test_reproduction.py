@@ -1,9 +1,12 @@
 """The paper's claims, on the FMUs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import ga
+from stickslip.identification import Estimate
 from stickslip.learning import Study, learn
 from stickslip.loop import build_fmus, paper_loop
 from stickslip.parameters import LUGRE, PAPER
@@ -87,3 +90,19 @@ def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, ma
     assert serial.to_csv() == parallel.to_csv()
     assert (np.diff(serial.best_cost) <= 0).all()
     assert len(serial) == 8
+
+
+def test_the_genetic_algorithm_learns_from_a_poor_start(reproduction, make_rig):
+    """Twice the friction and half the stiffness to begin with; the drive alone corrects it."""
+    rig, found = make_rig(), reproduction.identification
+    poor = replace(
+        found,
+        friction=replace(found.friction, F_c=Estimate(12.0, 6.0), F_s=Estimate(18.0, 9.0)),
+        presliding=replace(found.presliding, sigma_0=Estimate(2e5, 1e5)),
+    )
+    study = Study(rig, poor, TRAINING.sample(rig.samples(TRAINING.duration)), seed=1)
+    algorithm = learn(study)
+    best = dict(zip(algorithm.names, algorithm.best.values, strict=True))
+    assert algorithm.best.cost < 1e-2 * algorithm.history.cost[0]
+    assert best["F_c"] == pytest.approx(PAPER["F_c"], rel=0.01)
+    assert best["sigma_0"] == pytest.approx(PAPER["sigma_0"], rel=0.1)
