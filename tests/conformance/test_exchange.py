@@ -18,12 +18,12 @@ import models
 STEP = 5e-4  # s
 
 # Largest distance to reference.csv, in the column's unit. The stage's step is accurate to a part
-# in 1e6 of the motion. The drive's takes the mean of the lagging motor force over each sub-step,
-# and its encoder may show the neighbouring step. What is calculated in closed form or by
+# in 1e6 of the motion. The drive's puts two constant forces in place of the lagging one, and
+# its encoder may show the neighbouring step. What is calculated in closed form or by
 # difference equations differs in the last bits only.
 TOLERANCE = {
     "stage": {"x": 1e-9, "v": 5e-8, "F_f": 2e-4},
-    "drive": {"x_enc": 4.1e-7, "F_m": 1e-12, "F_f": 4e-3, "x": 2e-7, "v": 1e-6},
+    "drive": {"x_enc": 4.1e-7, "F_m": 1e-12, "F_f": 2e-3, "x": 1e-9, "v": 3e-7},
     "compensator": {"F_f": 1e-12, "F_mean": 1e-12},
     "velocity_controller": {"u": 1e-11, "v_est": 1e-14},
     "nominal_loop": {"v_r": 1e-15},
