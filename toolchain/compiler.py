@@ -94,5 +94,6 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
             [*command, "-o", output], cwd=folder, env=environment, capture_output=True, text=True
         )
         if done.returncode != 0:
-            raise CompilationFailed(f"cannot compile {output}:\n{done.stderr.strip()}")
+            said = done.stderr.strip() or f"nothing, and ended with status {done.returncode}"
+            raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
         return Path(folder, output).read_bytes()

@@ -49,7 +49,7 @@ def model_description(model: Model, token: str) -> str:
     xml.add_log_categories(root)
     xml.add_default_experiment(root, model)
     variables = xml.child(root, "ModelVariables")
-    for reference, v in enumerate(model.variables):
+    for reference, v in _listed(model):
         scalar = xml.child(
             variables,
             "ScalarVariable",
@@ -69,7 +69,7 @@ def model_description(model: Model, token: str) -> str:
             start=xml.start_text(v) if has_start(v) else None,
         )
     # Here a variable is named by its place in ModelVariables, from 1.
-    place = {v.name: k for k, v in enumerate(model.variables, 1)}
+    place = {v.name: k for k, (_, v) in enumerate(_listed(model), 1)}
     structure = xml.child(root, "ModelStructure")
     outputs = [v for v in model.variables if v.is_output]
     if outputs:
@@ -82,3 +82,11 @@ def model_description(model: Model, token: str) -> str:
         for v in unknowns:
             xml.child(section, "Unknown", index=place[v.name])
     return xml.document(root)
+
+
+def _listed(model: Model) -> list[tuple[int, Variable]]:
+    """Return value reference and variable, all but time, which FMI 2.0 does not ask for.
+
+    Importers built on FMILibrary complain that it has no start value, which it must not have.
+    """
+    return [(k, v) for k, v in enumerate(model.variables) if v.role != "time"]

@@ -33,6 +33,15 @@ class Fmu:
         self.description = fmpy.read_model_description(self.folder)
         self.variables = {v.name: v for v in self.description.modelVariables}
 
+    @property
+    def listed(self) -> dict[int, Any]:
+        """Value reference -> variable of model.toml: all, but FMI 2.0 does not ask for time."""
+        return {
+            k: v
+            for k, v in enumerate(self.model.variables)
+            if self.version == 3 or v.role != "time"
+        }
+
     def names(self, *roles: str) -> list[str]:
         """Return the variables with these roles in model.toml; outputs by their causality."""
         return [

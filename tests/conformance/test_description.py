@@ -20,9 +20,9 @@ def test_fmpy_finds_nothing_to_complain_about(fmu):
 
 def test_every_variable_can_be_read_at_any_time(fmu, slave):
     instance = slave(fmu)
-    assert len(instance.everything()) == len(fmu.model.variables)
+    assert len(instance.everything()) == len(fmu.listed)
     instance.initialize()
-    assert len(instance.everything()) == len(fmu.model.variables)
+    assert len(instance.everything()) == len(fmu.listed)
 
 
 def test_start_values_of_description_and_binary_agree(fmu, slave):
@@ -35,7 +35,8 @@ def test_start_values_of_description_and_binary_agree(fmu, slave):
 
 
 def test_description_and_model_toml_list_the_same_variables(fmu):
-    for place, variable in enumerate(fmu.model.variables):
+    assert len(fmu.variables) == len(fmu.listed)
+    for place, variable in fmu.listed.items():
         described = fmu.variables[variable.name]
         assert described.valueReference == place
         assert described.unit == variable.unit

@@ -109,11 +109,13 @@ def test_bytes_of_another_build_are_no_state(fmu, slave, build):
 def test_both_versions_of_the_standard_give_the_same_bits(name, build, slave, identical):
     second, third = build(name, 2), build(name, 3)
     settings = second.settings()
-    assert list(second.variables) == list(third.variables)
-    assert identical(
-        slave(second).initialize(settings).run(0, 100),
-        slave(third).initialize(settings).run(0, 100),
-    )
+    names = list(second.variables)
+    assert ["time", *names] == list(third.variables)  # FMI 2.0 does not ask for it
+    runs = [slave(fmu).initialize(settings) for fmu in (second, third)]
+    for n in range(100):
+        for run in runs:
+            run.run(n, n + 1)
+        assert identical(*(run.get(names) for run in runs))
 
 
 def test_a_run_changes_no_parameter(fmu, slave, identical):
@@ -124,8 +126,8 @@ def test_a_run_changes_no_parameter(fmu, slave, identical):
     assert identical(instance.get(parameters), before)
 
 
-def test_time_is_that_of_the_last_communication_point(fmu, slave):
-    instance = slave(fmu).initialize(start=2.0)
+def test_time_is_that_of_the_last_communication_point(name, build, slave):
+    instance = slave(build(name, 3)).initialize(start=2.0)
     assert instance.get(["time"]) == [2.0]
     instance.api.doStep(2.0, 0.25)
     assert instance.get(["time"]) == [2.25]
@@ -177,7 +179,7 @@ def test_refused_calls_say_why_and_leave_the_instance_usable(fmu, slave, identic
     instance = slave(fmu)
     api = instance.api
     real = "Real" if fmu.version == 2 else "Float64"
-    last = len(fmu.variables) - 1
+    last = len(fmu.model.variables) - 1
     setter, getter = getattr(api, f"set{real}"), getattr(api, f"get{real}")
     output = fmu.variables[fmu.names("output")[0]].valueReference
     source = fmu.variables[fmu.names("input")[0]].valueReference
