@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test check format bench clean
+.PHONY: help setup reproduce test check format sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -26,6 +26,10 @@ format: .venv/checked ## format Python and C
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $$(git ls-files '*.c' '*.h')
+
+sanitize: .venv/tested ## run the tests of the C with undefined behaviour trapped
+	STICKSLIP_CFLAGS="-fsanitize=undefined -fno-sanitize=function -fsanitize-trap=undefined" \
+	    $(BIN)/python -m pytest tests/models tests/conformance tests/cosim
 
 bench: .venv/tested ## measure speed, as ratios inside one run
 	$(BIN)/python -m benchmarks

@@ -40,7 +40,7 @@ def shared_library(
     files : relative path -> text of every source and header. Headers in ``system/`` are found
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
     platform : what to build for; the machine's own by default
-    flags : further compiler flags
+    flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's
 
     Raises
     ------
@@ -50,6 +50,7 @@ def shared_library(
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-target", target.target),
         *(*_FLAGS, *_WARNINGS, *flags, "-I.", "-isystem", "system"),
+        *os.environ.get("STICKSLIP_CFLAGS", "").split(),
         *sorted(path for path in files if path.endswith(".c")),
     ]
     if target.suffix == ".dylib":

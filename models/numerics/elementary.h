@@ -6,6 +6,7 @@
 #ifndef ELEMENTARY_H
 #define ELEMENTARY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -36,8 +37,8 @@ static inline double exp_reduced(double r) {
 
 /* e^x; 0 below -708, the largest exponent a normal number has. */
 static inline double elementary_exp(double x) {
-    if (x < -708.0)
-        return 0.0;
+    if (!(x >= -708.0)) /* also when it is not a number */
+        return x < -708.0 ? 0.0 : x;
     if (x > 709.0)
         x = 709.0;
     const double n = nearest(x * 1.4426950408889634);
@@ -90,7 +91,8 @@ static inline double elementary_sin(double x) {
     for (int k = 10; k >= 1; k--)
         sum = (1.0 + sum) * (-r2 / (2 * k * (2 * k + 1)));
     const double value = r + r * sum;
-    return ((int64_t)n & 1) != 0 ? -value : value;
+    const bool odd = n - 2.0 * nearest(0.5 * n) != 0.0;
+    return odd ? -value : value;
 }
 
 #endif

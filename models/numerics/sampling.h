@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+#include "numerics/elementary.h"
+
 /* Is sample k due before time `end`? A part in 1e6 of T_s absorbs the rounding of other clocks. */
 static inline bool sample_due(double k, double T_s, double end) {
     return k * T_s < end - 1e-6 * T_s;
@@ -11,7 +13,7 @@ static inline bool sample_due(double k, double T_s, double end) {
 
 /* Number of the first sample at or after time t. */
 static inline double first_sample(double t, double T_s) {
-    const double k = (double)(long long)(t / T_s);
+    const double k = nearest(t / T_s);
     return k + (sample_due(k, T_s, t) ? 1.0 : 0.0);
 }
 

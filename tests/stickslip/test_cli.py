@@ -109,6 +109,18 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(tmp_path, stage
     assert taken.read_text() == "here already"
 
 
+@pytest.mark.parametrize(
+    "arguments", [["reprodoce"], ["design", "--mass", "x"], ["build", "--fmi", "4"]]
+)
+def test_wrong_usage_is_told_in_one_line(arguments, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert line.startswith("stickslip: ")
+    assert "--help" in line
+
+
 def test_debug_shows_the_traceback(stage):
     with pytest.raises(ValueError, match="no variable"):
         main(["simulate", str(stage), "--set", "mm=1", "--debug"])
