@@ -150,14 +150,16 @@ class Table:
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
-        right = np.searchsorted(self.time, t, side="right")
-        left = np.maximum(right - 1, 0)
-        right = np.minimum(right, len(self.time) - 1)
-        t0, t1 = self.time[left], self.time[right]
-        share = np.zeros(np.shape(t))
-        np.divide(t - t0, t1 - t0, out=share, where=t1 > t0)
+        if len(self.time) == 1:
+            return np.full(np.shape(t), self.values[0])
+        right = np.clip(np.searchsorted(self.time, t), 1, len(self.time) - 1)
+        t0, t1 = self.time[right - 1], self.time[right]
+        share = np.zeros(np.shape(t))  # of the left value; in this form FMPy has the same bits
+        np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
-        return (1 - share) * self.values[left] + share * self.values[right]
+        line = share * self.values[right - 1] + (1 - share) * self.values[right]
+        last = np.searchsorted(self.time, t, side="right") - 1
+        return np.where(self.time[last] == t, self.values[last], line)
 
 
 def sample_inputs(
