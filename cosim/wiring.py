@@ -31,8 +31,8 @@ def wire(
     """Return a run that lacks its times, its memory and the instances of the FMUs."""
     columns, width = layout.columns, len(layout.columns)
     inputs = _inputs(system, layout, order, jacobi=jacobi)
-    components = (kernel.Component * (len(order) + 1))()  # the last one ends the table
-    for name, slot in zip(order, components, strict=False):
+    components = (kernel.Component * len(order))()
+    for name, slot in zip(order, components, strict=True):
         slot.version = system.components[name].version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
         slot.log = ctypes.pointer(kernel.Log())
@@ -46,12 +46,18 @@ def wire(
         offsets = [offset for offset, _ in inputs[name]]
         slot.n_inputs = len(offsets)
         slot.input_references = _references(system, [target for _, target in inputs[name]])
-        slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
-        if offsets and offsets != list(range(offsets[0], offsets[0] + len(offsets))):
-            slot.inputs = (ctypes.c_double * len(offsets))()
+        if not offsets:
+            slot.inputs = kernel.NONE
+        elif offsets == list(range(offsets[0], offsets[0] + len(offsets))):
+            slot.input_offset = offsets[0]
+        else:
+            slot.inputs = kernel.SCATTERED
+            slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
+            slot.gathered = (ctypes.c_double * len(offsets))()
     selected = [columns[name] for name in layout.recorded]
     return kernel.Run(
         components=components,
+        n_components=len(order),
         jacobi=jacobi,
         n_external=len(system.inputs),
         width=width,

@@ -46,21 +46,23 @@ class Component(Structure):
     """One instance and its place in the rows."""
 
     _fields_ = (
-        ("version", c_int64),
+        ("version", c_int32),
+        ("inputs", c_int32),
         ("instance", c_void_p),
-        ("call", c_void_p * 10),
-        ("log", POINTER(Log)),
-        ("used", c_int64),
-        ("n_settings", c_size_t),
-        ("settings", POINTER(Setting)),
         ("n_inputs", c_size_t),
         ("input_references", POINTER(c_uint32)),
-        ("input_offsets", POINTER(c_int64)),
-        ("inputs", POINTER(c_double)),
-        ("n_linked", c_size_t),
+        ("input_offset", c_int64),
         ("n_outputs", c_size_t),
         ("output_references", POINTER(c_uint32)),
         ("column", c_int64),
+        ("call", c_void_p * 10),
+        ("input_offsets", POINTER(c_int64)),
+        ("gathered", POINTER(c_double)),
+        ("n_linked", c_size_t),
+        ("used", c_int64),
+        ("n_settings", c_size_t),
+        ("settings", POINTER(Setting)),
+        ("log", POINTER(Log)),
     )
 
 
@@ -69,6 +71,7 @@ class Run(Structure):
 
     _fields_ = (
         ("components", POINTER(Component)),
+        ("n_components", c_int64),
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
@@ -93,6 +96,8 @@ class Run(Structure):
 
 
 FINISHED, PAUSED, FAILED = range(3)
+
+SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
 NOT_FINITE = 100

@@ -1,11 +1,10 @@
 #include "calls.h"
+#include "steps.h"
 #include <string.h>
 #include <time.h>
 
-#define FOR_EACH_COMPONENT(c) for (Component *c = run->components; c->version; c++)
-#define TRY(action)                                                                                \
-    if (UNLIKELY(!(action)))                                                                       \
-    return false
+#define FOR_EACH_COMPONENT(c)                                                                      \
+    for (Component *c = run->components, *end = c + run->n_components; c != end; c++)
 
 /* Before the first step rows 0 and 1 are the same point in time: a fresh input reads the latter. */
 static bool get_initial(Run *run, const Component *c) {
@@ -31,35 +30,6 @@ static bool initialise(Run *run) {
     return true;
 }
 
-/* Written out four times, each with a call instruction of its own: where components share one, the
- * processor keeps guessing wrong which FMU it leads to, and a step costs up to twice as much. */
-#define NEXT(c, action)                                                                            \
-    if (UNLIKELY(!c->version)) {                                                                   \
-        break;                                                                                     \
-    }                                                                                              \
-    TRY(action);                                                                                   \
-    c++
-#define ALL_IN_TURN(c, action)                                                                     \
-    for (const Component *c = run->components;;) {                                                 \
-        NEXT(c, action);                                                                           \
-        NEXT(c, action);                                                                           \
-        NEXT(c, action);                                                                           \
-        NEXT(c, action);                                                                           \
-    }
-
-INLINE bool step_one_by_one(Run *run, double *now, double t, double h) {
-    ALL_IN_TURN(c, set_inputs(run, c, now) && do_step(run, c, t, h) &&
-                       get_outputs(run, c, c->n_outputs, now + run->width));
-    return true;
-}
-
-INLINE bool step_all_at_once(Run *run, double *now, double t, double h) {
-    ALL_IN_TURN(c, set_inputs(run, c, now));
-    ALL_IN_TURN(c, do_step(run, c, t, h));
-    ALL_IN_TURN(c, get_outputs(run, c, c->n_outputs, now + run->width));
-    return true;
-}
-
 /* The row of step n. All rows are kept, or those of one block, which the next block overwrites. */
 static inline double *row_of(const Run *run, int64_t n) {
     return run->rows + (run->record ? n - run->block_start : n) * run->width;
@@ -71,7 +41,7 @@ static bool step(Run *run) {
     const double t_next = run->start + (double)(n + 1) * run->step;
     const double h = run->constant_step ? run->step : t_next - t;
     double *now = row_of(run, n);
-    return run->jacobi ? step_all_at_once(run, now, t, h) : step_one_by_one(run, now, t, h);
+    return step_components(run, now, now + run->width, t, h);
 }
 
 /* The exponent of a double that is not finite has all bits set: one more and it overflows. */
@@ -84,7 +54,7 @@ static inline uint64_t overflow(double value) {
 /* Look at the outputs in row n of the components before end; blame the first that is not finite. */
 static bool finite(Run *run, int64_t n, const Component *end) {
     const double *row = row_of(run, n);
-    for (const Component *c = run->components; c->version && c != end; c++) {
+    for (const Component *c = run->components; c != end; c++) {
         for (size_t i = 0; i < c->n_outputs; i++) {
             if (overflow(row[c->column + (int64_t)i])) {
                 run->done = n - 1;
@@ -101,7 +71,7 @@ static void trace_back(Run *run, int64_t first) {
     const int64_t last = run->done;
     const Component *failed = run->components + run->failed;
     for (int64_t n = first; n <= last; n++) {
-        if (!finite(run, n, NULL)) {
+        if (!finite(run, n, run->components + run->n_components)) {
             return;
         }
     }
@@ -119,7 +89,7 @@ static bool close_rows(Run *run, int64_t first, int64_t last) {
         overflows |= overflow(values[i]);
     }
     for (int64_t n = first; overflows && n <= last; n++) {
-        TRY(finite(run, n, NULL));
+        TRY(finite(run, n, run->components + run->n_components));
     }
     for (int64_t n = first; run->record && n <= last; n++) {
         const double *row = row_of(run, n);
@@ -137,7 +107,7 @@ static bool step_block(Run *run, int64_t end) {
         memmove(run->rows, row_of(run, first), (size_t)run->width * sizeof(double));
         run->block_start = first;
     }
-    for (int64_t n = first; n <= end; n++) {
+    for (int64_t n = first; run->n_external && n <= end; n++) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
