@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from cosim import kernel
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from cosim.system import System
 
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
-_BLOCK_STEPS = 64
+_BLOCK_STEPS = 256
 _BLOCK_VALUES = 2**14
 
 
@@ -89,5 +90,10 @@ def _inputs(
 
 
 def _references(system: System, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint32]:
-    references = (system.variable(name).reference for name in names)
-    return (ctypes.c_uint32 * len(names))(*references)
+    return _table(tuple(system.variable(name).reference for name in names))
+
+
+@lru_cache
+def _table(references: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
+    """Return one table for all components with the same references: less memory to step through."""
+    return (ctypes.c_uint32 * len(references))(*references)

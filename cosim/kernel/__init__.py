@@ -88,12 +88,17 @@ class Run(Structure):
         ("n_selected", c_int64),
         ("block_start", c_int64),
         ("done", c_int64),
+        ("t", c_double),
+        ("h", c_double),
         ("failed", c_int64),
         ("output", c_int64),
         ("status", c_int64),
         ("call", c_char_p),
     )
 
+
+# Two neighbours copied as one would wait until both have arrived in memory.
+_FLAGS = ("-fno-slp-vectorize",)
 
 FINISHED, PAUSED, FAILED = range(3)
 
@@ -113,8 +118,12 @@ STATUS = {
 
 
 @cache
-def load() -> CDLL:
+def load(steps: str | None = None) -> CDLL:
     """Return the kernel's library, compiled on first use.
+
+    Parameters
+    ----------
+    steps : text to compile in place of ``steps.h``
 
     Raises
     ------
@@ -123,8 +132,10 @@ def load() -> CDLL:
     here = Path(__file__).parent
     headers = Path(fmpy.__file__).parent / "c-code"
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
+    if steps is not None:
+        files["steps.h"] = steps
     files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
-    library = CDLL(str(toolchain.shared_library("cosim_kernel", files)))
+    library = CDLL(str(toolchain.shared_library("cosim_kernel", files, flags=_FLAGS)))
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = None

@@ -52,7 +52,8 @@ INLINE bool get(Run *run, const Component *c, int version, const uint32_t *refer
     return passed(run, c, "fmi3GetFloat64", (int)status);
 }
 
-INLINE bool do_step(Run *run, const Component *c, int version, double t, double h) {
+INLINE bool do_step(Run *run, const Component *c, int version) {
+    const double t = run->t, h = run->h;
     if (LIKELY(version == 2)) {
         const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
         return passed(run, c, "fmi2DoStep", (int)status);

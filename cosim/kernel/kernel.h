@@ -116,6 +116,7 @@ typedef struct {
     int64_t n_selected;
     int64_t block_start; /* the step to which the first row belongs, where there is a record */
     int64_t done;        /* steps completed; -1 before initialisation */
+    double t, h;         /* s, of the present step: in memory, where no call can lose them */
     int64_t failed;      /* component */
     int64_t output;      /* of that component, where its value is not finite */
     int64_t status;      /* an FMI status or a Reason */
