@@ -12,6 +12,7 @@ import numpy as np
 from cosim import kernel
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
+from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.order import stepping_order
@@ -41,6 +42,7 @@ class Specification:
     record: tuple[str, ...] | None = None
     coupling: Coupling = "gauss_seidel"
     constant_step: bool = False
+    compiled: bool = False
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""
@@ -73,9 +75,9 @@ class Simulation:
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.order = names if jacobi else stepping_order(names, system.feedthrough())
         self._layout = Layout.of(system, spec.record)
-        self._kernel = kernel.load()
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run = wire(system, self._layout, self.order, self._libraries, jacobi=jacobi)
+        self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step

@@ -163,6 +163,7 @@ class System:
         record: Sequence[str] | None = None,
         coupling: Coupling = "gauss_seidel",
         constant_step: bool = False,
+        compiled: bool = False,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -176,6 +177,8 @@ class System:
         constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
             default they are told the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
+        compiled : whether to compile the steps of this system into C of their own: under a second
+            once, then up to a quarter less for cheap FMUs. The values are the same
 
         Raises
         ------
@@ -183,7 +186,7 @@ class System:
         """
         names = None if record is None else tuple(record)
         return Simulation(
-            Specification(self.copy(), step, stop, start, names, coupling, constant_step)
+            Specification(self.copy(), step, stop, start, names, coupling, constant_step, compiled)
         )
 
     def copy(self) -> System:

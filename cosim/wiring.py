@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from cosim import kernel
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from cosim.system import System
 
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
-_BLOCK_STEPS = 64
+_BLOCK_STEPS = 256
 _BLOCK_VALUES = 2**14
 
 
@@ -31,8 +32,8 @@ def wire(
     """Return a run that lacks its times, its memory and the instances of the FMUs."""
     columns, width = layout.columns, len(layout.columns)
     inputs = _inputs(system, layout, order, jacobi=jacobi)
-    components = (kernel.Component * (len(order) + 1))()  # the last one ends the table
-    for name, slot in zip(order, components, strict=False):
+    components = (kernel.Component * len(order))()
+    for name, slot in zip(order, components, strict=True):
         slot.version = system.components[name].version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
         slot.log = ctypes.pointer(kernel.Log())
@@ -46,12 +47,18 @@ def wire(
         offsets = [offset for offset, _ in inputs[name]]
         slot.n_inputs = len(offsets)
         slot.input_references = _references(system, [target for _, target in inputs[name]])
-        slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
-        if offsets and offsets != list(range(offsets[0], offsets[0] + len(offsets))):
-            slot.inputs = (ctypes.c_double * len(offsets))()
+        if not offsets:
+            slot.inputs = kernel.NONE
+        elif offsets == list(range(offsets[0], offsets[0] + len(offsets))):
+            slot.input_offset = offsets[0]
+        else:
+            slot.inputs = kernel.SCATTERED
+            slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
+            slot.gathered = (ctypes.c_double * len(offsets))()
     selected = [columns[name] for name in layout.recorded]
     return kernel.Run(
         components=components,
+        n_components=len(order),
         jacobi=jacobi,
         n_external=len(system.inputs),
         width=width,
@@ -83,5 +90,10 @@ def _inputs(
 
 
 def _references(system: System, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint32]:
-    references = (system.variable(name).reference for name in names)
-    return (ctypes.c_uint32 * len(names))(*references)
+    return _table(tuple(system.variable(name).reference for name in names))
+
+
+@lru_cache
+def _table(references: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
+    """Return one table for all components with the same references: less memory to step through."""
+    return (ctypes.c_uint32 * len(references))(*references)

@@ -46,21 +46,23 @@ class Component(Structure):
     """One instance and its place in the rows."""
 
     _fields_ = (
-        ("version", c_int64),
+        ("version", c_int32),
+        ("inputs", c_int32),
         ("instance", c_void_p),
-        ("call", c_void_p * 10),
-        ("log", POINTER(Log)),
-        ("used", c_int64),
-        ("n_settings", c_size_t),
-        ("settings", POINTER(Setting)),
         ("n_inputs", c_size_t),
         ("input_references", POINTER(c_uint32)),
-        ("input_offsets", POINTER(c_int64)),
-        ("inputs", POINTER(c_double)),
-        ("n_linked", c_size_t),
+        ("input_offset", c_int64),
         ("n_outputs", c_size_t),
         ("output_references", POINTER(c_uint32)),
         ("column", c_int64),
+        ("call", c_void_p * 10),
+        ("input_offsets", POINTER(c_int64)),
+        ("gathered", POINTER(c_double)),
+        ("n_linked", c_size_t),
+        ("used", c_int64),
+        ("n_settings", c_size_t),
+        ("settings", POINTER(Setting)),
+        ("log", POINTER(Log)),
     )
 
 
@@ -69,6 +71,7 @@ class Run(Structure):
 
     _fields_ = (
         ("components", POINTER(Component)),
+        ("n_components", c_int64),
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
@@ -85,6 +88,8 @@ class Run(Structure):
         ("n_selected", c_int64),
         ("block_start", c_int64),
         ("done", c_int64),
+        ("t", c_double),
+        ("h", c_double),
         ("failed", c_int64),
         ("output", c_int64),
         ("status", c_int64),
@@ -92,7 +97,12 @@ class Run(Structure):
     )
 
 
+# Two neighbours copied as one would wait until both have arrived in memory.
+_FLAGS = ("-fno-slp-vectorize",)
+
 FINISHED, PAUSED, FAILED = range(3)
+
+SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
 NOT_FINITE = 100
@@ -108,8 +118,12 @@ STATUS = {
 
 
 @cache
-def load() -> CDLL:
+def load(steps: str | None = None) -> CDLL:
     """Return the kernel's library, compiled on first use.
+
+    Parameters
+    ----------
+    steps : text to compile in place of ``steps.h``
 
     Raises
     ------
@@ -118,8 +132,10 @@ def load() -> CDLL:
     here = Path(__file__).parent
     headers = Path(fmpy.__file__).parent / "c-code"
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
+    if steps is not None:
+        files["steps.h"] = steps
     files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
-    library = CDLL(str(toolchain.shared_library("cosim_kernel", files)))
+    library = CDLL(str(toolchain.shared_library("cosim_kernel", files, flags=_FLAGS)))
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = None

@@ -17,13 +17,19 @@ def version(request):
     return request.param
 
 
+@pytest.fixture(params=["tables", "compiled"])
+def compiled(request):
+    return request.param == "compiled"
+
+
 @pytest.fixture(params=["jacobi", "gauss_seidel"])
-def simulation(make, version, request):
+def simulation(make, version, compiled, request):
     system = cosim.System("loop")
     system.add("source", make("integrator", version), {"u": 1.0})
     system.add("gain", make("gain", version))
     system.connect("source.y", "gain.u")
-    with system.prepare(step=0.01, stop=10.0, coupling=request.param) as simulation:
+    times = {"step": 0.01, "stop": 10.0}
+    with system.prepare(**times, coupling=request.param, compiled=compiled) as simulation:
         yield simulation
 
 
