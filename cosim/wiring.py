@@ -11,6 +11,7 @@ from cosim import kernel
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
+from cosim.scaling import IDENTITY
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -30,6 +31,7 @@ def wire(
 ) -> kernel.Run:
     """Return a run that lacks its times, its memory and the instances of the FMUs."""
     columns, width = layout.columns, len(layout.columns)
+    sources = system.sources()
     inputs = _inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * (len(order) + 1))()  # the last one ends the table
     for name, slot in zip(order, components, strict=False):
@@ -47,7 +49,12 @@ def wire(
         slot.n_inputs = len(offsets)
         slot.input_references = _references(system, [target for _, target in inputs[name]])
         slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
-        if offsets and offsets != list(range(offsets[0], offsets[0] + len(offsets))):
+        scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
+        scaled = any(scaling != IDENTITY for scaling in scales)
+        if scaled:
+            numbers = [s.factor for s in scales] + [s.offset for s in scales]
+            slot.scales = (ctypes.c_double * len(numbers))(*numbers)
+        if offsets and (scaled or offsets != list(range(offsets[0], offsets[0] + len(offsets)))):
             slot.inputs = (ctypes.c_double * len(offsets))()
     selected = [columns[name] for name in layout.recorded]
     return kernel.Run(

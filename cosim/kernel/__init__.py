@@ -57,6 +57,7 @@ class Component(Structure):
         ("input_references", POINTER(c_uint32)),
         ("input_offsets", POINTER(c_int64)),
         ("inputs", POINTER(c_double)),
+        ("scales", POINTER(c_double)),
         ("n_linked", c_size_t),
         ("n_outputs", c_size_t),
         ("output_references", POINTER(c_uint32)),

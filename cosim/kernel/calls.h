@@ -40,6 +40,11 @@ INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
         for (size_t i = 0; i < n; i++) {
             c->inputs[i] = row[c->input_offsets[i]];
         }
+        if (UNLIKELY(c->scales != NULL)) {
+            for (size_t i = 0; i < n; i++) {
+                c->inputs[i] = c->scales[i] * c->inputs[i] + c->scales[n + i];
+            }
+        }
         values = c->inputs;
     }
     if (LIKELY(c->version == 2)) {

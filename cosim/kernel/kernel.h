@@ -75,8 +75,9 @@ typedef struct {
     size_t n_inputs;
     const uint32_t *input_references;
     const int64_t *input_offsets; /* from the row of the present time */
-    double *inputs;  /* gathered here, or NULL where they lie side by side in the row */
-    size_t n_linked; /* the first outputs: those that other components read */
+    double *inputs;       /* gathered here, or NULL where they lie side by side in the row */
+    const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
+    size_t n_linked;      /* the first outputs: those that other components read */
     size_t n_outputs;
     const uint32_t *output_references;
     int64_t column; /* of the first output in a row */

@@ -101,7 +101,7 @@ def _read_connections(top: Any, system: System) -> None:
         if not outside:
             if system.variable(names[0]).causality == "input":
                 names.reverse()  # start and end say nothing about the direction
-            system.connect(*names)
+            system.connect(names[0], names[1])
         elif names and kinds.get(outside[0]) == "input":
             targets[outside[0]].append(names[0])
         elif outside[0] not in kinds:
