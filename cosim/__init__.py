@@ -24,7 +24,7 @@ from cosim.result import Result
 from cosim.scaling import Link, Scaling
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
-from cosim.ssp import read_ssp, write_ssp
+from cosim.ssp import read_ssp, variants, write_ssp
 from cosim.system import System
 from cosim.units import Unit
 from cosim.variables import Variable
@@ -53,5 +53,6 @@ __all__ = [
     "Unit",
     "Variable",
     "read_ssp",
+    "variants",
     "write_ssp",
 ]

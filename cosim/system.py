@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu
@@ -12,6 +13,9 @@ from cosim.scaling import PLAIN, Link, Scaling
 from cosim.simulation import Coupling, Simulation, Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
+
+if TYPE_CHECKING:
+    from cosim.ssp.package import Package
 
 
 class System:
@@ -28,6 +32,7 @@ class System:
     input_units : exposed input -> its unit, where that is not the one of its first target
     outputs : name of an exposed output -> the component output it shows
     parameters : "component.variable" -> start value, in the variable's unit
+    origin : the SSP package that the system was read from, None when it was not
     """
 
     def __init__(self, name: str = "system") -> None:
@@ -39,6 +44,7 @@ class System:
         self.input_units: dict[str, Unit] = {}
         self.outputs: dict[str, str] = {}
         self.parameters: dict[str, Value] = {}
+        self.origin: Package | None = None
 
     def add(
         self,
@@ -247,6 +253,7 @@ class System:
         twin.input_units = dict(self.input_units)
         twin.outputs = dict(self.outputs)
         twin.parameters = dict(self.parameters)
+        twin.origin = self.origin
         return twin
 
     def _fmu(self, name: str) -> Fmu:
