@@ -128,7 +128,7 @@ class Graph:
         start, end = (self._end(node, element, which) for which in ("start", "end"))
         gives, takes = self._role(start, node.path), self._role(end, node.path)
         if gives == takes and gives != "either":
-            raise SspError(f"{place(element)}: both ends of the connection {gives} a signal")
+            raise SspError(f"{_connection(element)}: both ends {gives} a signal")
         if gives == "take" or takes == "give":  # start and end say nothing about the direction
             start, end = end, start
         if end in self.edges:
@@ -167,7 +167,8 @@ class Graph:
 
     def _expect(self, name: str, known: Any, message: str, element: Any) -> None:
         if name not in known:
-            raise SspError(f"{place(element)}: {message}{suggestion(name, known)}")
+            near = suggestion(name, dict.fromkeys(known))
+            raise SspError(f"{_connection(element)}: {message}{near}")
 
     def _role(self, end: End, system: Path) -> str:
         path, name = end
@@ -193,6 +194,15 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
             f" {unit.name!r} cannot be converted to {other.name!r}"
         )
     return scaling
+
+
+def _connection(element: Any) -> str:
+    """Return the beginning of a complaint about a connection."""
+    start, end = (
+        ".".join(filter(None, (element.get(f"{which}Element"), element.get(f"{which}Connector"))))
+        for which in ("start", "end")
+    )
+    return f"{place(element)}: cannot connect {start} to {end}"
 
 
 def _label(end: End) -> str:

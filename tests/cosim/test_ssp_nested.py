@@ -381,8 +381,8 @@ BOOLEAN = (
     ("body", "message"),
     [
         (TWO + connections(("a.y", "b.u", BOOLEAN)), "BooleanMappingTransformation of a signal"),
-        (TWO + connections(("a.y", "b.y")), "both ends of the connection give"),
-        (TWO + connections(("a.u", "b.u")), "both ends of the connection take"),
+        (TWO + connections(("a.y", "b.y")), r"cannot connect a\.y to b\.y: both ends give"),
+        (TWO + connections(("a.u", "b.u")), "both ends take"),
         (TWO + connections(("a.y", "b.u"), ("a.sum", "b.u")), r"b\.u is fed already"),
         (TWO + connections(("a.y", "b.k")), r"a\.y cannot feed b\.k: it is a parameter"),
         (TWO + connections(("a.y", "b.v")), "b has no connector 'v'"),
