@@ -21,10 +21,12 @@ from cosim.errors import (
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
 from cosim.result import Result
+from cosim.scaling import Link, Scaling
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
-from cosim.ssp import read_ssp, write_ssp
+from cosim.ssp import read_ssp, variants, write_ssp
 from cosim.system import System
+from cosim.units import Unit
 from cosim.variables import Variable
 
 __all__ = [
@@ -34,8 +36,10 @@ __all__ = [
     "ExperimentError",
     "Fmu",
     "FmuError",
+    "Link",
     "ParameterError",
     "Result",
+    "Scaling",
     "Signal",
     "SignalError",
     "Simulation",
@@ -46,7 +50,9 @@ __all__ = [
     "System",
     "Table",
     "Trapezoid",
+    "Unit",
     "Variable",
     "read_ssp",
+    "variants",
     "write_ssp",
 ]

@@ -183,7 +183,7 @@ def sample_inputs(
             table[:, i] = _sampled(name, inputs[name], time)
         else:
             start = starts.get(targets[0], system.variable(targets[0]).start)
-            table[:, i] = start or 0.0
+            table[:, i] = system.scaling(name, targets[0]).inverse(float(start or 0.0))
     return table
 
 

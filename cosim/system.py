@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu
 from cosim.names import component_of, suggestion, variable_of
+from cosim.scaling import PLAIN, Link, Scaling
 from cosim.simulation import Coupling, Simulation, Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
+
+if TYPE_CHECKING:
+    from cosim.ssp.package import Package
 
 
 class System:
@@ -22,16 +27,24 @@ class System:
     ----------
     components : name -> Fmu, in the order added
     connections : "component.input" -> "component.output"
+    links : "component.input" -> how what feeds it is scaled, where that is not the usual way
     inputs : name of an exposed input -> the component inputs it feeds
+    input_units : exposed input -> its unit, where that is not the one of its first target
+    outputs : name of an exposed output -> the component output it shows
     parameters : "component.variable" -> start value, in the variable's unit
+    origin : the SSP package that the system was read from, None when it was not
     """
 
     def __init__(self, name: str = "system") -> None:
         self.name = name
         self.components: dict[str, Fmu] = {}
         self.connections: dict[str, str] = {}
+        self.links: dict[str, Link] = {}
         self.inputs: dict[str, tuple[str, ...]] = {}
+        self.input_units: dict[str, Unit] = {}
+        self.outputs: dict[str, str] = {}
         self.parameters: dict[str, Value] = {}
+        self.origin: Package | None = None
 
     def add(
         self,
@@ -59,26 +72,45 @@ class System:
             del self.components[name]
             raise
 
-    def connect(self, source: str, target: str) -> None:
-        """Let an output feed an input.
+    def connect(self, source: str, target: str, link: Link = PLAIN) -> None:
+        """Let an output feed an input, converted to its unit.
+
+        Parameters
+        ----------
+        source, target : ``component.variable``
+        link : a scaling beyond that of the units, or none of the units
 
         Raises
         ------
         ConnectionFault
-            When an end does not exist, has the wrong causality, type or unit, or is fed already.
+            When an end does not exist, has the wrong causality or type, measures something else
+            than the other end, or is fed already.
         """
         self._check_end(source, "output", f"cannot connect {source} to {target}")
-        self._check_feed(source, self.unit_of(source), target)
+        self._check_feed(source, self.unit_of(source), target, link)
         self.connections[target] = source
 
-    def expose(self, name: str, *targets: str) -> None:
-        """Make an input of the system that feeds inputs of components.
+    def expose(
+        self,
+        name: str,
+        *targets: str,
+        unit: Unit | None = None,
+        links: Mapping[str, Link] | None = None,
+    ) -> None:
+        """Make an input of the system that feeds inputs of components, converted to their units.
+
+        Parameters
+        ----------
+        name : of the input
+        targets : ``component.variable``
+        unit : of the input; that of the first target by default
+        links : target -> a scaling beyond that of the units, or none of the units
 
         Raises
         ------
         ConnectionFault
             When the name is taken, or a target does not exist, is no input, is fed already, or
-            has another unit than the first.
+            measures something else than the input.
         """
         if not name or "." in name or name in self.inputs or not targets:
             raise ConnectionFault(
@@ -89,8 +121,26 @@ class System:
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
         self._check_end(targets[0], "input", f"cannot connect {name} to {targets[0]}")
         for target in targets:
-            self._check_feed(name, self.unit_of(targets[0]), target)
+            link = (links or {}).get(target, PLAIN)
+            self._check_feed(name, unit or self.unit_of(targets[0]), target, link)
         self.inputs[name] = targets
+        if unit:
+            self.input_units[name] = unit
+
+    def expose_output(self, name: str, source: str) -> None:
+        """Make an output of the system, for tools that take the system as a whole.
+
+        Raises
+        ------
+        ConnectionFault
+            When the name is taken, or ``source`` is no output of a component.
+        """
+        if not name or "." in name or name in self.inputs or name in self.outputs:
+            raise ConnectionFault(
+                f"cannot expose {name!r}: it needs a name that is not taken, without a dot"
+            )
+        self._check_end(source, "output", f"cannot expose {source} as {name}")
+        self.outputs[name] = source
 
     def set(self, name: str, value: object) -> None:
         """Give a variable a start value, in the variable's unit.
@@ -134,12 +184,19 @@ class System:
 
     def unit(self, name: str) -> str | None:
         """Return the unit of an exposed input or of ``component.variable``."""
-        unit = self.unit_of(self.inputs[name][0] if name in self.inputs else name)
+        unit = self.unit_of(name)
         return unit.name if unit else None
 
     def unit_of(self, name: str) -> Unit | None:
-        """Return what ``component.variable`` is measured in."""
+        """Return what an exposed input or ``component.variable`` is measured in."""
+        if name in self.inputs:
+            return self.input_units.get(name) or self.unit_of(self.inputs[name][0])
         return self._fmu(name).unit(self.variable(name))
+
+    def scaling(self, source: str, target: str) -> Scaling:
+        """Return what is done to a number on its way from what feeds an input into it."""
+        link = self.links.get(target, PLAIN)
+        return self._scaling(source, self.unit_of(source), target, link)
 
     def sources(self) -> dict[str, str]:
         """Return what feeds each input that is fed: a component's output or an exposed input."""
@@ -194,8 +251,12 @@ class System:
         twin = System(self.name)
         twin.components = dict(self.components)
         twin.connections = dict(self.connections)
+        twin.links = dict(self.links)
         twin.inputs = dict(self.inputs)
+        twin.input_units = dict(self.input_units)
+        twin.outputs = dict(self.outputs)
         twin.parameters = dict(self.parameters)
+        twin.origin = self.origin
         return twin
 
     def _fmu(self, name: str) -> Fmu:
@@ -213,14 +274,23 @@ class System:
                 f" expected a Real or Float64 {causality}"
             )
 
-    def _check_feed(self, source: str, unit: Unit | None, target: str) -> None:
+    def _scaling(self, source: str, unit: Unit | None, target: str, link: Link) -> Scaling:
+        wanted = self.unit_of(target)
+        if not (unit and wanted and link.convert):
+            return link.scaling
+        converted = unit.to(wanted)
+        if converted is None:
+            raise ConnectionFault(
+                f"cannot connect {source} to {target}: {source} is in {unit.name!r}, {target} in"
+                f" {wanted.name!r}; one cannot be converted to the other"
+            )
+        return converted.then(link.scaling)
+
+    def _check_feed(self, source: str, unit: Unit | None, target: str, link: Link) -> None:
         purpose = f"cannot connect {source} to {target}"
         self._check_end(target, "input", purpose)
-        wanted = self.unit_of(target)
-        if unit and wanted and not unit.same_as(wanted):
-            raise ConnectionFault(
-                f"{purpose}: {source} is in {unit.name!r}, {target} in {wanted.name!r};"
-                " units are not converted"
-            )
+        self._scaling(source, unit, target, link)
         if feeder := self.sources().get(target):
             raise ConnectionFault(f"{purpose}: {target} is fed by {feeder} already")
+        if link != PLAIN:
+            self.links[target] = link

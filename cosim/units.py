@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from cosim.scaling import IDENTITY, Scaling
+
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
@@ -41,3 +43,15 @@ class Unit:
             return self.name == other.name
         mine = (self.exponents, self.factor, self.offset)
         return mine == (other.exponents, other.factor, other.offset)
+
+    def to(self, other: Unit) -> Scaling | None:
+        """Return what turns a number in this unit into one in the other, None when nothing does.
+
+        Nothing does where the units measure different things, or one does not say what it
+        measures.
+        """
+        if self.same_as(other):
+            return IDENTITY
+        if self.exponents is None or self.exponents != other.exponents:
+            return None
+        return Scaling(self.factor / other.factor, (self.offset - other.offset) / other.factor)

@@ -12,6 +12,7 @@ from cosim import kernel
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
+from cosim.scaling import IDENTITY
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -31,6 +32,7 @@ def wire(
 ) -> kernel.Run:
     """Return a run that lacks its times, its memory and the instances of the FMUs."""
     columns, width = layout.columns, len(layout.columns)
+    sources = system.sources()
     inputs = _inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
@@ -47,9 +49,14 @@ def wire(
         offsets = [offset for offset, _ in inputs[name]]
         slot.n_inputs = len(offsets)
         slot.input_references = _references(system, [target for _, target in inputs[name]])
+        scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
+        scaled = any(scaling != IDENTITY for scaling in scales)
+        if scaled:
+            numbers = [s.factor for s in scales] + [s.offset for s in scales]
+            slot.scales = (ctypes.c_double * len(numbers))(*numbers)
         if not offsets:
             slot.inputs = kernel.NONE
-        elif offsets == list(range(offsets[0], offsets[0] + len(offsets))):
+        elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
             slot.input_offset = offsets[0]
         else:
             slot.inputs = kernel.SCATTERED

@@ -58,6 +58,7 @@ class Component(Structure):
         ("call", c_void_p * 10),
         ("input_offsets", POINTER(c_int64)),
         ("gathered", POINTER(c_double)),
+        ("scales", POINTER(c_double)),
         ("n_linked", c_size_t),
         ("used", c_int64),
         ("n_settings", c_size_t),

@@ -74,6 +74,11 @@ INLINE const double *gather(const Component *c, const double *row) {
     for (size_t i = 0; i < c->n_inputs; i++) {
         c->gathered[i] = row[c->input_offsets[i]];
     }
+    if (UNLIKELY(c->scales != NULL)) {
+        for (size_t i = 0; i < c->n_inputs; i++) {
+            c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
+        }
+    }
     return c->gathered;
 }
 

@@ -87,8 +87,9 @@ typedef struct {
     } call;
     const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
     double *gathered;
-    size_t n_linked; /* the first outputs: those that other components read */
-    int64_t used;    /* not 0: must be reset before the next run */
+    const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
+    size_t n_linked;      /* the first outputs: those that other components read */
+    int64_t used;         /* not 0: must be reset before the next run */
     size_t n_settings;
     const Setting *settings;
     Log *log;

@@ -51,8 +51,13 @@ def _references(i: int, c: kernel.Component) -> list[str]:
 def _set(i: int, c: kernel.Component) -> str:
     values = f"now + {c.input_offset}"
     if c.inputs == kernel.SCATTERED:
-        offsets = c.input_offsets[: c.n_inputs]
-        values = f"(const double[]){{{', '.join(f'now[{offset}]' for offset in offsets)}}}"
+        terms = [f"now[{offset}]" for offset in c.input_offsets[: c.n_inputs]]
+        if c.scales:
+            factors, shifts = c.scales[: c.n_inputs], c.scales[c.n_inputs : 2 * c.n_inputs]
+            terms = [
+                f"{a!r} * {term} + {b!r}" for a, term, b in zip(factors, terms, shifts, strict=True)
+            ]
+        values = f"(const double[]){{{', '.join(terms)}}}"
     return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"
 
 

@@ -46,18 +46,15 @@ def test_an_input_has_one_source(system):
         system.connect("controller.y", "drive.u")
 
 
-def test_units_must_be_the_same(make):
+def test_units_must_measure_the_same(make):
     system = cosim.System()
     system.add("force", make("gain"))
     system.add("same", make("gain", u="kg.m/s2"))
     system.add("milli", make("gain", u="mN"))
     system.add("length", make("gain", u="m"))
     system.connect("force.y", "same.u")
-    for name, unit in (("milli", "mN"), ("length", "m")):
-        with pytest.raises(
-            cosim.ConnectionFault, match=rf"force\.y is in 'N', {name}\.u in '{unit}'"
-        ):
-            system.connect("force.y", f"{name}.u")
+    with pytest.raises(cosim.ConnectionFault, match=r"force\.y is in 'N', length\.u in 'm'"):
+        system.connect("force.y", "length.u")
     with pytest.raises(cosim.ConnectionFault, match=r"'mN'.*'m'"):
         system.expose("both", "milli.u", "length.u")
     assert system.inputs == {}

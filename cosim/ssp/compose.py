@@ -1,0 +1,111 @@
+"""Puts elements of SSP where the schemas want them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from lxml import etree
+
+from cosim.ssp.markup import local
+from cosim.ssp.names import NAMESPACES, OSP, tag
+from cosim.units import BASE_UNITS, Unit
+from cosim.variables import Variable
+
+# How the schemas sort what lies in a description, a system and a component.
+_ORDER = (
+    "Connectors",
+    "ElementGeometry",
+    "ParameterBindings",
+    "Elements",
+    "Connections",
+    "SignalDictionaries",
+    "SystemGeometry",
+    "GraphicalElements",
+    "System",
+    "Parameters",
+    "Enumerations",
+    "Units",
+    "DefaultExperiment",
+    "MetaData",
+    "Signature",
+    "Annotations",
+)
+_RANK = {name: rank for rank, name in enumerate(_ORDER)}
+
+_FLOATS = {"Real", "Float64", "Float32"}
+_OTHERS = {"Boolean", "String", "Enumeration", "Binary"}
+
+
+def new_root(name: str, title: str, version: str) -> Any:
+    """Return the root of a new file."""
+    prefix = name.partition(":")[0]
+    # libcosim takes a namespace declared on osp:Algorithm itself for an algorithm
+    nsmap = {key: NAMESPACES[key] for key in (prefix, "ssc")} | {"osp": OSP}
+    return etree.Element(tag(name), {"version": version, "name": title}, nsmap=nsmap)
+
+
+def add(parent: Any, name: str, /, **attributes: str) -> Any:
+    """Append an element."""
+    return etree.SubElement(parent, tag(name), attributes)
+
+
+def group(parent: Any, name: str) -> Any:
+    """Return the child of this name; where there is none, a new one in the place of the schema."""
+    found = parent.find(tag(name))
+    if found is not None:
+        return found
+    new = etree.Element(tag(name))
+    rank = _RANK[local(new)]
+    behind = (c for c in parent.iterchildren("{*}*") if _RANK.get(local(c), 0) > rank)
+    follower = next(behind, None)
+    if follower is None:
+        parent.append(new)
+    else:
+        follower.addprevious(new)
+    return new
+
+
+def discard(element: Any) -> None:
+    """Remove an element, and its parent if that is empty then."""
+    parent = element.getparent()
+    parent.remove(element)
+    if not len(parent) and local(parent) in {"Connectors", "Connections", "Elements"}:
+        parent.getparent().remove(parent)
+
+
+def add_connector(element: Any, name: str, kind: str, type_name: str, unit: Unit | None) -> None:
+    """Give an element a connector."""
+    connector = add(group(element, "ssd:Connectors"), "ssd:Connector", name=name, kind=kind)
+    says = unit is not None and unit.exponents and type_name in _FLOATS
+    add(connector, f"ssc:{type_name}", **({"unit": unit.name} if unit and says else {}))
+
+
+def add_units(root: Any, name: str, units: Iterable[Unit]) -> None:
+    """Define units that have no definition yet."""
+    known = {unit.get("name") for unit in root.iter(tag("ssc:Unit"))}
+    for unit in units:
+        if unit.name in known or not unit.exponents:
+            continue
+        known.add(unit.name)
+        base = add(add(group(root, name), "ssc:Unit", name=unit.name), "ssc:BaseUnit")
+        for base_unit, exponent in zip(BASE_UNITS, unit.exponents, strict=True):
+            if exponent:
+                base.set(base_unit, str(exponent))
+        if unit.factor != 1.0:
+            base.set("factor", repr(unit.factor))
+        if unit.offset != 0.0:
+            base.set("offset", repr(unit.offset))
+
+
+def type_of(variable: Variable, version: str) -> str:
+    """Return the type of SSP for a variable: FMI 3.0 has its own in SSP 2.0 only."""
+    if variable.type in _OTHERS or variable.type in {"Real", "Integer"} or version != "1.0":
+        return variable.type
+    return "Real" if variable.type in _FLOATS else "Integer"
+
+
+def text_of(root: Any) -> bytes:
+    """Return a file."""
+    text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return text

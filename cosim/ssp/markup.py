@@ -1,0 +1,119 @@
+"""Reads XML so that each complaint names file and line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from lxml import etree
+
+from cosim.errors import SspError
+from cosim.ssp.names import NAMESPACES, VERSIONS
+from cosim.ssp.schema import violation
+
+
+def parse(file: Path, part: str) -> Any:
+    """Return the root of a file of one of the formats of SSP, valid as far as can be checked.
+
+    Parameters
+    ----------
+    file : to read
+    part : ``ssd``, ``ssv``, ``ssm`` or ``ssb``
+
+    Raises
+    ------
+    SspError
+    """
+    try:
+        root = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
+    except (etree.XMLSyntaxError, OSError) as fault:
+        raise SspError(f"{file.name}: {fault}") from fault
+    check(root, part)
+    return root
+
+
+def check(root: Any, part: str) -> None:
+    """Raise SspError unless an element is of a version that is known, and valid."""
+    version = root.get("version", "")
+    if version not in VERSIONS:
+        raise SspError(f"{place(root)}: version is {version!r}, expected '1.0' or '2.0'")
+    if fault := violation(root, part, version):
+        raise SspError(f"{_file_name(root)}, line {fault[0]}: {fault[1]}")
+
+
+def place(element: Any) -> str:
+    """Return file and line of an element."""
+    line = f", line {element.sourceline}" if element.sourceline else ""
+    return f"{_file_name(element)}{line}"
+
+
+def find(element: Any, path: str) -> Any:
+    """Return the first element at a path such as ``ssd:System``, which must exist."""
+    found = element.find(path, NAMESPACES)
+    if found is None:
+        raise SspError(f"{place(element)}: {path} is missing")
+    return found
+
+
+def attribute(element: Any, name: str) -> str:
+    """Return an attribute, which must exist."""
+    text: str | None = element.get(name)
+    if text is None:
+        raise SspError(f"{place(element)}: {local(element)} has no attribute {name!r}")
+    return text
+
+
+def number(element: Any, name: str, default: float) -> float:
+    """Return an attribute as a finite number."""
+    text = element.get(name)
+    try:
+        value = default if text is None else float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise SspError(f"{place(element)}: {name} is {text!r}, expected a finite number")
+    return value
+
+
+def truth(element: Any, name: str) -> bool:
+    """Return an attribute that is true or false, false where it is missing."""
+    return element.get(name, "false").strip() in {"true", "1"}
+
+
+def local(element: Any) -> str:
+    """Return the name of an element without its namespace."""
+    name: str = etree.QName(element).localname
+    return name
+
+
+def inside(top: Path, base: Path, element: Any, attribute_name: str = "source") -> Path:
+    """Return the file that an attribute names by a relative URI.
+
+    Parameters
+    ----------
+    top : folder that the file must lie in
+    base : folder that the URI starts from
+    element : that has the attribute
+
+    Raises
+    ------
+    SspError
+        When the file is missing or lies elsewhere.
+    """
+    source = attribute(element, attribute_name)
+    uri = urlsplit(source)
+    file = (base / unquote(uri.path)).resolve()
+    if uri.scheme or uri.netloc or not file.is_relative_to(top.resolve()):
+        raise SspError(
+            f"{place(element)}: source {source!r} lies outside the package;"
+            " only its own files are read"
+        )
+    if not file.is_file():
+        raise SspError(f"{place(element)}: source {source!r} is missing from the package")
+    return file
+
+
+def _file_name(element: Any) -> str:
+    return Path(unquote(element.getroottree().docinfo.URL or "XML")).name

@@ -1,0 +1,82 @@
+"""An .ssp file, unpacked, and the variants of the system in it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.archive import unpack
+from cosim.errors import SspError
+from cosim.names import suggestion
+from cosim.ssp.markup import attribute, parse
+from cosim.ssp.names import STRUCTURE
+
+
+@dataclass(frozen=True)
+class Package:
+    """Where a system was read from. The folder is named by its content and stays as it is.
+
+    Attributes
+    ----------
+    path : the ``.ssp`` file
+    folder : where it lies unpacked
+    structure : the file in it that describes the chosen variant
+    """
+
+    path: Path
+    folder: Path
+    structure: str = STRUCTURE
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], variant: str | None = None) -> Package:
+        """Unpack a file and choose a variant by the name it gives itself, or by its file.
+
+        Raises
+        ------
+        SspError
+        """
+        whole = Path(path).absolute()
+        package = cls(whole, unpack(whole, "ssps", SspError))
+        if not (package.folder / STRUCTURE).is_file():
+            raise SspError(f"{whole}: {STRUCTURE} is missing; this is no system structure package")
+        if variant is None:
+            return package
+        named = package.variants()
+        files = {file: file for file in named.values()} | named
+        if variant not in files:
+            raise SspError(f"{whole}: no variant {variant!r}{suggestion(variant, files)}")
+        return cls(whole, package.folder, files[variant])
+
+    def variants(self) -> dict[str, str]:
+        """Return name -> file of each variant, the default one first.
+
+        Raises
+        ------
+        SspError
+            When one cannot be read, or two have the same name.
+        """
+        files = sorted(self.folder.glob("*.ssd"), key=lambda file: (file.name != STRUCTURE, file))
+        names: dict[str, str] = {}
+        for file in files:
+            try:
+                name = attribute(parse(file, "ssd"), "name")
+            except SspError as fault:
+                raise SspError(f"{self.path}: {fault}") from fault
+            if name in names:
+                raise SspError(
+                    f"{self.path}: {names[name]} and {file.name} are both called {name!r};"
+                    " choose one by its file"
+                )
+            names[name] = file.name
+        return names
+
+
+def variants(path: str | os.PathLike[str]) -> list[str]:
+    """Return the names of the variants that an .ssp file holds, the default one first.
+
+    Raises
+    ------
+    SspError
+    """
+    return list(Package.open(path).variants())

@@ -1,0 +1,203 @@
+"""The elements of a system as SSP nests them: systems, components, signal dictionaries."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as File
+from typing import Any
+
+from cosim.archive import unpack
+from cosim.errors import SspError
+from cosim.ssp.markup import attribute, check, find, inside, number, parse, place
+from cosim.ssp.names import FMU, NAMESPACES, NESTED, SEPARATOR, STRUCTURE, Path, component, tag
+from cosim.units import BASE_UNITS, Unit
+
+Entries = Mapping[str, Unit | None]
+"""Signals of a dictionary by name."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """An .ssd file.
+
+    Attributes
+    ----------
+    file : where it lies; its URIs start from there
+    top : the unpacked package, which no URI may leave
+    root : SystemStructureDescription
+    units : name -> Unit
+    """
+
+    file: File
+    top: File
+    root: Any
+    units: Mapping[str, Unit]
+
+    @classmethod
+    def read(cls, file: File, top: File) -> Document:
+        """Read a file of an unpacked package."""
+        root = parse(file, "ssd")
+        return cls(file, top, root, read_units(root))
+
+    def locate(self, element: Any) -> File:
+        """Return the file that the element's source names."""
+        return inside(self.top, self.file.parent, element)
+
+
+@dataclass(frozen=True)
+class Connector:
+    """A place where a signal enters or leaves an element."""
+
+    name: str
+    kind: str
+    unit: Unit | None
+
+
+@dataclass
+class Node:
+    """An element and what is in it.
+
+    Attributes
+    ----------
+    path : of names
+    document : that ``element`` and ``body`` ... of the same file are written in
+    element : as its parent mentions it
+    body : ssd:System of a system; the element itself otherwise
+    body_document : that the body is written in: another one where the source is a file
+    fmu : of a component
+    dictionary : that a reference refers to
+    """
+
+    path: Path
+    document: Document
+    element: Any
+    body: Any
+    body_document: Document
+    connectors: dict[str, Connector]
+    fmu: File | None = None
+    dictionary: str | None = None
+    children: dict[str, Node] = field(default_factory=dict)
+    dictionaries: dict[str, Entries] = field(default_factory=dict)
+
+    @property
+    def is_system(self) -> bool:
+        """Whether there are elements inside."""
+        return self.fmu is None and self.dictionary is None
+
+    def walk(self) -> Iterator[Node]:
+        """Yield this element and all inside, parents first."""
+        yield self
+        for child in self.children.values():
+            yield from child.walk()
+
+
+def read_structure(file: File, top: File) -> Node:
+    """Return the outermost system of an .ssd file.
+
+    Raises
+    ------
+    SspError
+    """
+    document = Document.read(file, top)
+    return _system((), find(document.root, "ssd:System"), document, (file,))
+
+
+def read_units(root: Any) -> dict[str, Unit]:
+    """Return all units defined below an element."""
+    return {unit.name: unit for unit in map(_read_unit, root.iter(tag("ssc:Unit")))}
+
+
+def _system(
+    path: Path, body: Any, document: Document, files: tuple[File, ...], element: Any = None
+) -> Node:
+    node = Node(path, document, element, body, document, read_connectors(body, document.units))
+    for entry in body.iterfind("ssd:SignalDictionaries/ssd:SignalDictionary", NAMESPACES):
+        node.dictionaries[attribute(entry, "name")] = _entries(entry, document)
+    for child in body.iterfind("ssd:Elements/*", NAMESPACES):
+        name = attribute(child, "name")
+        if not name or "." in name or SEPARATOR in name:
+            raise SspError(
+                f"{place(child)}: element {name!r}: a name without '.' and '{SEPARATOR}' is needed,"
+                f" because variables are called component.variable, outer{SEPARATOR}inner.variable"
+            )
+        if name in node.children:
+            raise SspError(f"{place(child)}: there are two elements {name!r}")
+        node.children[name] = _element((*path, name), child, document, files)
+    return node
+
+
+def _element(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+    if element.tag == tag("ssd:System"):
+        return _system(path, element, document, files, element)
+    connectors = read_connectors(element, document.units)
+    node = Node(path, document, element, element, document, connectors)
+    if element.tag == tag("ssd:SignalDictionaryReference"):
+        node.dictionary = attribute(element, "dictionary")
+        return node
+    kind = element.get("type", FMU)
+    if kind in NESTED:
+        return _nested(path, element, document, files)
+    if kind != FMU:
+        raise SspError(
+            f"{place(element)}: component {component(path)!r} is of the type {kind!r};"
+            " only FMUs and SSP systems can be run"
+        )
+    node.fmu = document.locate(element)
+    return node
+
+
+def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
+    file, top = document.locate(element), document.top
+    if element.get("type") == NESTED[1]:
+        top = unpack(file, "ssps", SspError)
+        file = top / STRUCTURE
+    if file in files:
+        raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
+    inner = Document.read(file, top)
+    node = _system(path, find(inner.root, "ssd:System"), inner, (*files, file), element)
+    node.document = document
+    return node
+
+
+def read_connectors(element: Any, units: Mapping[str, Unit]) -> dict[str, Connector]:
+    """Return the connectors of an element by name."""
+    connectors = {}
+    for connector in element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
+        name = attribute(connector, "name")
+        kind = attribute(connector, "kind")
+        connectors[name] = Connector(name, kind, _unit_inside(connector, units))
+    return connectors
+
+
+def _entries(element: Any, document: Document) -> Entries:
+    if element.get("source"):
+        root = parse(document.locate(element), "ssb")
+    else:
+        root = find(element, "ssb:SignalDictionary")
+        check(root, "ssb")
+    units = dict(document.units) | read_units(root)
+    return {
+        attribute(entry, "name"): _unit_inside(entry, units)
+        for entry in root.iterfind("ssb:DictionaryEntry", NAMESPACES)
+    }
+
+
+def _unit_inside(element: Any, units: Mapping[str, Unit]) -> Unit | None:
+    """Return the unit of the type that an element mentions first."""
+    for kind in element.iterchildren(*(tag(f"ssc:{name}") for name in _WITH_UNIT)):
+        if unit := kind.get("unit"):
+            return units.get(unit, Unit(unit))
+    return None
+
+
+def _read_unit(element: Any) -> Unit:
+    base = find(element, "ssc:BaseUnit")
+    exponents = tuple(int(number(base, name, 0)) for name in BASE_UNITS)
+    factor, offset = number(base, "factor", 1.0), number(base, "offset", 0.0)
+    if factor == 0:
+        raise SspError(f"{place(base)}: the factor of a unit cannot be 0")
+    return Unit(attribute(element, "name"), exponents, factor, offset)
+
+
+_WITH_UNIT = ("Real", "Float64", "Float32")

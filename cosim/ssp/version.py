@@ -1,0 +1,53 @@
+"""Turns the files of a package into another version of SSP."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lxml import etree
+
+from cosim.errors import SspError
+from cosim.ssp.names import NAMESPACES, tag
+from cosim.ssp.schema import violation
+
+_ROOTS = {
+    "ssd": tag("ssd:SystemStructureDescription"),
+    "ssv": tag("ssv:ParameterSet"),
+    "ssm": tag("ssm:ParameterMapping"),
+    "ssb": tag("ssb:SignalDictionary"),
+}
+_WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}
+
+
+def as_version(members: Mapping[str, bytes], version: str) -> dict[str, bytes]:
+    """Return the members of a package in a version; those that are of it already stay untouched.
+
+    Raises
+    ------
+    SspError
+        When a file says what SSP 1.0 has no words for.
+    """
+    return {name: _converted(name, data, version) for name, data in members.items()}
+
+
+def _converted(name: str, data: bytes, version: str) -> bytes:
+    part = name.rpartition(".")[2]
+    if part not in _ROOTS:
+        return data
+    parser = etree.XMLParser(resolve_entities=False, no_network=True)
+    root = etree.fromstring(data, parser)
+    roots = [element for kind in _ROOTS.values() for element in root.iter(kind)]
+    if all(element.get("version") == version for element in roots):
+        return data
+    for element in roots:
+        element.set("version", version)
+    if version == "1.0":
+        for prefix in ("ssc", "ssv"):
+            for new, old in _OLD_NAMES.items():
+                for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
+                    element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
+    if fault := violation(root, part, version):
+        raise SspError(f"{name}, line {fault[0]}: SSP {version} cannot say this: {fault[1]}")
+    text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return text
