@@ -1,6 +1,5 @@
 """How the cost grows: with FMUs, with variables of each FMU, with steps; and two threads."""
 
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -36,22 +35,23 @@ def by_steps(folder: Path) -> dict[int, float]:
     return {n: seconds[str(n)] / n / 3 * 1e9 for n in STEPS}
 
 
-def by_threads(folder: Path, duration: int = 1_000_000, runs: int = 20) -> float:
+def by_threads(folder: Path) -> float:
     """Return how much faster two threads are than one, on runs of 10 ms and more."""
-    system = ring.system(folder, 2)
-    simulations = [_prepare(system, duration, "jacobi") for _ in range(2)]
+    simulations = [_prepare(ring.system(folder, 2), 1_000_000, "jacobi") for _ in range(2)]
 
     def work(simulation) -> None:
-        for _ in range(runs // 2):
+        for _ in range(5):
             simulation.run()
 
-    seconds = {}
-    for workers in (1, 2):
-        with ThreadPoolExecutor(workers) as pool:
-            begin = time.perf_counter()
-            list(pool.map(work, simulations))
-            seconds[workers] = time.perf_counter() - begin
-    return seconds[1] / seconds[2]
+    with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
+        seconds = interleaved(
+            {
+                "one": lambda: list(one.map(work, simulations)),
+                "two": lambda: list(two.map(work, simulations)),
+            },
+            11,
+        )
+    return seconds["one"] / seconds["two"]
 
 
 def _per_step(system, steps: int, coupling: str, record=("mass.v",)) -> float:

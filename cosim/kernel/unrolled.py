@@ -6,7 +6,7 @@ from cosim import kernel
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
 
-_GROUP = 32  # as in steps.h
+_GROUP = 12  # as in steps.h
 
 _TEXT = """#include "walk.h"
 
