@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from cosim.errors import ConnectionFault, CosimError, ParameterError
-from cosim.fmu import Fmu
+from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.simulation import Coupling, Simulation, Specification
 from cosim.units import Unit
@@ -37,9 +37,16 @@ class System:
         self,
         name: str,
         fmu: Fmu | str | os.PathLike[str],
-        parameters: Mapping[str, Value] | None = None,
+        parameters: Mapping[str, object] | None = None,
+        *,
+        interface: Interface | None = None,
     ) -> None:
         """Add a component, with start values by variable name.
+
+        Parameters
+        ----------
+        interface : by which it is run: ``co_simulation``, the default where it has one, or
+            ``model_exchange``
 
         Raises
         ------
@@ -51,7 +58,11 @@ class System:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
             )
-        self.components[name] = fmu if isinstance(fmu, Fmu) else Fmu(fmu)
+        if not isinstance(fmu, Fmu):
+            fmu = Fmu(fmu, interface=interface)
+        elif interface not in (None, fmu.interface):
+            fmu = Fmu(fmu.path, interface=interface)
+        self.components[name] = fmu
         try:
             for variable, value in (parameters or {}).items():
                 self.set(f"{name}.{variable}", value)
@@ -67,9 +78,10 @@ class System:
         ConnectionFault
             When an end does not exist, has the wrong causality, type or unit, or is fed already.
         """
-        self._check_end(source, "output", f"cannot connect {source} to {target}")
-        self._check_feed(source, self.unit_of(source), target)
-        self.connections[target] = source
+        for one, other in self._pairs(source, target):
+            self._check_end(one, "output", f"cannot connect {one} to {other}")
+            self._check_feed(one, one, other)
+            self.connections[other] = one
 
     def expose(self, name: str, *targets: str) -> None:
         """Make an input of the system that feeds inputs of components.
@@ -89,7 +101,7 @@ class System:
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
         self._check_end(targets[0], "input", f"cannot connect {name} to {targets[0]}")
         for target in targets:
-            self._check_feed(name, self.unit_of(targets[0]), target)
+            self._check_feed(name, targets[0], target)
         self.inputs[name] = targets
 
     def set(self, name: str, value: object) -> None:
@@ -124,13 +136,14 @@ class System:
             near = suggestion(component, self.components)
             raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
         fmu = self.components[component]
-        if variable not in fmu.variables:
+        found = fmu.find(variable, self._lengths(component, fmu))
+        if found is None:
             near = suggestion(variable, fmu.variables)
             raise error(
                 f"{self.name}: component {component!r} ({fmu.path.name}) has no variable"
                 f" {variable!r}{near}"
             )
-        return fmu.variables[variable]
+        return found
 
     def unit(self, name: str) -> str | None:
         """Return the unit of an exposed input or of ``component.variable``."""
@@ -151,7 +164,7 @@ class System:
         return [
             (source, target)
             for target, source in self.connections.items()
-            if self._fmu(source).feedthrough[variable_of(source)]
+            if self._fmu(source).feedthrough[self.variable(source).owner]
         ]
 
     def prepare(
@@ -195,8 +208,33 @@ class System:
         twin.parameters = dict(self.parameters)
         return twin
 
+    def _lengths(self, component: str, fmu: Fmu) -> dict[str, int]:
+        """Return the structural parameters that were set."""
+        names = ((name, f"{component}.{name}") for name in fmu.structural)
+        values = ((name, self.parameters.get(key)) for name, key in names)
+        return {name: value for name, value in values if isinstance(value, int)}
+
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]
+
+    def _pairs(self, source: str, target: str) -> list[tuple[str, str]]:
+        """Return the connections element by element where both ends are arrays of one shape."""
+        try:
+            ends = [self.variable(name) for name in (source, target)]
+        except ConnectionFault as fault:
+            raise ConnectionFault(f"cannot connect {source} to {target}: {fault}") from None
+        if not ends[0].dimensions or not ends[1].dimensions:
+            return [(source, target)]
+        if ends[0].dimensions != ends[1].dimensions:
+            raise ConnectionFault(
+                f"cannot connect {source} to {target}: their dimensions are"
+                f" {ends[0].dimensions} and {ends[1].dimensions}"
+            )
+        names = (
+            [f"{component_of(name)}.{element.name}" for element in end.elements()]
+            for name, end in zip((source, target), ends, strict=True)
+        )
+        return list(zip(*names, strict=True))
 
     def _check_end(self, name: str, causality: str, purpose: str) -> None:
         try:
@@ -205,15 +243,22 @@ class System:
             raise ConnectionFault(f"{purpose}: {fault}") from None
         if variable.causality != causality or not variable.is_signal:
             shape = "array" if variable.dimensions else variable.causality
+            hint = f"; name its elements: {name}[...]" if variable.dimensions else ""
             raise ConnectionFault(
                 f"{purpose}: {name} is a {variable.type} {shape},"
-                f" expected a Real or Float64 {causality}"
+                f" expected an {causality} that is a number or Boolean{hint}"
             )
 
-    def _check_feed(self, source: str, unit: Unit | None, target: str) -> None:
+    def _check_feed(self, source: str, like: str, target: str) -> None:
+        """Check that ``target`` can be fed by ``source``, which is a variable like ``like``."""
         purpose = f"cannot connect {source} to {target}"
         self._check_end(target, "input", purpose)
-        wanted = self.unit_of(target)
+        kind, wanted_kind = self.variable(like).kind, self.variable(target).kind
+        if kind != wanted_kind:
+            raise ConnectionFault(
+                f"{purpose}: {like} is a {kind}, {target} a {wanted_kind}; only equal types connect"
+            )
+        unit, wanted = self.unit_of(like), self.unit_of(target)
         if unit and wanted and not unit.same_as(wanted):
             raise ConnectionFault(
                 f"{purpose}: {source} is in {unit.name!r}, {target} in {wanted.name!r};"
