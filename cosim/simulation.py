@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from cosim import kernel
+from cosim.ending import ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
+from cosim.once import claim, give_up
 from cosim.order import stepping_order
 from cosim.result import Array, Result
-from cosim.settings import Settings
+from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
 from cosim.variables import Value
 from cosim.wiring import wire
@@ -76,13 +78,15 @@ class Simulation:
         self.order = names if jacobi else stepping_order(names, system.feedthrough())
         self._layout = Layout.of(system, spec.record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
-        self._run = wire(system, self._layout, self.order, self._libraries, jacobi=jacobi)
+        self._run, self._facades = wire(
+            system, self._layout, self.order, self._libraries, jacobi=jacobi
+        )
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
-        self._attach(Settings(system, system.parameters, self._libraries))
+        self._attach(self._new_settings(system.parameters))
         self._instantiate()
 
     def run(
@@ -105,14 +109,17 @@ class Simulation:
             Before anything is run.
         SimulationError
             When an FMU fails or gives a value that is not finite; the simulation can run again.
+
+        An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
         system = self.spec.system
         values: dict[str, Value] = dict(system.parameters)
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
+            check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
         if values.keys() != self._settings.names:
-            self._attach(Settings(system, values, self._libraries))
+            self._attach(self._new_settings(values))
         self._settings.fill(values)
         self._instantiate()
 
@@ -129,13 +136,21 @@ class Simulation:
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
             outcome = self._kernel.advance(run)
         if outcome == kernel.FAILED:
-            raise self._failure()
+            name = self.order[run.failed]
+            end = ending(run, self._slots[name], self._facades.get(name), self._libraries[name])
+            if end is None:
+                raise self._failure()
+            kept = kept_rows(run, record, rows, self._slots[name], end)
+            time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
+            stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
+            return Result(time, kept, self._layout.recorded, system, stopped)
         return Result(self.time, record, self._layout.recorded, system)
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
         for slot in self._slots.values():
             self._kernel.release(slot)
+        give_up(self)
 
     def __enter__(self) -> Self:
         return self
@@ -152,6 +167,9 @@ class Simulation:
         if hasattr(self, "_settings"):
             self.close()
 
+    def _new_settings(self, names: Iterable[str]) -> Settings:
+        return Settings(self.spec.system, names, self._libraries, self._facades)
+
     def _attach(self, settings: Settings) -> None:
         self._settings = settings
         for name, slot in self._slots.items():
@@ -161,11 +179,13 @@ class Simulation:
         for name, slot in self._slots.items():
             if not slot.instance:
                 fmu = self.spec.system.components[name]
+                claim(fmu, name, self)
                 arguments = (name, fmu.token, self._libraries[name].resources)
                 self._kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
+                    tool = "; it needs the tool that made it" if fmu.needs_tool else ""
                     raise SimulationError(
-                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}"
+                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
 
     def _failure(self) -> SimulationError:
@@ -176,6 +196,8 @@ class Simulation:
             self._layout.outputs[name][run.output] if run.status == kernel.NOT_FINITE else name
         )
         what = kernel.STATUS.get(run.status, f"returned the unknown status {run.status}")
+        facade = self._facades.get(name)
+        call = (facade.c.called if facade else None) or run.call
         if run.done < 0:
             when = "during initialisation"
         elif run.done == run.n_steps:
@@ -183,7 +205,7 @@ class Simulation:
         else:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
-        message = f"{subject}: {run.call.decode()} {what} {when}{_said(slot)}"
+        message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
         if run.call.endswith(b"Reset"):
             self._kernel.release(slot)  # the next run instantiates it anew
         return SimulationError(message)

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from cosim import kernel
+from cosim.facade import Facade, wants_facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
@@ -29,8 +30,12 @@ def wire(
     libraries: Mapping[str, Library],
     *,
     jacobi: bool,
-) -> kernel.Run:
-    """Return a run that lacks its times, its memory and the instances of the FMUs."""
+) -> tuple[kernel.Run, dict[str, Facade]]:
+    """Return a run that lacks its times, its memory and the instances of the FMUs.
+
+    With it come the facades of the components that need one.
+    """
+    facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
     inputs = _inputs(system, layout, order, jacobi=jacobi)
@@ -62,8 +67,12 @@ def wire(
             slot.inputs = kernel.SCATTERED
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
+        targets = [(target, offset >= width) for offset, target in inputs[name]]
+        if facade := _facade(system, name, libraries[name], outputs, targets):
+            facades[name] = facade
+            facade.dress(slot)
     selected = [columns[name] for name in layout.recorded]
-    return kernel.Run(
+    run = kernel.Run(
         components=components,
         n_components=len(order),
         jacobi=jacobi,
@@ -73,6 +82,25 @@ def wire(
         selected=(ctypes.c_int64 * len(selected))(*selected),
         n_selected=len(selected),
     )
+    return run, facades
+
+
+def _facade(
+    system: System,
+    name: str,
+    library: Library,
+    outputs: Sequence[str],
+    targets: Sequence[tuple[str, bool]],
+) -> Facade | None:
+    """Return a facade for a component that the kernel does not take as it is."""
+    fmu = system.components[name]
+    read = [system.variable(output) for output in outputs]
+    fed = [system.variable(target) for target, _ in targets]
+    if not wants_facade(fmu, [*read, *fed]):
+        return None
+    ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
+    arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
+    return Facade(fmu, library, read, fed, ahead, arrays)
 
 
 def _inputs(
@@ -80,17 +108,17 @@ def _inputs(
 ) -> dict[str, list[tuple[int, str]]]:
     """Return per component its fed inputs with their offsets from the row of the present time.
 
-    What was computed earlier in the same step is read from the next row.
+    What was computed earlier in the same step is read from the next row, and so are the exposed
+    inputs of Model Exchange, which takes a straight line from one to the other.
     """
     place = {name: i for i, name in enumerate(order)}
     inputs: dict[str, list[tuple[int, str]]] = defaultdict(list)
     for target, source in system.sources().items():
         component = component_of(target)
-        fresh = (
-            not jacobi
-            and target in system.connections
-            and place[component_of(source)] < place[component]
-        )
+        if target in system.connections:
+            fresh = not jacobi and place[component_of(source)] < place[component]
+        else:  # what is known of the next point in time serves those who look into the step
+            fresh = system.components[component].interface == "model_exchange"
         offset = layout.columns[source] + (len(layout.columns) if fresh else 0)
         inputs[component].append((offset, target))
     return defaultdict(list, {component: sorted(fed) for component, fed in inputs.items()})

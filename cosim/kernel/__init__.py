@@ -106,15 +106,19 @@ FINISHED, PAUSED, FAILED = range(3)
 SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
+DISCARD = 2
 NOT_FINITE = 100
+TERMINATED = 101
 STATUS = {
     2: "returned discard",
     3: "returned error",
     4: "returned fatal",
     5: "returned pending",
     NOT_FINITE: "gave a value that is not finite",
-    101: "asked to terminate the simulation",
+    TERMINATED: "asked to terminate the simulation",
     102: "returned early though that was not allowed",
+    103: "came to no end of events at one time or within one step",
+    104: "could not integrate",
 }
 
 

@@ -128,6 +128,7 @@ EXPORT const char *fmi2_calls(void); /* names separated by blanks */
 EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
+void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
 
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals. */
 EXPORT enum Outcome advance(Run *run);
