@@ -57,6 +57,11 @@ class Settings:
             )
             for name, variable in self._variables.items()
         }
+        self._numbers = {  # most, and written without detour
+            name: (self._slots[name].values, self._slots[name].place(variable))
+            for name, variable in self._variables.items()
+            if variable.is_signal
+        }
 
     def attach(self, component: str, slot: kernel.Component) -> None:
         """Let a component of the kernel take its start values from here."""
@@ -76,7 +81,11 @@ class Settings:
     def fill(self, values: Mapping[str, Value]) -> None:
         """Write values, which were checked, by ``component.variable``."""
         for name, value in values.items():
-            self._slots[name].put(self._variables[name], value)
+            room, place = self._numbers.get(name, (None, 0))
+            if room is None:
+                self._slots[name].put(self._variables[name], value)
+            else:
+                room[place] = value
         for component, facade in self._facades.items():
             facade.hold(
                 {
@@ -94,6 +103,8 @@ def check_length(system: System, name: str, value: Value) -> None:
     ------
     ParameterError
     """
+    if not system.components[component_of(name)].structural:
+        return
     variable = system.variable(name)
     present = system.parameters.get(name, variable.start)
     if variable.causality == "structuralParameter" and value != present:

@@ -177,7 +177,7 @@ static fmi2Status step_fmi3(Facade *f, double t, double h) {
         TRY_STATUS(noted(f, DO_STEP,
                          (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, true, &event, &terminate,
                                                        &early, &reached)));
-        const bool whole = !early || reached >= end;
+        const bool whole = !early || end - reached <= 1e-12 * fabs(end);
         f->time = whole ? end : reached;
         if (terminate) {
             return noted(f, DO_STEP, TERMINATED);
