@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from cosim.coupling import Adaptive, Coupling
 from cosim.errors import (
     ConnectionFault,
     CosimError,
@@ -28,8 +29,10 @@ from cosim.system import System
 from cosim.variables import Variable
 
 __all__ = [
+    "Adaptive",
     "ConnectionFault",
     "CosimError",
+    "Coupling",
     "DefaultExperiment",
     "ExperimentError",
     "Fmu",

@@ -38,6 +38,7 @@ class Fmu:
     units : name -> Unit
     feedthrough : output -> the inputs it depends on without delay
     experiment : the times it proposes, s
+    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
     ------
@@ -56,6 +57,9 @@ class Fmu:
                 f"{self.path}: no Co-Simulation interface; export the model for Co-Simulation"
             )
         self.identifier: str = description.coSimulation.modelIdentifier or ""
+        self.restores_state = bool(description.coSimulation.canGetAndSetFMUstate)
+        self.interpolates_inputs = bool(description.coSimulation.canInterpolateInputs)
+        self.varies_step = bool(description.coSimulation.canHandleVariableCommunicationStepSize)
         self.binary = self._find_binary()
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions

@@ -43,6 +43,16 @@ class Library:
         name, c_type = SETTERS[self._fmu.version][type_name]
         return name, self._address(name), c_type
 
+    def state_calls(self) -> tuple[int, int, int]:
+        """Return the addresses of the functions that save, restore and free a state."""
+        word = "fmi2{}FMUstate" if self._fmu.version == 2 else "fmi3{}FMUState"
+        save, restore, free = (self._address(word.format(s)) for s in ("Get", "Set", "Free"))
+        return save, restore, free
+
+    def derivatives_call(self) -> int:
+        """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
+        return self._address("fmi2SetRealInputDerivatives")
+
     def _address(self, name: str) -> int:
         try:
             function = getattr(self._library, name)

@@ -89,6 +89,9 @@ class Run(Structure):
         ("output", c_int64),
         ("status", c_int64),
         ("call", c_char_p),
+        ("initial", c_void_p),
+        ("coupling", c_void_p),
+        ("unsolved", c_void_p),
     )
 
 
@@ -96,6 +99,7 @@ FINISHED, PAUSED, FAILED = range(3)
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
 NOT_FINITE = 100
+NOT_SOLVED = 103
 STATUS = {
     2: "returned discard",
     3: "returned error",
@@ -122,9 +126,9 @@ def load() -> CDLL:
     library = CDLL(str(toolchain.shared_library("cosim_kernel", files)))
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
-    library.instantiate.restype = library.release.restype = None
+    library.instantiate.restype = library.release.restype = library.forget.restype = None
     library.release.argtypes = (POINTER(Component),)
-    library.advance.argtypes = (POINTER(Run),)
+    library.advance.argtypes = library.forget.argtypes = (POINTER(Run),)
     library.advance.restype = c_int
     return library
 

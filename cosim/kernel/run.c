@@ -1,4 +1,5 @@
 #include "calls.h"
+#include "coupling.h"
 #include <string.h>
 #include <time.h>
 
@@ -26,6 +27,7 @@ static bool initialise(Run *run) {
     }
     FOR_EACH_COMPONENT(c) { TRY(get_initial(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
+    TRY(!run->initial || solve_initial(run));
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(get_outputs(run, c, c->n_outputs, run->rows)); }
     return true;
@@ -48,14 +50,14 @@ static bool initialise(Run *run) {
     }
 
 INLINE bool step_one_by_one(Run *run, double *now, double t, double h) {
-    ALL_IN_TURN(c, set_inputs(run, c, now) && do_step(run, c, t, h) &&
+    ALL_IN_TURN(c, set_inputs(run, c, now) && do_step(run, c, t, h, true) &&
                        get_outputs(run, c, c->n_outputs, now + run->width));
     return true;
 }
 
 INLINE bool step_all_at_once(Run *run, double *now, double t, double h) {
     ALL_IN_TURN(c, set_inputs(run, c, now));
-    ALL_IN_TURN(c, do_step(run, c, t, h));
+    ALL_IN_TURN(c, do_step(run, c, t, h, true));
     ALL_IN_TURN(c, get_outputs(run, c, c->n_outputs, now + run->width));
     return true;
 }
@@ -71,7 +73,11 @@ static bool step(Run *run) {
     const double t_next = run->start + (double)(n + 1) * run->step;
     const double h = run->constant_step ? run->step : t_next - t;
     double *now = row_of(run, n);
-    return run->jacobi ? step_all_at_once(run, now, t, h) : step_one_by_one(run, now, t, h);
+    if (run->jacobi) {
+        return step_all_at_once(run, now, t, h);
+    }
+    return UNLIKELY(run->coupling != NULL) ? step_coupled(run, now + run->width, t, h)
+                                           : step_one_by_one(run, now, t, h);
 }
 
 /* The exponent of a double that is not finite has all bits set: one more and it overflows. */
@@ -155,6 +161,9 @@ enum Outcome advance(Run *run) {
         run->block_start = 0;
         if (!initialise(run) || !close_rows(run, 0, 0)) {
             return FAILED;
+        }
+        if (run->coupling) {
+            begin_coupled(run);
         }
         run->done = 0;
     }
