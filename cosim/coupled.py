@@ -67,6 +67,7 @@ class Coupled:
         self._loops = self._all_loops()
         self._table = tables.Coupling(
             members=self._members,
+            n_members=n,
             loops=self._loops,
             n_loops=len(self._loops),
             degree=self._coupling.degree,
@@ -179,15 +180,18 @@ class Coupled:
 
     def _member(self, name: str, slot: kernel.Component) -> Any:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
-        inputs = {v.reference: v.name for v in fmu.variables.values() if v.causality == "input"}
+        fed = {t: s for t, s in self._system.sources().items() if component_of(t) == name}
+        targets = {self._system.variable(target).reference: target for target in fed}
         shown = [variable_of(output) for output in self._layout.outputs[name]]
         interpolates = fmu.interpolates_inputs and degree > 0
         links = (tables.Link * n)()
         for i, link in enumerate(links):
-            link.column = slot.input_offsets[i] % len(self._names)
-            link.fresh = self._is_fresh(self._names[link.column], name)
-            target = inputs[slot.input_references[i]]
-            link.feeds_through = any(target in fmu.feedthrough.get(o, ()) for o in shown)
+            target = targets[slot.input_references[i]]
+            link.column = self._layout.columns[fed[target]]
+            link.fresh = self._is_fresh(fed[target], name)
+            link.feeds_through = any(
+                variable_of(target) in fmu.feedthrough.get(output, ()) for output in shown
+            )
         shows = any(link.feeds_through for link in links)
         member = tables.Member(links=links, values=(ctypes.c_double * n)())
         member.splits = degree > 0 and shows and not interpolates and fmu.varies_step

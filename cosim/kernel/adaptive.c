@@ -13,7 +13,7 @@ static const double SAFETY = 0.9, SHRINK = 0.1, GROW = 3.0;
 static double miss(const Run *run) {
     const Coupling *k = run->coupling;
     double worst = 0.0;
-    for (const Component *c = run->components; c->version; c++) {
+    for (const Component *c = run->components; c != run->components + k->n_members; c++) {
         for (int64_t i = c->column; i < c->column + (int64_t)c->n_linked; i++) {
             const double wanted = k->next[i];
             const double error = wanted - value_at(hold(run, i, false, k->t, k->h), k->h);
@@ -53,7 +53,7 @@ bool step_adaptively(Run *run, const double *row, double t, double h) {
         }
         const double error = miss(run);
         if (error > 1.0 && k->h > k->min_step) {
-            if (!restore(run, 0, k->loops[k->n_loops - 1].end)) {
+            if (!restore(run, 0, k->n_members)) {
                 return false;
             }
             k->rejected++;

@@ -66,16 +66,15 @@ INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
     return passed(run, c, "fmi3GetFloat64", (int)status);
 }
 
-/* final: nobody will go back behind t */
-INLINE bool do_step(Run *run, const Component *c, double t, double h, bool final) {
+INLINE bool do_step(Run *run, const Component *c, double t, double h) {
     if (LIKELY(c->version == 2)) {
-        const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, final);
+        const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
         return passed(run, c, "fmi2DoStep", (int)status);
     }
     /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
     fmi3Boolean event_handling_needed = false, terminate = false, early = false;
     fmi3Float64 last_successful_time = t + h;
-    const fmi3Status status = c->call.fmi3.DoStep(c->instance, t, h, final, &event_handling_needed,
+    const fmi3Status status = c->call.fmi3.DoStep(c->instance, t, h, true, &event_handling_needed,
                                                   &terminate, &early, &last_successful_time);
     if (UNLIKELY(terminate || early) && (unsigned)status <= fmi3Warning) {
         return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);

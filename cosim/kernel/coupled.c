@@ -52,14 +52,29 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
                                            m->derivatives)));
 }
 
+/* final: nobody will go back behind t. */
+static bool do_step_of(Run *run, const Component *c, double t, double h, bool final) {
+    if (c->version == 2) {
+        return passed(run, c, "fmi2DoStep", (int)c->call.fmi2.DoStep(c->instance, t, h, final));
+    }
+    fmi3Boolean event = false, terminate = false, early = false;
+    fmi3Float64 reached = t + h;
+    const fmi3Status status =
+        c->call.fmi3.DoStep(c->instance, t, h, final, &event, &terminate, &early, &reached);
+    if ((terminate || early) && (unsigned)status <= fmi3Warning) {
+        return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
+    }
+    return passed(run, c, "fmi3DoStep", (int)status);
+}
+
 static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
     const Component *c = &run->components[i];
     if (!run->coupling->members[i].splits) {
-        return set_held_inputs(run, i, t, h, WHOLE) && do_step(run, c, t, h, final);
+        return set_held_inputs(run, i, t, h, WHOLE) && do_step_of(run, c, t, h, final);
     }
     const double late = t + (1.0 - END) * h;
-    return set_held_inputs(run, i, t, h, BEGINNING) && do_step(run, c, t, late - t, final) &&
-           set_held_inputs(run, i, t, h, ENDING) && do_step(run, c, late, t + h - late, final);
+    return set_held_inputs(run, i, t, h, BEGINNING) && do_step_of(run, c, t, late - t, final) &&
+           set_held_inputs(run, i, t, h, ENDING) && do_step_of(run, c, late, t + h - late, final);
 }
 
 /* Once through the components of a loop, or the one that is in none. */
@@ -125,11 +140,11 @@ void begin_coupled(Run *run) {
     }
 }
 
-bool step_coupled(Run *run, double *row, double t, double h) {
+static bool step_coupled(Run *run, double *row, double t, double h) {
     Coupling *k = run->coupling;
     memcpy(k->next, row, (size_t)run->n_external * sizeof *row);
     const bool stepped = k->tolerance > 0.0 ? step_adaptively(run, row, t, h) : attempt(run, t, h);
-    for (int64_t i = 0; run->components[i].version; i++) {
+    for (int64_t i = 0; i < k->n_members; i++) {
         const Component *c = &run->components[i];
         const bool reached = (run->done + 1) % k->members[i].every == 0;
         memcpy(row + c->column, (reached ? k->next : k->past) + c->column,
@@ -139,4 +154,17 @@ bool step_coupled(Run *run, double *row, double t, double h) {
         keep(run, row, t + h);
     }
     return stepped;
+}
+
+bool couple_until(Run *run, int64_t end) {
+    for (; run->done < end; run->done++) {
+        const int64_t next = run->done + 1;
+        const double t = run->start + (double)run->done * run->step;
+        const double t_next = run->start + (double)next * run->step;
+        double *row = run->rows + (run->record ? next - run->block_start : next) * run->width;
+        if (!step_coupled(run, row, t, run->constant_step ? run->step : t_next - t)) {
+            return false;
+        }
+    }
+    return true;
 }

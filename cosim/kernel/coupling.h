@@ -56,7 +56,8 @@ typedef struct Loop {
 
 typedef struct Coupling {
     Member *members; /* one a component */
-    Loop *loops;     /* cover all components in their order */
+    int64_t n_members;
+    Loop *loops; /* cover all components in their order */
     int64_t n_loops;
     int64_t degree; /* of the inputs' polynomials */
     double *past;   /* (MAX_PAST, width): rows at the last points in time, latest first */
@@ -95,9 +96,9 @@ void update_inverse(int64_t n, double *inverse, const double *dw, const double *
 
 /* coupled.c */
 void begin_coupled(Run *run);
-bool step_coupled(Run *run, double *row, double t, double h); /* from t over h to this row */
-bool attempt(Run *run, double t, double h);                   /* likewise, to Coupling.next */
-void keep(Run *run, const double *row, double t);             /* as the latest of the past */
+bool couple_until(Run *run, int64_t end);         /* as many steps as lead there */
+bool attempt(Run *run, double t, double h);       /* from t over h, to Coupling.next */
+void keep(Run *run, const double *row, double t); /* as the latest of the past */
 
 /* adaptive.c: from t over h, in steps of its own, to Coupling.next */
 bool step_adaptively(Run *run, const double *row, double t, double h);

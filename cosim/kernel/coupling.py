@@ -59,6 +59,7 @@ class Coupling(Structure):
 
     _fields_ = (
         ("members", POINTER(Member)),
+        ("n_members", c_int64),
         ("loops", POINTER(Loop)),
         ("n_loops", c_int64),
         ("degree", c_int64),

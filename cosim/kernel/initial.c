@@ -7,10 +7,11 @@
 /* Rows 0 and 1 are the same point in time. */
 static bool sweep(Run *run, Loop *loop) {
     double *next = run->rows + run->width;
-    for (int64_t i = 0; i < loop->n; i++) {
-        next[loop->columns[i]] = run->rows[loop->columns[i]];
+    for (int64_t j = 0; j < loop->n; j++) {
+        next[loop->columns[j]] = run->rows[loop->columns[j]];
     }
-    for (const Component *c = run->components; c->version; c++) {
+    for (int64_t i = loop->first; i < loop->end; i++) {
+        const Component *c = &run->components[i];
         double *values = run->rows + c->column;
         if (!(set_inputs(run, c, run->rows) && get_outputs(run, c, c->n_linked, run->rows))) {
             return false;

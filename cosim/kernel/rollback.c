@@ -29,7 +29,7 @@ bool restore(Run *run, int64_t first, int64_t end) {
 }
 
 void forget(Run *run) {
-    for (int64_t i = 0; run->coupling && run->components[i].version; i++) {
+    for (int64_t i = 0; run->coupling && i < run->coupling->n_members; i++) {
         Member *m = &run->coupling->members[i];
         if (m->state && run->components[i].instance) {
             m->discard(run->components[i].instance, &m->state);

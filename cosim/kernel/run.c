@@ -50,14 +50,14 @@ static bool initialise(Run *run) {
     }
 
 INLINE bool step_one_by_one(Run *run, double *now, double t, double h) {
-    ALL_IN_TURN(c, set_inputs(run, c, now) && do_step(run, c, t, h, true) &&
+    ALL_IN_TURN(c, set_inputs(run, c, now) && do_step(run, c, t, h) &&
                        get_outputs(run, c, c->n_outputs, now + run->width));
     return true;
 }
 
 INLINE bool step_all_at_once(Run *run, double *now, double t, double h) {
     ALL_IN_TURN(c, set_inputs(run, c, now));
-    ALL_IN_TURN(c, do_step(run, c, t, h, true));
+    ALL_IN_TURN(c, do_step(run, c, t, h));
     ALL_IN_TURN(c, get_outputs(run, c, c->n_outputs, now + run->width));
     return true;
 }
@@ -73,11 +73,7 @@ static bool step(Run *run) {
     const double t_next = run->start + (double)(n + 1) * run->step;
     const double h = run->constant_step ? run->step : t_next - t;
     double *now = row_of(run, n);
-    if (run->jacobi) {
-        return step_all_at_once(run, now, t, h);
-    }
-    return UNLIKELY(run->coupling != NULL) ? step_coupled(run, now + run->width, t, h)
-                                           : step_one_by_one(run, now, t, h);
+    return run->jacobi ? step_all_at_once(run, now, t, h) : step_one_by_one(run, now, t, h);
 }
 
 /* The exponent of a double that is not finite has all bits set: one more and it overflows. */
@@ -146,6 +142,10 @@ static bool step_block(Run *run, int64_t end) {
     for (int64_t n = first; n <= end; n++) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
+    }
+    if (run->coupling && !couple_until(run, end)) {
+        trace_back(run, first + 1);
+        return false;
     }
     for (; run->done < end; run->done++) {
         if (UNLIKELY(!step(run))) {
