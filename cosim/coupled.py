@@ -45,13 +45,21 @@ class Coupled:
         self._check()
 
     def attach(self, run: Any) -> None:
-        """Let a run, which was wired, use this.
+        """Let a run, which was wired and has its times, use this.
 
         Raises
         ------
         FmuError
             When an FMU lacks a function that its description declares.
+        ExperimentError
+            When a component's step does not divide the run.
         """
+        for name, every in self._coupling.every.items():
+            if run.n_steps % every:
+                raise ExperimentError(
+                    f"every: {name} steps {every} at a time, which does not divide the"
+                    f" {run.n_steps} steps of the run"
+                )
         n, connections = len(self._place), self._system.connections
         late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
         if late:

@@ -74,10 +74,10 @@ class Simulation:
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run = wire(system, self._layout, self.order, self._libraries, jacobi=jacobi)
         self._coupled = Coupled(system, self._layout, groups, self._libraries, coupling)
-        self._coupled.attach(self._run)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._coupled.attach(self._run)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(Settings(system, system.parameters, self._libraries))
         self._instantiate()

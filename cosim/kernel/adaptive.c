@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double SAFETY = 0.9, SHRINK = 0.1, GROW = 3.0;
+static const double SAFETY = 0.9, SHRINK = 0.1, GROW = 2.0;
 
 /* The greatest miss in tolerances. */
 static double miss(const Run *run) {
@@ -44,6 +44,7 @@ bool step_adaptively(Run *run, const double *row, double t, double h) {
     Coupling *k = run->coupling;
     const double *before = run->external + run->done * run->n_external;
     const double end = t + h;
+    bool tried_again = false;
     for (double now = t;;) {
         const bool last = k->inner >= 0.999 * (end - now);
         const double reached = last ? end : now + fmin(k->inner, (end - now) / 2.0);
@@ -52,15 +53,17 @@ bool step_adaptively(Run *run, const double *row, double t, double h) {
             return false;
         }
         const double error = miss(run);
-        if (error > 1.0 && k->h > k->min_step) {
+        if (error > 1.0 && k->h > 1.01 * k->min_step) {
             if (!restore(run, 0, k->n_members)) {
                 return false;
             }
             k->rejected++;
+            tried_again = true;
             k->inner = rescaled(k, error);
             continue;
         }
-        const double proposal = rescaled(k, error);
+        const double proposal = tried_again ? k->h : rescaled(k, error);
+        tried_again = false;
         k->inner = last ? fmax(k->inner, proposal) : proposal;
         if (last) {
             return true;

@@ -139,3 +139,9 @@ def stiff_pair() -> TwoMasses:
     pair = TwoMasses((1.0, 0.1), (10.0, 10.0, 1e4), 20.0)
     pair.right["x1"] = 1.0
     return pair
+
+
+@pytest.fixture
+def transient_pair() -> TwoMasses:
+    """A light mass that settles within milliseconds, then a slow swing of both."""
+    return TwoMasses((1.0, 0.02), (1.0, 1.0, 2000.0), 20.0)
