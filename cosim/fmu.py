@@ -55,6 +55,7 @@ class Fmu:
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
     once_per_process : whether there can be one instance only
+    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
     ------
@@ -81,6 +82,9 @@ class Fmu:
         self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
         self.n_states = int(description.numberOfContinuousStates or 0)
         self.n_indicators = int(description.numberOfEventIndicators or 0)
+        self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
+        self.interpolates_inputs = _flag(chosen, "canInterpolateInputs")
+        self.varies_step = _flag(chosen, "canHandleVariableCommunicationStepSize")
         self.binary = self._find_binary()
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions

@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from cosim import kernel
+from cosim.coupled import Coupled
+from cosim.coupling import Coupling, Method
 from cosim.ending import ending, kept_rows
-from cosim.errors import ExperimentError, SimulationError
+from cosim.errors import SimulationError
 from cosim.experiment import count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
+from cosim.loops import group
 from cosim.once import claim, give_up
-from cosim.order import stepping_order
 from cosim.result import Array, Result
 from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
@@ -26,8 +28,6 @@ from cosim.wiring import wire
 
 if TYPE_CHECKING:
     from cosim.system import System
-
-Coupling = Literal["gauss_seidel", "jacobi"]
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Specification:
     stop: float
     start: float = 0.0
     record: tuple[str, ...] | None = None
-    coupling: Coupling = "gauss_seidel"
+    coupling: Coupling | Method = "gauss_seidel"
     constant_step: bool = False
     compiled: bool = False
 
@@ -66,25 +66,27 @@ class Simulation:
 
     def __init__(self, spec: Specification) -> None:
         system = spec.system
-        if spec.coupling not in ("gauss_seidel", "jacobi"):
-            raise ExperimentError(
-                f"coupling is {spec.coupling!r}, expected 'gauss_seidel' or 'jacobi'"
-            )
+        coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
-        jacobi = spec.coupling == "jacobi"
-        names = list(system.components)
+        jacobi = coupling.method == "jacobi"
+        groups = group(system, coupling)
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
-        self.order = names if jacobi else stepping_order(names, system.feedthrough())
+        self.order = [name for members in groups for name in members.components]
         self._layout = Layout.of(system, spec.record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
             system, self._layout, self.order, self._libraries, jacobi=jacobi
         )
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
+        self._coupled = Coupled(
+            system, self._layout, groups, self._libraries, coupling, self._facades
+        )
+        self._coupled.attach(self._run)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._coupled.attach(self._run)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -146,8 +148,22 @@ class Simulation:
             return Result(time, kept, self._layout.recorded, system, stopped)
         return Result(self.time, record, self._layout.recorded, system)
 
+    @property
+    def accuracy(self) -> int:
+        """The declared order: the coupling's error falls with step^accuracy."""
+        return self._coupled.accuracy
+
+    @property
+    def effort(self) -> Mapping[str, int]:
+        """What the last run took: steps, sweeps through loops or single components, rejected steps.
+
+        Empty where every component does every step once.
+        """
+        return self._coupled.effort
+
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)
         give_up(self)
@@ -178,6 +194,7 @@ class Simulation:
     def _instantiate(self) -> None:
         for name, slot in self._slots.items():
             if not slot.instance:
+                self._coupled.lose(name)
                 fmu = self.spec.system.components[name]
                 claim(fmu, name, self)
                 arguments = (name, fmu.token, self._libraries[name].resources)
@@ -206,6 +223,8 @@ class Simulation:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
         message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
+        if run.status == kernel.NOT_SOLVED:
+            return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
         if run.call.endswith(b"Reset"):
             self._kernel.release(slot)  # the next run instantiates it anew
         return SimulationError(message)
