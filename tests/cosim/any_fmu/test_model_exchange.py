@@ -123,3 +123,10 @@ def test_a_second_run_equals_the_first(export, version):
         first = simulation.run().values
         assert simulation.run({"a.e": 0.5}).values.tobytes() != first.tobytes()
         np.testing.assert_array_equal(simulation.run().values, first)
+
+
+def test_what_cannot_be_taken_back_is_not_iterated(export, version):
+    system = one(export("oscillator", version, "ME"))
+    adaptive = cosim.Coupling(adaptive=cosim.Adaptive())
+    with pytest.raises(cosim.ConnectionFault, match=r"a \(.*cannot"):
+        system.prepare(step=0.05, stop=1.0, coupling=adaptive)
