@@ -16,7 +16,9 @@ static bool get_initial(Run *run, const Component *c) {
 }
 
 static bool initialise(Run *run) {
-    memcpy(run->rows, run->external, (size_t)run->n_external * sizeof *run->rows);
+    if (run->n_external) {
+        memcpy(run->rows, run->external, (size_t)run->n_external * sizeof *run->rows);
+    }
     FOR_EACH_COMPONENT(c) {
         c->log->severity = 0;
         c->log->message[0] = '\0';
