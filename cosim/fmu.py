@@ -16,6 +16,7 @@ from lxml import etree
 
 import toolchain
 from cosim.archive import unpack
+from cosim.collection import paused_collection
 from cosim.errors import FmuError
 from cosim.experiment import DefaultExperiment
 from cosim.units import Unit
@@ -62,6 +63,7 @@ class Fmu:
     FmuError
     """
 
+    @paused_collection()
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.folder = unpack(self.path, "fmus", FmuError)

@@ -86,6 +86,10 @@ class Simulation:
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._block: Array | None = None  # rows of a block of steps, unless the rows are the record
+        if self._run.n_selected < self._run.width:
+            self._block = np.empty((self._run.block + 1, self._run.width))
+            self._run.rows = self._block.ctypes.data
         self._coupled.attach(self._run)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
@@ -127,12 +131,11 @@ class Simulation:
 
         run = self._run
         record: Array = np.empty((len(self.time), run.n_selected))
-        rows = record
-        if run.n_selected < run.width:
-            rows = np.empty((run.block + 1, run.width))
+        if self._block is None:
+            run.rows = record.ctypes.data
+        else:
             run.record = record.ctypes.data
-        run.rows = rows.ctypes.data
-        run.external = external.ctypes.data
+        run.external = external.ctypes.data if external.size else None
         run.done = -1
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
