@@ -117,7 +117,7 @@ static fmi2Status read_states(Facade *f) {
     return fmi2OK;
 }
 
-static fmi2Status restart(Facade *f) {
+fmi2Status restart_exchange(Facade *f) {
     Integrator *in = f->integrator;
     TRY_STATUS(read_states(f));
     return f->cvode->CVodeReInit(in->memory, f->time, in->states) ? solver_failed(f) : fmi2OK;
@@ -257,7 +257,7 @@ static fmi2Status take_inputs(Facade *f, bool ahead) {
     } else if (jump) {
         TRY_STATUS(set_moving_inputs(f, f->time));
     }
-    return event || jump ? restart(f) : fmi2OK;
+    return event || jump ? restart_exchange(f) : fmi2OK;
 }
 
 static bool inputs_move(const Facade *f) {
@@ -287,7 +287,7 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
         TRY_STATUS(integrate(f, due ? f->next_event : in->end, &event));
         if (event || f->next_event <= f->time || same_time(f->next_event, f->time)) {
             TRY_STATUS(handle_event(f, false));
-            TRY_STATUS(restart(f));
+            TRY_STATUS(restart_exchange(f));
         }
     }
     in->moving = false;
