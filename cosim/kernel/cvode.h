@@ -33,6 +33,7 @@ typedef void Complaint(int line, const char *function, const char *file, const c
     X(int, CVodeSetLinearSolver, (void *memory, void *solver, void *matrix))                       \
     X(int, CVodeSetNoInactiveRootWarn, (void *memory))                                             \
     X(int, CVodeSetStopTime, (void *memory, double t))                                             \
+    X(int, CVodeSetMaxStep, (void *memory, double h))                                              \
     X(int, CVodeClearStopTime, (void *memory))                                                     \
     X(int, CVodeSetMaxNumSteps, (void *memory, long n))                                            \
     X(int, CVode, (void *memory, double t, void *states, double *reached, int task))               \

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
-static const double NEAR = 1e-9; /* relative: two times this close are the same */
+static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
+static const double NEAR = 1e-9;    /* relative: two times this close are the same */
 
 struct Integrator {
     void *context, *memory, *matrix, *solver;
@@ -158,6 +159,7 @@ fmi2Status begin_exchange(Facade *f) {
                         cvode->CVodeRootInit(memory, (int)f->n_indicators, indicators) ||
                         cvode->CVodeSetLinearSolver(memory, in->solver, in->matrix) ||
                         cvode->CVodeSetMaxNumSteps(memory, MAX_SOLVER_STEPS) ||
+                        cvode->CVodeSetMaxStep(memory, LONGEST * (f->stop - f->start)) ||
                         cvode->CVodeSetNoInactiveRootWarn(memory);
     return failed ? solver_failed(f) : fmi2OK;
 }
