@@ -55,6 +55,7 @@ class Fmu:
     event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
+    restores_state : whether its state can be saved and restored
     once_per_process : whether there can be one instance only
     restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
@@ -80,6 +81,7 @@ class Fmu:
         self.identifier: str = chosen.modelIdentifier or ""
         self.event_mode = self.interface == "co_simulation" and _flag(chosen, "hasEventMode")
         self.once_per_process = _flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
+        self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
         self.needs_tool = _flag(chosen, "needsExecutionTool")
         self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
         self.n_states = int(description.numberOfContinuousStates or 0)
@@ -92,13 +94,14 @@ class Fmu:
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions
         }
         try:
-            variables = [Variable.from_fmpy(variable) for variable in description.modelVariables]
+            described = [v for v in description.modelVariables if not getattr(v, "alias", None)]
+            variables = [Variable.from_fmpy(variable) for variable in described]
         except (KeyError, ValueError) as fault:
             raise FmuError(
                 f"{self.path}: modelDescription.xml holds a bad value: {fault}"
             ) from fault
         self.variables: Mapping[str, Variable] = MappingProxyType({v.name: v for v in variables})
-        self.aliases = {a.name: v.name for v in description.modelVariables for a in v.aliases}
+        self.aliases = {a.name: v.name for v in described for a in getattr(v, "aliases", ())}
         self.has_arrays = any(
             v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
             for v in variables
@@ -221,13 +224,19 @@ class Fmu:
         feedthrough = dict.fromkeys(outputs, inputs)
         for unknown in description.outputs:
             if unknown.dependencies is not None:
-                names = frozenset(variable.name for variable in unknown.dependencies)
-                feedthrough[unknown.variable.name] = inputs & names
+                names = frozenset(map(_true_name, unknown.dependencies))
+                feedthrough[_true_name(unknown.variable)] = inputs & names
         return feedthrough
 
 
 def _rebuild(path: Path, interface: Interface) -> Fmu:
     return Fmu(path, interface=interface)
+
+
+def _true_name(variable: Any) -> str:
+    """Return the name of a variable of FMPy, or of the one of which it is an alias."""
+    name: str = (getattr(variable, "alias", None) or variable).name
+    return name
 
 
 def _flag(interface: Any, name: str) -> bool:
