@@ -55,7 +55,6 @@ class Fmu:
     event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
-    restores_state : whether its state can be saved and restored
     once_per_process : whether there can be one instance only
     restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
@@ -81,14 +80,15 @@ class Fmu:
         self.identifier: str = chosen.modelIdentifier or ""
         self.event_mode = self.interface == "co_simulation" and _flag(chosen, "hasEventMode")
         self.once_per_process = _flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
-        self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
         self.needs_tool = _flag(chosen, "needsExecutionTool")
         self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
         self.n_states = int(description.numberOfContinuousStates or 0)
         self.n_indicators = int(description.numberOfEventIndicators or 0)
         self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
         self.interpolates_inputs = _flag(chosen, "canInterpolateInputs")
-        self.varies_step = _flag(chosen, "canHandleVariableCommunicationStepSize")
+        self.varies_step = self.interface == "model_exchange" or _flag(
+            chosen, "canHandleVariableCommunicationStepSize"
+        )
         self.binary = self._find_binary()
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions

@@ -145,6 +145,7 @@ class Simulation:
             end = ending(run, self._slots[name], self._facades.get(name), self._libraries[name])
             if end is None:
                 raise self._failure()
+            rows = record if self._block is None else self._block
             kept = kept_rows(run, record, rows, self._slots[name], end)
             time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
             stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
