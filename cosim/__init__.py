@@ -26,6 +26,7 @@ from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
 from cosim.ssp import read_ssp, variants, write_ssp
 from cosim.system import System
+from cosim.tables import read_tables
 from cosim.units import Unit
 from cosim.variables import Variable
 
@@ -53,6 +54,7 @@ __all__ = [
     "Unit",
     "Variable",
     "read_ssp",
+    "read_tables",
     "variants",
     "write_ssp",
 ]

@@ -38,6 +38,7 @@ class Fmu:
     units : name -> Unit
     feedthrough : output -> the inputs it depends on without delay
     experiment : the times it proposes, s
+    serializes : whether its state can be put into a file
 
     Raises
     ------
@@ -57,6 +58,7 @@ class Fmu:
             )
         self.identifier: str = description.coSimulation.modelIdentifier or ""
         self.binary = self._find_binary()
+        self.serializes = bool(description.coSimulation.canSerializeFMUstate)
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions
         }

@@ -43,6 +43,11 @@ class Library:
         name, c_type = SETTERS[self._fmu.version][type_name]
         return name, self._address(name), c_type
 
+    def function(self, name: str) -> Any:
+        """Return a function for use from Python; it returns an FMI status."""
+        self._address(name)
+        return self._library[name]
+
     def _address(self, name: str) -> int:
         try:
             function = getattr(self._library, name)

@@ -97,10 +97,12 @@ class Table:
     ----------
     time : (n,) s, never falling
     values : (n,) in the unit of the input
+    held : whether each value holds until the next time instead
     """
 
     time: Array
     values: Array
+    held: bool = False
 
     def __post_init__(self) -> None:
         for name in ("time", "values"):
@@ -150,15 +152,15 @@ class Table:
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
-        if len(self.time) == 1:
-            return np.full(np.shape(t), self.values[0])
+        last = np.searchsorted(self.time, t, side="right") - 1
+        if self.held or len(self.time) == 1:
+            return self.values[np.maximum(last, 0)]
         right = np.clip(np.searchsorted(self.time, t), 1, len(self.time) - 1)
         t0, t1 = self.time[right - 1], self.time[right]
         share = np.zeros(np.shape(t))  # of the left value; in this form FMPy has the same bits
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
-        last = np.searchsorted(self.time, t, side="right") - 1
         return np.where(self.time[last] == t, self.values[last], line)
 
 

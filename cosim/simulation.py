@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
 from cosim import kernel
+from cosim.checkpoint import Checkpoint
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
 from cosim.layout import Layout
 from cosim.library import Library
+from cosim.memory import Memory
 from cosim.order import stepping_order
+from cosim.pace import Pace
 from cosim.result import Array, Result
 from cosim.settings import Settings
 from cosim.signals import Input, sample_inputs
+from cosim.state import StateAccess
 from cosim.variables import Value
 from cosim.wiring import wire
 
@@ -58,6 +65,7 @@ class Simulation:
     spec : Specification
     time : (n_steps + 1,) float64, s
     order : names of the components as they step
+    pace : how well the last run kept real time, None when it did not have to
     """
 
     def __init__(self, spec: Specification) -> None:
@@ -71,6 +79,8 @@ class Simulation:
         names = list(system.components)
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        self.pace: Pace | None = None
+        self._halted: Memory | None = None
         self.order = names if jacobi else stepping_order(names, system.feedthrough())
         self._layout = Layout.of(system, spec.record)
         self._kernel = kernel.load()
@@ -87,6 +97,10 @@ class Simulation:
         self,
         parameters: Mapping[str, object] | None = None,
         inputs: Mapping[str, Input] | None = None,
+        *,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
 
@@ -96,6 +110,11 @@ class Simulation:
         inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
             number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
             of its first target
+        until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
+            left out
+        real_time : simulated s per s; as fast as can be if left out. ``pace`` tells how well the
+            clock was kept
+        progress : is called with the time reached (s) now and then
 
         Raises
         ------
@@ -109,29 +128,135 @@ class Simulation:
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
         external = sample_inputs(system, values, inputs or {}, self.time)
+        self._begin(values)
+        memory = Memory(self._run, external)
+        return self._step(memory, 0, self._place(until), real_time, progress)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the state that the last run halted in to a file, for ``resume``; return the path.
+
+        Raises
+        ------
+        SimulationError
+            When no run was halted by ``until``, or an FMU cannot give its state away.
+        """
+        if self._halted is None:
+            raise SimulationError("there is no state to save: halt a run with run(until=...)")
+        components = self.spec.system.components
+        if mute := [name for name, fmu in components.items() if not fmu.serializes]:
+            raise SimulationError(
+                f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
+                " (canSerializeFMUstate)"
+            )
+        states = {name: self._state_of(name).save() for name in self.order}
+        row = self._halted.row(self._run.done)
+        return Checkpoint(self._identity(), self._run.done, row, states).write(path)
+
+    def resume(
+        self,
+        path: str | os.PathLike[str],
+        inputs: Mapping[str, Input] | None = None,
+        *,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Result:
+        """Go on from a saved state; return what follows, the time of the state included.
+
+        Arguments are those of ``run``; start values are in the state.
+
+        Raises
+        ------
+        SimulationError
+            Also when the state is of another system, step, start, coupling or record.
+        """
+        checkpoint = Checkpoint.read(path)
+        if checkpoint.identity != self._identity():
+            raise SimulationError(
+                f"{path} was saved by another system, or with another step, start, coupling or"
+                " record"
+            )
+        system = self.spec.system
+        external = sample_inputs(system, system.parameters, inputs or {}, self.time)
+        self._begin(system.parameters)
+        memory = Memory(self._run, external)
+        self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
+        for name in self.order:
+            self._state_of(name).restore(checkpoint.states[name])
+        memory.begin(checkpoint.step, checkpoint.row)
+        return self._step(memory, checkpoint.step, self._place(until), real_time, progress)
+
+    def _begin(self, values: Mapping[str, Value]) -> None:
+        """Make FMUs and start values ready for a new run."""
         if values.keys() != self._settings.names:
-            self._attach(Settings(system, values, self._libraries))
+            self._attach(Settings(self.spec.system, values, self._libraries))
         self._settings.fill(values)
         self._instantiate()
+        self._halted = None
+        self._run.done = -1
 
-        run = self._run
-        record: Array = np.empty((len(self.time), run.n_selected))
-        rows = record
-        if run.n_selected < run.width:
-            rows = np.empty((run.block + 1, run.width))
-            run.record = record.ctypes.data
-        run.rows = rows.ctypes.data
-        run.external = external.ctypes.data
-        run.done = -1
+    def _step(
+        self,
+        memory: Memory,
+        first: int,
+        last: int,
+        real_time: float | None,
+        progress: Callable[[float], object] | None,
+    ) -> Result:
+        """Step to the last of the points in time, and look up on the way if asked to."""
+        if real_time is not None and not 0 < real_time < math.inf:
+            raise ExperimentError(f"real_time is {real_time}, expected a positive number")
+        self.pace = None if real_time is None else Pace(real_time)
+        look = last - first
+        if self.pace:
+            look = max(1, round(self.pace.interval / self.spec.step))
+            self.pace.begin(self.time[first])
+        elif progress:
+            look = max(1, look // 100)
+        for halt in [*range(first + look, last, look), last]:
+            self._advance(halt, memory)
+            if self.pace:
+                self.pace.keep(self.time[halt])
+            if progress:
+                progress(float(self.time[halt]))
+        shown = slice(first, last + 1)
+        return Result(
+            self.time[shown], memory.record[shown], self._layout.recorded, self.spec.system
+        )
+
+    def _advance(self, halt: int, memory: Memory) -> None:
+        self._halted = None
+        self._run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
-            outcome = self._kernel.advance(run)
+            outcome = self._kernel.advance(self._run)
         if outcome == kernel.FAILED:
             raise self._failure()
-        return Result(self.time, record, self._layout.recorded, system)
+        if outcome == kernel.HALTED:
+            self._halted = memory
+
+    def _place(self, until: float | None) -> int:
+        """Return the number of the step that ends at a time."""
+        if until is None:
+            return len(self.time) - 1
+        n = round((until - self.spec.start) / self.spec.step)
+        if not 0 < n < len(self.time) or abs(self.time[n] - until) > 1e-9 * self.spec.step * n:
+            raise ExperimentError(f"until = {until} s is none of the points in time of the run")
+        return n
+
+    def _state_of(self, name: str) -> StateAccess:
+        version = self.spec.system.components[name].version
+        return StateAccess(name, version, self._libraries[name], self._slots[name].instance)
+
+    def _identity(self) -> str:
+        spec = self.spec
+        tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
+        columns = list(self._layout.columns)
+        return repr((spec.start, spec.step, spec.coupling, spec.constant_step, tokens, columns))
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        self._halted = None
         for slot in self._slots.values():
             self._kernel.release(slot)
 

@@ -73,6 +73,7 @@ class Run(Structure):
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
+        ("halt", c_int64),
         ("start", c_double),
         ("stop", c_double),
         ("step", c_double),
@@ -93,7 +94,7 @@ class Run(Structure):
     )
 
 
-FINISHED, PAUSED, FAILED = range(3)
+FINISHED, PAUSED, FAILED, HALTED = range(4)
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
 NOT_FINITE = 100

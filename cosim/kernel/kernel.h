@@ -83,7 +83,7 @@ typedef struct {
     int64_t column; /* of the first output in a row */
 } Component;
 
-enum Outcome { FINISHED, PAUSED, FAILED };
+enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
 enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102 };
@@ -93,6 +93,7 @@ typedef struct {
     int64_t jacobi; /* not 0: all set, all step, all get; else one component after the other */
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
+    int64_t halt; /* the step after which to hand back; n_steps to go through to the end */
     double start, stop, step; /* s */
     const double *external;   /* (n_steps + 1, n_external) */
     int64_t n_external;
@@ -115,7 +116,8 @@ EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
 
-/* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals. */
+/* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
+ * HALTED when step halt is reached: with another halt, it goes on from there. */
 EXPORT enum Outcome advance(Run *run);
 
 #endif

@@ -159,14 +159,17 @@ enum Outcome advance(Run *run) {
         run->done = 0;
     }
     const time_t second = time(NULL);
-    while (run->done < run->n_steps) {
-        const int64_t left = run->n_steps - run->done;
+    while (run->done < run->halt) {
+        const int64_t left = run->halt - run->done;
         if (!step_block(run, run->done + (left < run->block ? left : run->block))) {
             return FAILED;
         }
         if (time(NULL) != second) {
             return PAUSED;
         }
+    }
+    if (run->done < run->n_steps) {
+        return HALTED;
     }
     FOR_EACH_COMPONENT(c) {
         if (!terminate(run, c)) {
