@@ -22,6 +22,7 @@ from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
 from cosim.result import Result
 from cosim.scaling import Link, Scaling
+from cosim.scenario import Scenario
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
 from cosim.ssp import read_ssp, variants, write_ssp
@@ -41,6 +42,7 @@ __all__ = [
     "ParameterError",
     "Result",
     "Scaling",
+    "Scenario",
     "Signal",
     "SignalError",
     "Simulation",

@@ -182,14 +182,21 @@ def sample_inputs(
     table = np.empty((len(time), len(system.inputs)))
     for i, (name, targets) in enumerate(system.inputs.items()):
         if name in inputs:
-            table[:, i] = _sampled(name, inputs[name], time)
+            table[:, i] = sampled(name, inputs[name], time)
         else:
             start = starts.get(targets[0], system.variable(targets[0]).start)
             table[:, i] = system.scaling(name, targets[0]).inverse(float(start or 0.0))
     return table
 
 
-def _sampled(name: str, signal: Input, time: Array) -> Array:
+def sampled(name: str, signal: Input, time: Array) -> Array:
+    """Return an input over time, (n,) or a single value for all times.
+
+    Raises
+    ------
+    SignalError
+        When it has the wrong shape, is not finite or holds no numbers.
+    """
     if hasattr(signal, "sample"):
         signal = signal.sample(time)
     elif callable(signal):

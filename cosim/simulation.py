@@ -22,6 +22,7 @@ from cosim.memory import Memory
 from cosim.order import stepping_order
 from cosim.pace import Pace
 from cosim.result import Array, Result
+from cosim.scenario import Scenario, check_names, disturb_inputs
 from cosim.settings import Settings
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
@@ -98,6 +99,7 @@ class Simulation:
         parameters: Mapping[str, object] | None = None,
         inputs: Mapping[str, Input] | None = None,
         *,
+        scenario: Scenario | None = None,
         until: float | None = None,
         real_time: float | None = None,
         progress: Callable[[float], object] | None = None,
@@ -110,6 +112,7 @@ class Simulation:
         inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
             number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
             of its first target
+        scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
         real_time : simulated s per s; as fast as can be if left out. ``pace`` tells how well the
@@ -128,6 +131,7 @@ class Simulation:
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
         external = sample_inputs(system, values, inputs or {}, self.time)
+        self._disturb(scenario or Scenario(), external)
         self._begin(values)
         memory = Memory(self._run, external)
         return self._step(memory, 0, self._place(until), real_time, progress)
@@ -157,6 +161,7 @@ class Simulation:
         path: str | os.PathLike[str],
         inputs: Mapping[str, Input] | None = None,
         *,
+        scenario: Scenario | None = None,
         until: float | None = None,
         real_time: float | None = None,
         progress: Callable[[float], object] | None = None,
@@ -178,6 +183,7 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
+        self._disturb(scenario or Scenario(), external)
         self._begin(system.parameters)
         memory = Memory(self._run, external)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -185,6 +191,26 @@ class Simulation:
             self._state_of(name).restore(checkpoint.states[name])
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, self._place(until), real_time, progress)
+
+    def _disturb(self, scenario: Scenario, external: Array) -> None:
+        """Hand a scenario to the kernel; what it does to exposed inputs is done here."""
+        tables = scenario.tables(self.time)
+        check_names(tables, self._layout.columns)
+        inputs = {name: column for column, name in enumerate(self.spec.system.inputs)}
+        disturb_inputs(external, inputs, tables)
+        self._disturbances = tables  # with all that the kernel points to
+        self._run.disturbed = len(tables)
+        for component, slot in self._slots.items():
+            mine = [name for name in self._layout.outputs[component] if name in tables]
+            slot.n_disturbances = len(mine)
+            slot.disturbances = (kernel.Disturbance * len(mine))(
+                *(
+                    kernel.Disturbance(
+                        self._layout.columns[name], *map(kernel.doubles, tables[name])
+                    )
+                    for name in mine
+                )
+            )
 
     def _begin(self, values: Mapping[str, Value]) -> None:
         """Make FMUs and start values ready for a new run."""

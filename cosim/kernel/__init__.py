@@ -18,8 +18,11 @@ from ctypes import (
 )
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import fmpy
+import numpy as np
+from numpy.typing import NDArray
 
 import toolchain
 
@@ -42,6 +45,12 @@ class Log(Structure):
     _fields_ = (("callbacks", c_void_p * 5), ("severity", c_int32), ("message", c_char * 1024))
 
 
+class Disturbance(Structure):
+    """What a scenario does to one signal."""
+
+    _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
+
+
 class Component(Structure):
     """One instance and its place in the rows."""
 
@@ -62,6 +71,8 @@ class Component(Structure):
         ("n_outputs", c_size_t),
         ("output_references", POINTER(c_uint32)),
         ("column", c_int64),
+        ("n_disturbances", c_size_t),
+        ("disturbances", POINTER(Disturbance)),
     )
 
 
@@ -73,6 +84,7 @@ class Run(Structure):
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
+        ("disturbed", c_int64),
         ("halt", c_int64),
         ("start", c_double),
         ("stop", c_double),
@@ -107,6 +119,11 @@ STATUS = {
     101: "asked to terminate the simulation",
     102: "returned early though that was not allowed",
 }
+
+
+def doubles(values: NDArray[np.float64]) -> Any:
+    """Return the address of an array, as long as which is kept it can be used."""
+    return values.ctypes.data_as(POINTER(c_double))
 
 
 @cache

@@ -54,6 +54,14 @@ typedef struct {
     const void *values;         /* n, of the type that set takes */
 } Setting;
 
+/* What a scenario does to one signal: value = keep * value + add; where keep is not a number, the
+ * value stays what it was a step before. */
+typedef struct {
+    int64_t column;
+    const double *keep; /* n_steps + 1 */
+    const double *add;  /* n_steps + 1 */
+} Disturbance;
+
 /* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
 typedef struct {
     fmi2CallbackFunctions callbacks;
@@ -81,6 +89,8 @@ typedef struct {
     size_t n_outputs;
     const uint32_t *output_references;
     int64_t column; /* of the first output in a row */
+    size_t n_disturbances;
+    const Disturbance *disturbances;
 } Component;
 
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
@@ -93,7 +103,8 @@ typedef struct {
     int64_t jacobi; /* not 0: all set, all step, all get; else one component after the other */
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
-    int64_t halt; /* the step after which to hand back; n_steps to go through to the end */
+    int64_t disturbed; /* not 0: some components have disturbances */
+    int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
     double start, stop, step; /* s */
     const double *external;   /* (n_steps + 1, n_external) */
     int64_t n_external;

@@ -1,4 +1,5 @@
 #include "calls.h"
+#include "disturbance.h"
 #include <string.h>
 #include <time.h>
 
@@ -11,6 +12,7 @@
 static bool get_initial(Run *run, const Component *c) {
     double *values = run->rows + c->column;
     TRY(get_outputs(run, c, c->n_linked, run->rows));
+    disturb(run, c, run->rows, 0);
     memcpy(values + run->width, values, c->n_linked * sizeof *values);
     return true;
 }
@@ -27,7 +29,10 @@ static bool initialise(Run *run) {
     FOR_EACH_COMPONENT(c) { TRY(get_initial(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
-    FOR_EACH_COMPONENT(c) { TRY(get_outputs(run, c, c->n_outputs, run->rows)); }
+    FOR_EACH_COMPONENT(c) {
+        TRY(get_outputs(run, c, c->n_outputs, run->rows));
+        disturb(run, c, run->rows, 0);
+    }
     return true;
 }
 
@@ -60,6 +65,22 @@ INLINE bool step_all_at_once(Run *run, double *now, double t, double h) {
     return true;
 }
 
+/* As the two above, with what the scenario does to the outputs. */
+static bool step_disturbed(Run *run, double *now, double t, double h) {
+    double *next = now + run->width;
+    if (!run->jacobi) {
+        FOR_EACH_COMPONENT(c) {
+            TRY(set_inputs(run, c, now) && do_step(run, c, t, h) &&
+                get_outputs(run, c, c->n_outputs, next));
+            disturb(run, c, next, run->done + 1);
+        }
+        return true;
+    }
+    TRY(step_all_at_once(run, now, t, h));
+    FOR_EACH_COMPONENT(c) { disturb(run, c, next, run->done + 1); }
+    return true;
+}
+
 /* The row of step n. All rows are kept, or those of one block, which the next block overwrites. */
 static inline double *row_of(const Run *run, int64_t n) {
     return run->rows + (run->record ? n - run->block_start : n) * run->width;
@@ -71,6 +92,9 @@ static bool step(Run *run) {
     const double t_next = run->start + (double)(n + 1) * run->step;
     const double h = run->constant_step ? run->step : t_next - t;
     double *now = row_of(run, n);
+    if (UNLIKELY(run->disturbed)) {
+        return step_disturbed(run, now, t, h);
+    }
     return run->jacobi ? step_all_at_once(run, now, t, h) : step_one_by_one(run, now, t, h);
 }
 
