@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from cosim.errors import SignalError
-from cosim.names import suggestion
 from cosim.signals import Array, Input, sampled
 
 
@@ -116,27 +114,3 @@ class Scenario:
 
     def _with(self, name: str, event: Event) -> Scenario:
         return replace(self, events=(*self.events, (name, event)))
-
-
-def disturb_inputs(
-    external: Array, names: Mapping[str, int], tables: Mapping[str, tuple[Array, Array]]
-) -> None:
-    """Apply to exposed inputs (n, number of inputs) what is said of them, in place."""
-    for name in tables.keys() & names.keys():
-        keep, add = tables[name]
-        stuck = np.isnan(keep)
-        stuck[0] = False  # there is no step before
-        values = external[:, names[name]]
-        changed = np.where(np.isnan(keep), 1.0, keep) * values + add
-        last = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
-        values[:] = changed[last]
-
-
-def check_names(tables: Mapping[str, object], known: Mapping[str, int]) -> None:
-    """Raise SignalError when a name is no signal that is read or recorded."""
-    for name in tables:
-        if name not in known:
-            raise SignalError(
-                f"scenario: {name!r} is no signal of the run that is read or"
-                f" recorded{suggestion(name, known)}"
-            )

@@ -14,6 +14,7 @@ import numpy as np
 
 from cosim import kernel
 from cosim.checkpoint import Checkpoint
+from cosim.disturbances import disturb
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
 from cosim.layout import Layout
@@ -22,7 +23,7 @@ from cosim.memory import Memory
 from cosim.order import stepping_order
 from cosim.pace import Pace
 from cosim.result import Array, Result
-from cosim.scenario import Scenario, check_names, disturb_inputs
+from cosim.scenario import Scenario
 from cosim.settings import Settings
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
@@ -131,7 +132,9 @@ class Simulation:
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
         external = sample_inputs(system, values, inputs or {}, self.time)
-        self._disturb(scenario or Scenario(), external)
+        self._disturbances = disturb(
+            scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
+        )
         self._begin(values)
         memory = Memory(self._run, external)
         return self._step(memory, 0, self._place(until), real_time, progress)
@@ -183,7 +186,9 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario or Scenario(), external)
+        self._disturbances = disturb(
+            scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
+        )
         self._begin(system.parameters)
         memory = Memory(self._run, external)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -191,26 +196,6 @@ class Simulation:
             self._state_of(name).restore(checkpoint.states[name])
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, self._place(until), real_time, progress)
-
-    def _disturb(self, scenario: Scenario, external: Array) -> None:
-        """Hand a scenario to the kernel; what it does to exposed inputs is done here."""
-        tables = scenario.tables(self.time)
-        check_names(tables, self._layout.columns)
-        inputs = {name: column for column, name in enumerate(self.spec.system.inputs)}
-        disturb_inputs(external, inputs, tables)
-        self._disturbances = tables  # with all that the kernel points to
-        self._run.disturbed = len(tables)
-        for component, slot in self._slots.items():
-            mine = [name for name in self._layout.outputs[component] if name in tables]
-            slot.n_disturbances = len(mine)
-            slot.disturbances = (kernel.Disturbance * len(mine))(
-                *(
-                    kernel.Disturbance(
-                        self._layout.columns[name], *map(kernel.doubles, tables[name])
-                    )
-                    for name in mine
-                )
-            )
 
     def _begin(self, values: Mapping[str, Value]) -> None:
         """Make FMUs and start values ready for a new run."""
