@@ -25,6 +25,7 @@ from cosim.ssp.members import Members, file_name, free_name, zipped
 from cosim.ssp.names import ANNOTATION, OSP, STRUCTURE, VERSIONS, path_of, tag
 from cosim.ssp.read import read_experiment, read_package
 from cosim.ssp.structure import Document, Node
+from cosim.ssp.verify import verify
 from cosim.ssp.version import as_version
 from cosim.system import System
 
@@ -89,7 +90,11 @@ def _members(system: System, experiment: DefaultExperiment | None, version: str 
     _edit_times(editor, experiment)
     if editor.changed or not package:
         members[structure] = text_of(document.root)
-    return as_version(members, version) if version and package else members
+    if package and version:
+        members = as_version(members, version)
+    if package and editor.changed:
+        verify(members, structure, system)
+    return members
 
 
 def _nothing(system: System, version: str) -> tuple[System, Graph, Members]:

@@ -37,6 +37,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         help="columns of --input whose values hold until the next time",
     )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
+    parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
+    parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from a saved state")
     parser.add_argument(
         "--real-time", type=float, metavar="FACTOR", help="simulated s per s, instead of full speed"
     )
@@ -74,7 +77,13 @@ def run(options: argparse.Namespace) -> None:
     with system.prepare(
         start=experiment.start or 0.0, stop=experiment.stop, step=experiment.step, record=record
     ) as simulation:
-        result = simulation.run(inputs=inputs, real_time=options.real_time)
+        how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
+        if options.resume:
+            result = simulation.resume(options.resume, **how)
+        else:
+            result = simulation.run(**how)
+        if options.save:
+            simulation.save(options.save)
         pace = simulation.pace
     if options.out:
         write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv

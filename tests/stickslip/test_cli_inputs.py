@@ -42,6 +42,16 @@ def test_parquet_goes_in_and_comes_out(stage, force, tmp_path):
     assert np.unique(held).tolist() == [0.0, 20.0, 40.0]
 
 
+def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
+    _, path = force
+    state = tmp_path / "half.state"
+    simulate(stage, "--input", path, "--out", tmp_path / "whole.csv")
+    simulate(stage, "--input", path, "--until", "0.01", "--save", state)
+    simulate(stage, "--input", path, "--resume", state, "--out", tmp_path / "rest.csv")
+    whole, rest = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("whole", "rest"))
+    pd.testing.assert_frame_equal(whole[10:].reset_index(drop=True), rest, check_exact=True)
+
+
 def test_real_time_is_reported(stage, capsys):
     simulate(stage, "--real-time", "10")
     assert "real time: late" in capsys.readouterr().out
