@@ -411,6 +411,13 @@ BOOLEAN = (
             + connections(("a.y", "r.z")),
             "no signal dictionary 'D'",
         ),
+        (
+            DICTIONARY.replace('endConnector="force"', 'endConnector="farce"').replace(
+                ' source="resources/d.ssb"/>',
+                f">{ENTRIES.partition('?>')[2]}</ssd:SignalDictionary>",
+            ),
+            "no entry 'farce'; did you mean 'force'",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_with_file_and_line(pack, body, message):
