@@ -3,11 +3,11 @@
 import tempfile
 from pathlib import Path
 
-from benchmarks import candidate, workers
+from benchmarks import candidate, coupling, workers
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
-        for benchmark in (candidate, workers):
+        for benchmark in (coupling, candidate, workers):
             print(f"\n{benchmark.__doc__.strip()}")
             for name, ratio in benchmark.measure(Path(folder)).items():
-                print(f"  {name:44} {ratio:8.2f}")
+                print(f"  {name:76} {ratio:8.2f}")

@@ -39,6 +39,8 @@ def disturb(
         When a name is no signal that is read or recorded, or would not be finite.
     """
     tables = scenario.tables(time)
+    if not tables and not run.disturbed:
+        return tables
     for name in tables:
         if name not in layout.columns:
             raise SignalError(

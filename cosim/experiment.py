@@ -10,11 +10,15 @@ from cosim.errors import ExperimentError
 
 @dataclass(frozen=True)
 class DefaultExperiment:
-    """What an FMU or an SSP proposes. All times in s; None where it proposes nothing."""
+    """What an FMU or an SSP proposes. All times in s; None where it proposes nothing.
+
+    ``tolerance`` is the relative one of Model Exchange.
+    """
 
     start: float | None = None
     stop: float | None = None
     step: float | None = None
+    tolerance: float | None = None
 
 
 def count_steps(start: float, stop: float, step: float) -> int:

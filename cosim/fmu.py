@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal, get_args
 
 import fmpy
 from lxml import etree
@@ -17,27 +19,42 @@ from cosim.archive import unpack
 from cosim.errors import FmuError
 from cosim.experiment import DefaultExperiment
 from cosim.units import Unit
-from cosim.variables import Variable
+from cosim.variables import Variable, parse_element
 
+Interface = Literal["co_simulation", "model_exchange"]
+
+_log = logging.getLogger(__name__)
 _C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class Fmu:
-    """A Co-Simulation FMU that this machine can run.
+    """An FMU that this machine can run, by one of its interfaces.
 
-    Pickles as its path.
+    Pickles as its path and interface.
+
+    Parameters
+    ----------
+    path : the ``.fmu`` file
+    interface : ``co_simulation``, the default where the FMU has it, or ``model_exchange``
 
     Attributes
     ----------
     path : the ``.fmu`` file
+    interfaces : all it has that can be run here
+    interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
     version : 2 or 3
     name : of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
     variables : name -> Variable, in the order of the description
     units : name -> Unit
+    aliases : other name -> name, in FMI 3.0
     feedthrough : output -> the inputs it depends on without delay
-    experiment : the times it proposes, s
+    experiment : the times it proposes, s, and the tolerance
+    event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
+    has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
+    structural : names of its structural parameters
+    once_per_process : whether there can be one instance only
     serializes : whether its state can be put into a file
 
     Raises
@@ -45,20 +62,28 @@ class Fmu:
     FmuError
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.folder = unpack(self.path, "fmus", FmuError)
         self.version = self._read_version()
         description = self._read_description()
         self.name: str = description.modelName or self.path.stem
         self.token: str = description.instantiationToken or description.guid or ""
-        if description.coSimulation is None:
-            raise FmuError(
-                f"{self.path}: no Co-Simulation interface; export the model for Co-Simulation"
-            )
-        self.identifier: str = description.coSimulation.modelIdentifier or ""
+        self.interfaces, self.interface = self._choose(description, interface)
+        chosen = (
+            description.coSimulation
+            if self.interface == "co_simulation"
+            else description.modelExchange
+        )
+        self.identifier: str = chosen.modelIdentifier or ""
+        self.event_mode = self.interface == "co_simulation" and _flag(chosen, "hasEventMode")
+        self.once_per_process = _flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
+        self.serializes = _flag(chosen, "canSerializeFMUstate")
+        self.needs_tool = _flag(chosen, "needsExecutionTool")
+        self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
+        self.n_states = int(description.numberOfContinuousStates or 0)
+        self.n_indicators = int(description.numberOfEventIndicators or 0)
         self.binary = self._find_binary()
-        self.serializes = bool(description.coSimulation.canSerializeFMUstate)
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions
         }
@@ -69,25 +94,70 @@ class Fmu:
                 f"{self.path}: modelDescription.xml holds a bad value: {fault}"
             ) from fault
         self.variables: Mapping[str, Variable] = MappingProxyType({v.name: v for v in variables})
+        self.aliases = {a.name: v.name for v in description.modelVariables for a in v.aliases}
+        self.has_arrays = any(
+            v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
+            for v in variables
+        )
+        self.structural = [v.name for v in variables if v.causality == "structuralParameter"]
         self.feedthrough = self._read_feedthrough(description)
         times = description.defaultExperiment
         self.experiment = DefaultExperiment(
             _number(getattr(times, "startTime", None)),
             _number(getattr(times, "stopTime", None)),
             _number(getattr(times, "stepSize", None)),
+            _number(getattr(times, "tolerance", None)),
         )
+        if self.needs_tool:
+            _log.warning("%s: needs the tool that made it installed on this machine", self.path)
+        if any(v.type == "Clock" and v.causality == "input" for v in variables):
+            _log.warning("%s: has input clocks, which never tick here", self.path)
 
-    def __reduce__(self) -> tuple[type[Fmu], tuple[Path]]:
-        return Fmu, (self.path,)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.path, self.interface)
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"
+
+    def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
+        """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.
+
+        Parameters
+        ----------
+        lengths : structural parameter -> value, where it is not its start value
+        """
+        variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+        if variable is not None:
+            variable = variable.shaped(lengths) if lengths else variable
+            return variable if variable.name == name else replace(variable, name=name)
+        if element := parse_element(name):
+            array = self.find(element[0], lengths)
+            return array.at(element[1]) if array is not None else None
+        return None
 
     def unit(self, variable: Variable) -> Unit | None:
         """Return the unit of one of this FMU's variables, None when it has none."""
         if variable.unit is None:
             return None
         return self.units.get(variable.unit, Unit(variable.unit))
+
+    def _choose(
+        self, description: Any, wanted: Interface | None
+    ) -> tuple[tuple[Interface, ...], Interface]:
+        present = {
+            "co_simulation": description.coSimulation,
+            "model_exchange": description.modelExchange,
+        }
+        interfaces = tuple(name for name in get_args(Interface) if present[name] is not None)
+        if not interfaces:
+            raise FmuError(
+                f"{self.path}: no Co-Simulation or Model Exchange interface"
+                f"{', only Scheduled Execution' if description.scheduledExecution else ''};"
+                " export the model for Co-Simulation"
+            )
+        if wanted is not None and wanted not in interfaces:
+            raise FmuError(f"{self.path}: no interface {wanted!r}; it has {', '.join(interfaces)}")
+        return interfaces, wanted or interfaces[0]
 
     def _read_version(self) -> int:
         file = self.folder / "modelDescription.xml"
@@ -124,13 +194,22 @@ class Fmu:
         place = platform.fmi2 if self.version == 2 else platform.tuple
         binaries = self.folder / "binaries"
         binary = binaries / place / (self.identifier + platform.suffix)
-        if not binary.is_file():
+        if binary.is_file():
+            return binary
+        libraries = sorted((binaries / place).glob(f"*{platform.suffix}"))
+        if len(libraries) != 1:
             present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
             raise FmuError(
                 f"{self.path}: no binary for this machine: expected"
                 f" binaries/{place}/{binary.name}, the FMU has {', '.join(present) or 'none'}"
             )
-        return binary
+        _log.warning(
+            "%s: takes %s, the only library of its folder, though its modelIdentifier is %r",
+            self.path,
+            libraries[0].name,
+            self.identifier,
+        )
+        return libraries[0]
 
     def _read_feedthrough(self, description: Any) -> Mapping[str, frozenset[str]]:
         inputs = frozenset(v.name for v in self.variables.values() if v.causality == "input")
@@ -141,6 +220,15 @@ class Fmu:
                 names = frozenset(variable.name for variable in unknown.dependencies)
                 feedthrough[unknown.variable.name] = inputs & names
         return feedthrough
+
+
+def _rebuild(path: Path, interface: Interface) -> Fmu:
+    return Fmu(path, interface=interface)
+
+
+def _flag(interface: Any, name: str) -> bool:
+    value = getattr(interface, name, False)
+    return value in {True, "true", "1"}
 
 
 def _number(text: str | None) -> float | None:

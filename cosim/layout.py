@@ -58,9 +58,11 @@ def _select(system: System, record: Sequence[str] | None) -> list[str]:
     usual = [*system.inputs]
     for component, fmu in system.components.items():
         usual += [
-            f"{component}.{v.name}"
+            f"{component}.{element.name}"
             for v in fmu.variables.values()
-            if v.causality == "output" and v.is_signal
+            if v.causality == "output"
+            for element in system.variable(f"{component}.{v.name}").elements()
+            if element.is_signal
         ]
     if record is None:
         return usual
@@ -71,17 +73,18 @@ def _select(system: System, record: Sequence[str] | None) -> list[str]:
             raise ConnectionFault(
                 f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
             )
-        kept |= dict.fromkeys(found or [_recordable(system, wanted)])
+        kept |= dict.fromkeys(found or _recordable(system, wanted))
     return list(kept)
 
 
-def _recordable(system: System, name: str) -> str:
+def _recordable(system: System, name: str) -> list[str]:
     try:
         variable = system.variable(name)
     except ConnectionFault as fault:
         raise ConnectionFault(f"cannot record {name}: {fault}") from None
-    if not variable.is_signal:
+    elements = [element for element in variable.elements() if element.is_signal]
+    if not elements:
         raise ConnectionFault(
-            f"cannot record {name}: it is {variable.type}, expected a scalar Real or Float64"
+            f"cannot record {name}: it is {variable.type}, expected a number or Boolean"
         )
-    return name
+    return [f"{component_of(name)}.{element.name}" for element in elements]

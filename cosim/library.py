@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from cosim import kernel
@@ -22,7 +24,7 @@ class Library:
 
     Attributes
     ----------
-    calls : addresses in the order of the kernel's table
+    calls : addresses in the order of the kernel's table; none for Model Exchange
     resources : where the FMU finds its resources: a URI in FMI 2.0, a path in FMI 3.0
 
     Raises
@@ -35,20 +37,33 @@ class Library:
         self._fmu = fmu
         self._library = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
+        self.calls: list[int] = []
         self.resources = folder.as_uri() if fmu.version == 2 else f"{folder}{os.sep}"
-        self.calls = [self._address(name) for name in kernel.calls(fmu.version)]
+        if fmu.interface == "co_simulation":
+            self.calls = [self.address(name) for name in kernel.calls(fmu.version)]
 
-    def setter(self, type_name: str) -> tuple[str, int, Any]:
-        """Return name, address and C type of the function that sets variables of a type."""
-        name, c_type = SETTERS[self._fmu.version][type_name]
-        return name, self._address(name), c_type
+    def accessor(self, type_name: str, verb: str) -> tuple[str, int, Any]:
+        """Return name, address and C type of the function that sets or gets a type.
+
+        ``verb`` is Set or Get.
+        """
+        setter, c_type = SETTERS[self._fmu.version][type_name]
+        name = setter.replace("Set", verb)
+        return name, self.address(name), c_type
 
     def function(self, name: str) -> Any:
         """Return a function for use from Python; it returns an FMI status."""
-        self._address(name)
+        self.address(name)
         return self._library[name]
 
-    def _address(self, name: str) -> int:
+    def address(self, name: str) -> int:
+        """Return the address of a function.
+
+        Raises
+        ------
+        FmuError
+            When the binary lacks it.
+        """
         try:
             function = getattr(self._library, name)
         except AttributeError:
@@ -64,4 +79,27 @@ def _load(binary: str) -> ctypes.CDLL:
     try:
         return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
     except OSError as fault:
+        if _load_neighbours(Path(binary)):
+            with suppress(OSError):
+                return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
         raise FmuError(f"{binary}: cannot be loaded: {fault}") from fault
+
+
+def _load_neighbours(binary: Path) -> int:
+    """Load the libraries beside a binary, which finds them when it does not say where they are.
+
+    They may need each other, so it is tried until no more can be loaded. Returns how many were.
+    """
+    waiting = [p for p in binary.parent.glob(f"*{binary.suffix}*") if p != binary]
+    n = len(waiting)
+    for _ in range(n):
+        failed = []
+        for path in waiting:
+            try:
+                ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL, winmode=_LOAD_WITH_NEIGHBOURS)
+            except OSError:
+                failed.append(path)
+        if len(failed) in (0, len(waiting)):
+            break
+        waiting = failed
+    return n - len(failed) if n else 0

@@ -14,6 +14,7 @@ class Memory:
     Attributes
     ----------
     record : (n_steps + 1, n_selected), what is kept
+    rows : what the kernel steps through, all signals: the record itself, or one block
     """
 
     def __init__(self, run: kernel.Run, external: Array) -> None:
@@ -21,20 +22,20 @@ class Memory:
         self._external = external
         self.record: Array = np.empty((run.n_steps + 1, run.n_selected))
         self._all = run.n_selected == run.width
-        self._rows = self.record if self._all else np.empty((run.block + 1, run.width))
+        self.rows = self.record if self._all else np.empty((run.block + 1, run.width))
         run.record = None if self._all else self.record.ctypes.data
-        run.rows = self._rows.ctypes.data
+        run.rows = self.rows.ctypes.data
         run.external = external.ctypes.data
 
     def row(self, step: int) -> Array:
         """Return a copy of all signals at the end of the last step done."""
-        row: Array = self._rows[self._place(step)].copy()
+        row: Array = self.rows[self._place(step)].copy()
         return row
 
     def begin(self, step: int, row: Array) -> None:
         """Let the run go on after a step that left these signals."""
         self._run.done = self._run.block_start = step
-        self._rows[self._place(step)] = row
+        self.rows[self._place(step)] = row
         self.record[step] = row if self._all else row[self._run.selected[: self._run.n_selected]]
 
     def _place(self, step: int) -> int:

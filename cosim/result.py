@@ -28,11 +28,20 @@ class Result:
     Attributes
     ----------
     time : (n_steps + 1,) float64, s
+    stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
     values : (n_steps + 1, len(names)) float64, each in its unit
     """
 
-    def __init__(self, time: Array, values: Array, names: Sequence[str], system: System) -> None:
+    def __init__(
+        self,
+        time: Array,
+        values: Array,
+        names: Sequence[str],
+        system: System,
+        stopped: str | None = None,
+    ) -> None:
+        self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
@@ -42,7 +51,20 @@ class Result:
         try:
             return self.values[:, self._columns[name]]
         except KeyError:
+            if (array := self._array(name)) is not None:
+                return array
             raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}") from None
+
+    def _array(self, name: str) -> Array | None:
+        """Return an array of which all elements were recorded, (n_steps + 1, *dimensions)."""
+        if not any(known.startswith(f"{name}[") for known in self.names):
+            return None
+        variable = self._system.variable(name)
+        prefix = name.removesuffix(variable.name)
+        columns = [self._columns.get(prefix + element.name) for element in variable.elements()]
+        if None in columns:
+            return None
+        return self.values[:, columns].reshape(-1, *variable.dimensions)  # type: ignore[index]
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns

@@ -8,9 +8,12 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from cosim import kernel
+from cosim.batch import batches
+from cosim.errors import ParameterError
+from cosim.facade import Facade
 from cosim.library import Library
 from cosim.names import component_of
-from cosim.variables import Value
+from cosim.variables import Value, Variable
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -25,38 +28,87 @@ class Settings:
     """
 
     def __init__(
-        self, system: System, names: Iterable[str], libraries: Mapping[str, Library]
+        self,
+        system: System,
+        names: Iterable[str],
+        libraries: Mapping[str, Library],
+        facades: Mapping[str, Facade],
     ) -> None:
-        groups: dict[tuple[str, str], list[str]] = defaultdict(list)
-        for name in names:
-            groups[component_of(name), system.variable(name).type].append(name)
-        self._slots: dict[str, tuple[Any, int]] = {}
-        tables: dict[str, list[kernel.Setting]] = defaultdict(list)
-        self._keep = tables  # with all that the kernel points to
-        for (component, type_name), members in groups.items():
-            call, address, c_type = libraries[component].setter(type_name)
-            references = (ctypes.c_uint32 * len(members))(
-                *(system.variable(name).reference for name in members)
+        self._variables = {name: system.variable(name) for name in names}
+        self.names = self._variables.keys()
+        owners: dict[tuple[str, bool], dict[str, Variable]] = defaultdict(dict)
+        for name, variable in self._variables.items():
+            component = component_of(name)
+            structural = variable.causality == "structuralParameter"
+            owner = system.variable(f"{component}.{variable.owner}")
+            owners[component, structural][owner.name] = owner
+        self._batches = {
+            key: batches(libraries[key[0]], variables.values(), "Set")
+            for key, variables in owners.items()
+        }
+        self._facades = facades
+        self._tables: dict[str, Any] = {}
+        self._slots = {
+            name: next(
+                batch
+                for structural in (False, True)
+                for batch in self._batches.get((component_of(name), structural), ())
+                if batch.holds(variable)
             )
-            values = (c_type * len(members))()
-            self._slots |= {name: (values, i) for i, name in enumerate(members)}
-            room = ctypes.cast(values, ctypes.c_void_p)
-            tables[component].append(
-                kernel.Setting(address, call.encode(), len(members), references, room)
-            )
-        self.names = self._slots.keys()
-        self._tables = {
-            component: (kernel.Setting * len(table))(*table) for component, table in tables.items()
+            for name, variable in self._variables.items()
+        }
+        self._numbers = {  # most, and written without detour
+            name: (self._slots[name].values, self._slots[name].place(variable))
+            for name, variable in self._variables.items()
+            if variable.is_signal
         }
 
     def attach(self, component: str, slot: kernel.Component) -> None:
         """Let a component of the kernel take its start values from here."""
-        table = self._tables.get(component)
-        slot.n_settings = 0 if table is None else len(table)
-        slot.settings = table
+        starts = self._batches.get((component, False), [])
+        if component in self._facades:
+            structure = self._batches.get((component, True), [])
+            self._facades[component].start_with(structure, starts)
+            return
+        table = (kernel.Setting * len(starts))()
+        for setting, batch in zip(table, starts, strict=True):
+            setting.set, setting.call = batch.address, batch.call.encode()
+            setting.n, setting.references = len(batch.references), batch.references
+            setting.values = ctypes.cast(batch.values, ctypes.c_void_p)
+        self._tables[component] = table
+        slot.n_settings, slot.settings = len(starts), table
 
     def fill(self, values: Mapping[str, Value]) -> None:
         """Write values, which were checked, by ``component.variable``."""
         for name, value in values.items():
-            room, i = self._slots[name]
-            room[i] = value.encode() if isinstance(value, str) else value
+            room, place = self._numbers.get(name, (None, 0))
+            if room is None:
+                self._slots[name].put(self._variables[name], value)
+            else:
+                room[place] = value
+        for component, facade in self._facades.items():
+            facade.hold(
+                {
+                    name: (self._variables[name], value)
+                    for name, value in values.items()
+                    if component_of(name) == component
+                }
+            )
+
+
+def check_length(system: System, name: str, value: Value) -> None:
+    """Check that a value for one run does not change the dimensions of arrays.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not system.components[component_of(name)].structural:
+        return
+    variable = system.variable(name)
+    present = system.parameters.get(name, variable.start)
+    if variable.causality == "structuralParameter" and value != present:
+        raise ParameterError(
+            f"{name} = {value!r} would change the dimensions of arrays; set it in the system,"
+            " before the simulation is prepared"
+        )

@@ -91,7 +91,8 @@ class Trapezoid:
 class Table:
     """Values between which is drawn a straight line; outside, the first and last value hold.
 
-    A time that occurs twice makes a jump: from then on the later value holds.
+    A time that occurs twice makes a jump: from then on the later value holds. An input that is
+    discrete (integers, Boolean) has no lines: each value holds until the next.
 
     Attributes
     ----------
@@ -152,16 +153,23 @@ class Table:
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
-        last = np.searchsorted(self.time, t, side="right") - 1
-        if self.held or len(self.time) == 1:
-            return self.values[np.maximum(last, 0)]
+        if self.held:
+            return self.hold(t)
+        if len(self.time) == 1:
+            return np.full(np.shape(t), self.values[0])
         right = np.clip(np.searchsorted(self.time, t), 1, len(self.time) - 1)
         t0, t1 = self.time[right - 1], self.time[right]
         share = np.zeros(np.shape(t))  # of the left value; in this form FMPy has the same bits
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
+        last = np.searchsorted(self.time, t, side="right") - 1
         return np.where(self.time[last] == t, self.values[last], line)
+
+    def hold(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s where each holds until the next."""
+        near = t + 1e-9 * np.abs(t)  # a time that is the same but for rounding, as in FMPy
+        return self.values[np.maximum(np.searchsorted(self.time, near, side="right") - 1, 0)]
 
 
 def sample_inputs(
@@ -182,10 +190,14 @@ def sample_inputs(
     table = np.empty((len(time), len(system.inputs)))
     for i, (name, targets) in enumerate(system.inputs.items()):
         if name in inputs:
-            table[:, i] = sampled(name, inputs[name], time)
+            signal = inputs[name]
+            if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
+                signal = signal.hold(time)
+            table[:, i] = sampled(name, signal, time)
         else:
             start = starts.get(targets[0], system.variable(targets[0]).start)
-            table[:, i] = system.scaling(name, targets[0]).inverse(float(start or 0.0))
+            number = float(start) if isinstance(start, int | float) else 0.0
+            table[:, i] = system.scaling(name, targets[0]).inverse(number)
     return table
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -15,16 +15,19 @@ import numpy as np
 from cosim import kernel
 from cosim.checkpoint import Checkpoint
 from cosim.disturbances import disturb
+from cosim.ending import Ending, ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
+from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.memory import Memory
+from cosim.once import claim, give_up
 from cosim.order import stepping_order
 from cosim.pace import Pace
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
-from cosim.settings import Settings
+from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
 from cosim.variables import Value
@@ -50,6 +53,7 @@ class Specification:
     record: tuple[str, ...] | None = None
     coupling: Coupling = "gauss_seidel"
     constant_step: bool = False
+    compiled: bool = False
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""
@@ -85,14 +89,16 @@ class Simulation:
         self._halted: Memory | None = None
         self.order = names if jacobi else stepping_order(names, system.feedthrough())
         self._layout = Layout.of(system, spec.record)
-        self._kernel = kernel.load()
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
-        self._run = wire(system, self._layout, self.order, self._libraries, jacobi=jacobi)
+        self._run, self._facades = wire(
+            system, self._layout, self.order, self._libraries, jacobi=jacobi
+        )
+        self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
-        self._attach(Settings(system, system.parameters, self._libraries))
+        self._attach(self._new_settings(system.parameters))
         self._instantiate()
 
     def run(
@@ -126,11 +132,14 @@ class Simulation:
             Before anything is run.
         SimulationError
             When an FMU fails or gives a value that is not finite; the simulation can run again.
+
+        An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
         system = self.spec.system
         values: dict[str, Value] = dict(system.parameters)
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
+            check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
         self._disturbances = disturb(
             scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
@@ -145,7 +154,8 @@ class Simulation:
         Raises
         ------
         SimulationError
-            When no run was halted by ``until``, or an FMU cannot give its state away.
+            When no run was halted by ``until``, or an FMU cannot give its state away, or there is
+            more state than the FMU's: Model Exchange, event mode, arrays.
         """
         if self._halted is None:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
@@ -154,6 +164,11 @@ class Simulation:
             raise SimulationError(
                 f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
                 " (canSerializeFMUstate)"
+            )
+        if hidden := [name for name, facade in self._facades.items() if not facade.is_thin]:
+            raise SimulationError(
+                f"the state cannot be saved: {', '.join(hidden)} with Model Exchange, event mode or"
+                " arrays has more than the FMU's own"
             )
         states = {name: self._state_of(name).save() for name in self.order}
         row = self._halted.row(self._run.done)
@@ -184,6 +199,12 @@ class Simulation:
                 f"{path} was saved by another system, or with another step, start, coupling or"
                 " record"
             )
+        last = self._place(until)
+        if last <= checkpoint.step:
+            reached = self.spec.start + checkpoint.step * self.spec.step
+            raise ExperimentError(
+                f"{path} is at t = {reached:.9g} s already, there is no step left"
+            )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
         self._disturbances = disturb(
@@ -195,12 +216,12 @@ class Simulation:
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])
         memory.begin(checkpoint.step, checkpoint.row)
-        return self._step(memory, checkpoint.step, self._place(until), real_time, progress)
+        return self._step(memory, checkpoint.step, last, real_time, progress)
 
     def _begin(self, values: Mapping[str, Value]) -> None:
         """Make FMUs and start values ready for a new run."""
         if values.keys() != self._settings.names:
-            self._attach(Settings(self.spec.system, values, self._libraries))
+            self._attach(self._new_settings(values))
         self._settings.fill(values)
         self._instantiate()
         self._halted = None
@@ -225,7 +246,8 @@ class Simulation:
         elif progress:
             look = max(1, look // 100)
         for halt in [*range(first + look, last, look), last]:
-            self._advance(halt, memory)
+            if end := self._advance(halt, memory):
+                return self._ended(end, memory, first)
             if self.pace:
                 self.pace.keep(self.time[halt])
             if progress:
@@ -235,16 +257,31 @@ class Simulation:
             self.time[shown], memory.record[shown], self._layout.recorded, self.spec.system
         )
 
-    def _advance(self, halt: int, memory: Memory) -> None:
+    def _advance(self, halt: int, memory: Memory) -> Ending | None:
         self._halted = None
         self._run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
             outcome = self._kernel.advance(self._run)
         if outcome == kernel.FAILED:
-            raise self._failure()
+            name = self.order[self._run.failed]
+            facade = self._facades.get(name)
+            end = ending(self._run, self._slots[name], facade, self._libraries[name])
+            if end is None:
+                raise self._failure()
+            return end
         if outcome == kernel.HALTED:
             self._halted = memory
+        return None
+
+    def _ended(self, end: Ending, memory: Memory, first: int) -> Result:
+        """Return what there is of a run from a step on that an FMU ended."""
+        run = self._run
+        name = self.order[run.failed]
+        kept = kept_rows(run, memory.record, memory.rows, self._slots[name], end)
+        time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
+        stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
+        return Result(time[first:], kept[first:], self._layout.recorded, self.spec.system, stopped)
 
     def _place(self, until: float | None) -> int:
         """Return the number of the step that ends at a time."""
@@ -256,8 +293,10 @@ class Simulation:
         return n
 
     def _state_of(self, name: str) -> StateAccess:
+        facade = self._facades.get(name)
+        instance = facade.c.instance if facade else self._slots[name].instance
         version = self.spec.system.components[name].version
-        return StateAccess(name, version, self._libraries[name], self._slots[name].instance)
+        return StateAccess(name, version, self._libraries[name], instance)
 
     def _identity(self) -> str:
         spec = self.spec
@@ -270,6 +309,7 @@ class Simulation:
         self._halted = None
         for slot in self._slots.values():
             self._kernel.release(slot)
+        give_up(self)
 
     def __enter__(self) -> Self:
         return self
@@ -286,6 +326,9 @@ class Simulation:
         if hasattr(self, "_settings"):
             self.close()
 
+    def _new_settings(self, names: Iterable[str]) -> Settings:
+        return Settings(self.spec.system, names, self._libraries, self._facades)
+
     def _attach(self, settings: Settings) -> None:
         self._settings = settings
         for name, slot in self._slots.items():
@@ -295,11 +338,13 @@ class Simulation:
         for name, slot in self._slots.items():
             if not slot.instance:
                 fmu = self.spec.system.components[name]
+                claim(fmu, name, self)
                 arguments = (name, fmu.token, self._libraries[name].resources)
                 self._kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
+                    tool = "; it needs the tool that made it" if fmu.needs_tool else ""
                     raise SimulationError(
-                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}"
+                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
 
     def _failure(self) -> SimulationError:
@@ -310,6 +355,8 @@ class Simulation:
             self._layout.outputs[name][run.output] if run.status == kernel.NOT_FINITE else name
         )
         what = kernel.STATUS.get(run.status, f"returned the unknown status {run.status}")
+        facade = self._facades.get(name)
+        call = (facade.c.called if facade else None) or run.call
         if run.done < 0:
             when = "during initialisation"
         elif run.done == run.n_steps:
@@ -317,7 +364,7 @@ class Simulation:
         else:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
-        message = f"{subject}: {run.call.decode()} {what} {when}{_said(slot)}"
+        message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
         if run.call.endswith(b"Reset"):
             self._kernel.release(slot)  # the next run instantiates it anew
         return SimulationError(message)

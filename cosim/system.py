@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cosim.errors import ConnectionFault, CosimError, ParameterError
-from cosim.fmu import Fmu
+from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.scaling import PLAIN, Link, Scaling
 from cosim.simulation import Coupling, Simulation, Specification
@@ -50,9 +50,16 @@ class System:
         self,
         name: str,
         fmu: Fmu | str | os.PathLike[str],
-        parameters: Mapping[str, Value] | None = None,
+        parameters: Mapping[str, object] | None = None,
+        *,
+        interface: Interface | None = None,
     ) -> None:
         """Add a component, with start values by variable name.
+
+        Parameters
+        ----------
+        interface : by which it is run: ``co_simulation``, the default where it has one, or
+            ``model_exchange``
 
         Raises
         ------
@@ -64,7 +71,11 @@ class System:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
             )
-        self.components[name] = fmu if isinstance(fmu, Fmu) else Fmu(fmu)
+        if not isinstance(fmu, Fmu):
+            fmu = Fmu(fmu, interface=interface)
+        elif interface not in (None, fmu.interface):
+            fmu = Fmu(fmu.path, interface=interface)
+        self.components[name] = fmu
         try:
             for variable, value in (parameters or {}).items():
                 self.set(f"{name}.{variable}", value)
@@ -86,9 +97,10 @@ class System:
             When an end does not exist, has the wrong causality or type, measures something else
             than the other end, or is fed already.
         """
-        self._check_end(source, "output", f"cannot connect {source} to {target}")
-        self._check_feed(source, self.unit_of(source), target, link)
-        self.connections[target] = source
+        for one, other in self._pairs(source, target):
+            self._check_end(one, "output", f"cannot connect {one} to {other}")
+            self._check_feed(one, one, self.unit_of(one), other, link)
+            self.connections[other] = one
 
     def expose(
         self,
@@ -122,7 +134,7 @@ class System:
         self._check_end(targets[0], "input", f"cannot connect {name} to {targets[0]}")
         for target in targets:
             link = (links or {}).get(target, PLAIN)
-            self._check_feed(name, unit or self.unit_of(targets[0]), target, link)
+            self._check_feed(name, targets[0], unit or self.unit_of(targets[0]), target, link)
         self.inputs[name] = targets
         if unit:
             self.input_units[name] = unit
@@ -174,13 +186,14 @@ class System:
             near = suggestion(component, self.components)
             raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
         fmu = self.components[component]
-        if variable not in fmu.variables:
+        found = fmu.find(variable, self._lengths(component, fmu))
+        if found is None:
             near = suggestion(variable, fmu.variables)
             raise error(
                 f"{self.name}: component {component!r} ({fmu.path.name}) has no variable"
                 f" {variable!r}{near}"
             )
-        return fmu.variables[variable]
+        return found
 
     def unit(self, name: str) -> str | None:
         """Return the unit of an exposed input or of ``component.variable``."""
@@ -208,7 +221,7 @@ class System:
         return [
             (source, target)
             for target, source in self.connections.items()
-            if self._fmu(source).feedthrough[variable_of(source)]
+            if self._fmu(source).feedthrough[self.variable(source).owner]
         ]
 
     def prepare(
@@ -220,6 +233,7 @@ class System:
         record: Sequence[str] | None = None,
         coupling: Coupling = "gauss_seidel",
         constant_step: bool = False,
+        compiled: bool = False,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -233,6 +247,8 @@ class System:
         constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
             default they are told the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
+        compiled : whether to compile the steps of this system into C of their own: under a second
+            once, then up to a quarter less for cheap FMUs. The values are the same
 
         Raises
         ------
@@ -240,7 +256,7 @@ class System:
         """
         names = None if record is None else tuple(record)
         return Simulation(
-            Specification(self.copy(), step, stop, start, names, coupling, constant_step)
+            Specification(self.copy(), step, stop, start, names, coupling, constant_step, compiled)
         )
 
     def copy(self) -> System:
@@ -256,8 +272,33 @@ class System:
         twin.origin = self.origin
         return twin
 
+    def _lengths(self, component: str, fmu: Fmu) -> dict[str, int]:
+        """Return the structural parameters that were set."""
+        names = ((name, f"{component}.{name}") for name in fmu.structural)
+        values = ((name, self.parameters.get(key)) for name, key in names)
+        return {name: value for name, value in values if isinstance(value, int)}
+
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]
+
+    def _pairs(self, source: str, target: str) -> list[tuple[str, str]]:
+        """Return the connections element by element where both ends are arrays of one shape."""
+        try:
+            ends = [self.variable(name) for name in (source, target)]
+        except ConnectionFault as fault:
+            raise ConnectionFault(f"cannot connect {source} to {target}: {fault}") from None
+        if not ends[0].dimensions or not ends[1].dimensions:
+            return [(source, target)]
+        if ends[0].dimensions != ends[1].dimensions:
+            raise ConnectionFault(
+                f"cannot connect {source} to {target}: their dimensions are"
+                f" {ends[0].dimensions} and {ends[1].dimensions}"
+            )
+        names = (
+            [f"{component_of(name)}.{element.name}" for element in end.elements()]
+            for name, end in zip((source, target), ends, strict=True)
+        )
+        return list(zip(*names, strict=True))
 
     def _check_end(self, name: str, causality: str, purpose: str) -> None:
         try:
@@ -266,9 +307,10 @@ class System:
             raise ConnectionFault(f"{purpose}: {fault}") from None
         if variable.causality != causality or not variable.is_signal:
             shape = "array" if variable.dimensions else variable.causality
+            hint = f"; name its elements: {name}[...]" if variable.dimensions else ""
             raise ConnectionFault(
                 f"{purpose}: {name} is a {variable.type} {shape},"
-                f" expected a Real or Float64 {causality}"
+                f" expected an {causality} that is a number or Boolean{hint}"
             )
 
     def _scaling(self, source: str, unit: Unit | None, target: str, link: Link) -> Scaling:
@@ -283,9 +325,17 @@ class System:
             )
         return converted.then(link.scaling)
 
-    def _check_feed(self, source: str, unit: Unit | None, target: str, link: Link) -> None:
+    def _check_feed(
+        self, source: str, like: str, unit: Unit | None, target: str, link: Link
+    ) -> None:
+        """Check that ``target`` can be fed by ``source``, which is a variable like ``like``."""
         purpose = f"cannot connect {source} to {target}"
         self._check_end(target, "input", purpose)
+        kind, wanted_kind = self.variable(like).kind, self.variable(target).kind
+        if kind != wanted_kind:
+            raise ConnectionFault(
+                f"{purpose}: {like} is a {kind}, {target} a {wanted_kind}; only equal types connect"
+            )
         self._scaling(source, unit, target, link)
         if feeder := self.sources().get(target):
             raise ConnectionFault(f"{purpose}: {target} is fed by {feeder} already")

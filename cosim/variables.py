@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from ctypes import (
     c_bool,
     c_char_p,
@@ -17,12 +19,15 @@ from ctypes import (
     c_uint32,
     c_uint64,
 )
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from cosim.errors import ParameterError
 
-Value = float | int | bool | str
+Scalar = float | int | bool | str | bytes
+Value = Scalar | tuple[Scalar, ...]  # arrays row by row
 
 # Per FMI version and type: the function that sets it and the C type it takes.
 SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
@@ -47,11 +52,17 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
         "Enumeration": ("fmi3SetInt64", c_int64),
         "Boolean": ("fmi3SetBoolean", c_bool),
         "String": ("fmi3SetString", c_char_p),
+        "Binary": ("fmi3SetBinary", c_char_p),
     },
 }
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
+_FLOATS = {"Real", "Float64", "Float32"}
+_NOT_NUMBERS = {"String", "Binary", "Clock"}
+_ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
+# The same type under the name of FMI 2.0 and of FMI 3.0.
+_TWINS = {"Real": "Float64", "Integer": "Int32"}
 
 
 @dataclass(frozen=True)
@@ -64,6 +75,8 @@ class Variable:
     unit : as the FMU writes it; None when it gives none
     start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
     dimensions : length of each; empty for a scalar
+    structure : for each dimension the structural parameter that sets its length, None where fixed
+    array, element : of an element of an array, the array's name and the place in it, row by row
     """
 
     name: str
@@ -79,6 +92,9 @@ class Variable:
     nominal: float | None = None
     description: str = ""
     dimensions: tuple[int, ...] = ()
+    structure: tuple[str | None, ...] = ()
+    array: str | None = None
+    element: int = 0
 
     @classmethod
     def from_fmpy(cls, variable: Any) -> Variable:
@@ -104,16 +120,83 @@ class Variable:
             nominal=number("nominal"),
             description=variable.description or "",
             dimensions=tuple(variable.shape or ()),
+            structure=tuple(
+                None if length.variable is None else length.variable.name
+                for length in variable.dimensions
+            ),
         )
 
     @property
     def is_signal(self) -> bool:
-        """Whether it can be connected and recorded: a scalar of 64-bit floating point."""
-        return self.type in {"Real", "Float64"} and not self.dimensions
+        """Whether it can be connected and recorded: a scalar that is a number or Boolean."""
+        return self.type not in _NOT_NUMBERS and not self.dimensions
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the kernel's loop takes it as it is: a scalar of 64-bit floating point."""
+        return self.type in {"Real", "Float64"} and not self.dimensions and self.array is None
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether it jumps: its values are held, never interpolated."""
+        return self.type not in _FLOATS or self.variability != "continuous"
+
+    @property
+    def kind(self) -> str:
+        """Its type under the name of FMI 3.0; only equal kinds can be connected."""
+        return _TWINS.get(self.type, self.type)
+
+    @property
+    def owner(self) -> str:
+        """The variable that the FMU knows: the array of an element, else the variable itself."""
+        return self.array or self.name
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return math.prod(self.dimensions)
+
+    def shaped(self, lengths: Mapping[str, int]) -> Variable:
+        """Return it as it is with these values of the structural parameters."""
+        dimensions = tuple(
+            lengths.get(name or "", length)
+            for length, name in zip(self.dimensions, self.structure, strict=True)
+        )
+        start = self.start if dimensions == self.dimensions else None
+        return replace(self, dimensions=dimensions, start=start)
+
+    def elements(self) -> Iterator[Variable]:
+        """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
+        if not self.dimensions:
+            yield self
+            return
+        for place, indices in enumerate(np.ndindex(self.dimensions)):
+            yield self._element(place, [i + 1 for i in indices])
+
+    def at(self, indices: tuple[int, ...]) -> Variable | None:
+        """Return the element at these indices, which count from 1; None when there is none."""
+        if len(indices) != len(self.dimensions) or not all(
+            1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
+        ):
+            return None
+        place = np.ravel_multi_index([i - 1 for i in indices], self.dimensions)
+        return self._element(int(place), indices)
+
+    def _element(self, place: int, indices: Sequence[int]) -> Variable:
+        return replace(
+            self,
+            name=f"{self.name}[{','.join(map(str, indices))}]",
+            dimensions=(),
+            structure=(),
+            array=self.name,
+            element=place,
+            start=self.start[place] if isinstance(self.start, tuple) else None,
+        )
 
     def checked(self, value: object, label: str) -> Value:
         """Return ``value`` as this variable's type; text is read as a number where one is due.
 
+        Arrays take a numpy array or nested list of their dimensions, or the values row by row.
         ``label`` names the variable in messages.
 
         Raises
@@ -121,15 +204,35 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        has_start = self.causality in {"parameter", "input"} or self.initial in {"exact", "approx"}
+        has_start = self.causality in {
+            "parameter",
+            "structuralParameter",
+            "input",
+        } or self.initial in {"exact", "approx"}
         if not has_start or self.variability == "constant":
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
             )
-        if self.dimensions or self.type in {"Binary", "Clock"}:
-            kind = "an array" if self.dimensions else self.type
-            raise ParameterError(f"{label} cannot be set: it is {kind}, which is not supported")
+        if self.type == "Clock":
+            raise ParameterError(f"{label} cannot be set: it is a clock, which ticks by itself")
+        if self.dimensions:
+            return tuple(self._checked(item, label) for item in self._items(value, label))
+        return self._checked(value, label)
+
+    def _items(self, value: Any, label: str) -> list[Any]:
+        items = value.split() if isinstance(value, str) else value
+        try:
+            array = np.asarray(items, dtype=None if self.type in _FLOATS else object)
+        except ValueError:
+            array = np.empty(0)
+        if array.shape not in {self.dimensions, (self.size,)}:
+            raise ParameterError(
+                f"{label}: expected an array of the dimensions {self.dimensions}, got {array.shape}"
+            )
+        return list(array.reshape(-1))
+
+    def _checked(self, value: object, label: str) -> Scalar:
         try:
             result = self._converted(value)
         except (TypeError, ValueError, KeyError, OverflowError):
@@ -140,17 +243,21 @@ class Variable:
             self._check_range(result, label)
         return result
 
-    def _converted(self, value: Any) -> Value:
+    def _converted(self, value: Any) -> Scalar:
         if self.type == "String":
             if not isinstance(value, str):
                 raise TypeError
             return value
+        if self.type == "Binary":
+            return bytes.fromhex(value) if isinstance(value, str) else bytes(memoryview(value))
         if self.type == "Boolean":
             return _WORDS[str(value).lower()]
-        if self.type in {"Real", "Float64", "Float32"}:
+        if self.type in _FLOATS:
             return float(value)
         result = int(value)
-        if result != float(value) or _C_TYPES[self.type](result).value != result:
+        if _C_TYPES[self.type](result).value != result or (
+            not isinstance(value, str) and result != value
+        ):
             raise ValueError
         return result
 
@@ -164,12 +271,29 @@ class Variable:
             )
 
 
+def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:
+    """Split ``name[i,j]`` into the array's name and the indices."""
+    match = _ELEMENT.fullmatch(name)
+    if match is None:
+        return None
+    return match["array"], tuple(int(i) for i in match["indices"].split(","))
+
+
 def _start(variable: Any) -> Value | None:
     text = variable.start
-    if text is None or variable.shape or variable.type in {"Binary", "Clock"}:
+    if text is None or variable.type == "Clock":
         return None
-    if variable.type == "String":
-        return str(text)
-    if variable.type == "Boolean":
+    if variable.type in {"String", "Binary"}:
+        scalar = str(text) if variable.type == "String" else bytes.fromhex(text)
+        return None if variable.shape else scalar
+    if not variable.shape:
+        return _number(variable.type, text)
+    values = tuple(_number(variable.type, word) for word in text.split())
+    size = math.prod(variable.shape)
+    return values * size if len(values) == 1 else values if len(values) == size else None
+
+
+def _number(type_name: str, text: str) -> Scalar:
+    if type_name == "Boolean":
         return _WORDS[text]
-    return float(text) if variable.type in {"Real", "Float64", "Float32"} else int(text)
+    return float(text) if type_name in _FLOATS else int(text)

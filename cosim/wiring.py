@@ -5,9 +5,11 @@ from __future__ import annotations
 import ctypes
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from cosim import kernel
+from cosim.facade import Facade, wants_facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from cosim.system import System
 
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
-_BLOCK_STEPS = 64
+_BLOCK_STEPS = 256
 _BLOCK_VALUES = 2**14
 
 
@@ -28,13 +30,17 @@ def wire(
     libraries: Mapping[str, Library],
     *,
     jacobi: bool,
-) -> kernel.Run:
-    """Return a run that lacks its times, its memory and the instances of the FMUs."""
+) -> tuple[kernel.Run, dict[str, Facade]]:
+    """Return a run that lacks its times, its memory and the instances of the FMUs.
+
+    With it come the facades of the components that need one.
+    """
+    facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
     inputs = _inputs(system, layout, order, jacobi=jacobi)
-    components = (kernel.Component * (len(order) + 1))()  # the last one ends the table
-    for name, slot in zip(order, components, strict=False):
+    components = (kernel.Component * len(order))()
+    for name, slot in zip(order, components, strict=True):
         slot.version = system.components[name].version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
         slot.log = ctypes.pointer(kernel.Log())
@@ -48,17 +54,27 @@ def wire(
         offsets = [offset for offset, _ in inputs[name]]
         slot.n_inputs = len(offsets)
         slot.input_references = _references(system, [target for _, target in inputs[name]])
-        slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
         scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
         scaled = any(scaling != IDENTITY for scaling in scales)
         if scaled:
             numbers = [s.factor for s in scales] + [s.offset for s in scales]
             slot.scales = (ctypes.c_double * len(numbers))(*numbers)
-        if offsets and (scaled or offsets != list(range(offsets[0], offsets[0] + len(offsets)))):
-            slot.inputs = (ctypes.c_double * len(offsets))()
+        if not offsets:
+            slot.inputs = kernel.NONE
+        elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
+            slot.input_offset = offsets[0]
+        else:
+            slot.inputs = kernel.SCATTERED
+            slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
+            slot.gathered = (ctypes.c_double * len(offsets))()
+        targets = [(target, offset >= width) for offset, target in inputs[name]]
+        if facade := _facade(system, name, libraries[name], outputs, targets):
+            facades[name] = facade
+            facade.dress(slot)
     selected = [columns[name] for name in layout.recorded]
-    return kernel.Run(
+    run = kernel.Run(
         components=components,
+        n_components=len(order),
         jacobi=jacobi,
         n_external=len(system.inputs),
         width=width,
@@ -66,6 +82,25 @@ def wire(
         selected=(ctypes.c_int64 * len(selected))(*selected),
         n_selected=len(selected),
     )
+    return run, facades
+
+
+def _facade(
+    system: System,
+    name: str,
+    library: Library,
+    outputs: Sequence[str],
+    targets: Sequence[tuple[str, bool]],
+) -> Facade | None:
+    """Return a facade for a component that the kernel does not take as it is."""
+    fmu = system.components[name]
+    read = [system.variable(output) for output in outputs]
+    fed = [system.variable(target) for target, _ in targets]
+    if not wants_facade(fmu, [*read, *fed]):
+        return None
+    ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
+    arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
+    return Facade(fmu, library, read, fed, ahead, arrays)
 
 
 def _inputs(
@@ -73,22 +108,27 @@ def _inputs(
 ) -> dict[str, list[tuple[int, str]]]:
     """Return per component its fed inputs with their offsets from the row of the present time.
 
-    What was computed earlier in the same step is read from the next row.
+    What was computed earlier in the same step is read from the next row, and so are the exposed
+    inputs of Model Exchange, which takes a straight line from one to the other.
     """
     place = {name: i for i, name in enumerate(order)}
     inputs: dict[str, list[tuple[int, str]]] = defaultdict(list)
     for target, source in system.sources().items():
         component = component_of(target)
-        fresh = (
-            not jacobi
-            and target in system.connections
-            and place[component_of(source)] < place[component]
-        )
+        if target in system.connections:
+            fresh = not jacobi and place[component_of(source)] < place[component]
+        else:  # what is known of the next point in time serves those who look into the step
+            fresh = system.components[component].interface == "model_exchange"
         offset = layout.columns[source] + (len(layout.columns) if fresh else 0)
         inputs[component].append((offset, target))
     return defaultdict(list, {component: sorted(fed) for component, fed in inputs.items()})
 
 
 def _references(system: System, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint32]:
-    references = (system.variable(name).reference for name in names)
-    return (ctypes.c_uint32 * len(names))(*references)
+    return _table(tuple(system.variable(name).reference for name in names))
+
+
+@lru_cache
+def _table(references: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
+    """Return one table for all components with the same references: less memory to step through."""
+    return (ctypes.c_uint32 * len(references))(*references)

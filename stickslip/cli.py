@@ -12,10 +12,10 @@ import ga
 import models
 import toolchain
 from cosim.control import ControlError
-from stickslip.commands import build, design, export, identify, reproduce, simulate
+from stickslip.commands import build, design, export, identify, reproduce, simulate, validate
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, design, identify, export)
+COMMANDS = (reproduce, build, simulate, design, identify, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,

@@ -5,7 +5,9 @@ Identification and learning get a rig, never the drive's parameters or its true 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +16,10 @@ import numpy as np
 import cosim
 from cosim.control import VelocityLoop
 from ga import SimulatedCost
-from stickslip.loop import Feed, paper_loop, servo_loop
+from stickslip.loop import Feed, build_fmus, paper_loop, servo_loop
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
-from stickslip.setup import Datasheet
+from stickslip.setup import LOOP, Datasheet
 
 MEASURED = ("drive.x_enc", "drive.F_m")
 
@@ -96,3 +98,12 @@ class Rig:
         with system.prepare(step=self.T_s, stop=stop, record=MEASURED) as simulation:
             result = simulation.run(inputs={name: command})
         return Log(result.time, *(result[measured] for measured in MEASURED))
+
+
+@contextmanager
+def rig_of(truth: Mapping[str, float]) -> Iterator[Rig]:
+    """Build a drive with these parameters on its test bench; its files go with the block."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        fmus = Path(folder)
+        build_fmus(fmus, truth)
+        yield Rig(fmus, Datasheet(), LOOP.T_s)

@@ -55,22 +55,24 @@ class Component(Structure):
     """One instance and its place in the rows."""
 
     _fields_ = (
-        ("version", c_int64),
+        ("version", c_int32),
+        ("inputs", c_int32),
         ("instance", c_void_p),
-        ("call", c_void_p * 10),
-        ("log", POINTER(Log)),
-        ("used", c_int64),
-        ("n_settings", c_size_t),
-        ("settings", POINTER(Setting)),
         ("n_inputs", c_size_t),
         ("input_references", POINTER(c_uint32)),
-        ("input_offsets", POINTER(c_int64)),
-        ("inputs", POINTER(c_double)),
-        ("scales", POINTER(c_double)),
-        ("n_linked", c_size_t),
+        ("input_offset", c_int64),
         ("n_outputs", c_size_t),
         ("output_references", POINTER(c_uint32)),
         ("column", c_int64),
+        ("call", c_void_p * 10),
+        ("input_offsets", POINTER(c_int64)),
+        ("gathered", POINTER(c_double)),
+        ("scales", POINTER(c_double)),
+        ("n_linked", c_size_t),
+        ("used", c_int64),
+        ("n_settings", c_size_t),
+        ("settings", POINTER(Setting)),
+        ("log", POINTER(Log)),
         ("n_disturbances", c_size_t),
         ("disturbances", POINTER(Disturbance)),
     )
@@ -81,11 +83,10 @@ class Run(Structure):
 
     _fields_ = (
         ("components", POINTER(Component)),
+        ("n_components", c_int64),
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
-        ("disturbed", c_int64),
-        ("halt", c_int64),
         ("start", c_double),
         ("stop", c_double),
         ("step", c_double),
@@ -99,25 +100,38 @@ class Run(Structure):
         ("n_selected", c_int64),
         ("block_start", c_int64),
         ("done", c_int64),
+        ("t", c_double),
+        ("h", c_double),
         ("failed", c_int64),
         ("output", c_int64),
         ("status", c_int64),
         ("call", c_char_p),
+        ("disturbed", c_int64),
+        ("halt", c_int64),
     )
 
 
+# Two neighbours copied as one would wait until both have arrived in memory.
+_FLAGS = ("-fno-slp-vectorize",)
+
 FINISHED, PAUSED, FAILED, HALTED = range(4)
 
+SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
+
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
+DISCARD = 2
 NOT_FINITE = 100
+TERMINATED = 101
 STATUS = {
     2: "returned discard",
     3: "returned error",
     4: "returned fatal",
     5: "returned pending",
     NOT_FINITE: "gave a value that is not finite",
-    101: "asked to terminate the simulation",
+    TERMINATED: "asked to terminate the simulation",
     102: "returned early though that was not allowed",
+    103: "came to no end of events at one time or within one step",
+    104: "could not integrate",
 }
 
 
@@ -127,8 +141,12 @@ def doubles(values: NDArray[np.float64]) -> Any:
 
 
 @cache
-def load() -> CDLL:
+def load(steps: str | None = None) -> CDLL:
     """Return the kernel's library, compiled on first use.
+
+    Parameters
+    ----------
+    steps : text to compile in place of ``steps.h``
 
     Raises
     ------
@@ -137,8 +155,10 @@ def load() -> CDLL:
     here = Path(__file__).parent
     headers = Path(fmpy.__file__).parent / "c-code"
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
+    if steps is not None:
+        files["steps.h"] = steps
     files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
-    library = CDLL(str(toolchain.shared_library("cosim_kernel", files)))
+    library = CDLL(str(toolchain.shared_library("cosim_kernel", files, flags=_FLAGS)))
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = None

@@ -8,6 +8,9 @@
 #define LIKELY(condition) __builtin_expect(condition, 1)
 #define UNLIKELY(condition) __builtin_expect(condition, 0)
 #define INLINE static inline __attribute__((always_inline))
+#define TRY(action)                                                                                \
+    if (UNLIKELY(!(action)))                                                                       \
+    return false
 
 __attribute__((cold, noinline, unused)) static bool fail(Run *run, const Component *c,
                                                          const char *call, int status) {
@@ -29,50 +32,29 @@ INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
     ((c)->version == 2 ? passed(run, c, "fmi2" #name, (int)(c)->call.fmi2.name((c)->instance))     \
                        : passed(run, c, "fmi3" #name, (int)(c)->call.fmi3.name((c)->instance)))
 
-INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
-    const size_t n = c->n_inputs;
-    if (UNLIKELY(n == 0)) {
-        return true;
-    }
-    const double *values = row + c->input_offsets[0];
-    if (UNLIKELY(c->inputs != NULL)) {
-#pragma clang loop unroll(disable) vectorize(disable)
-        for (size_t i = 0; i < n; i++) {
-            c->inputs[i] = row[c->input_offsets[i]];
-        }
-        if (UNLIKELY(c->scales != NULL)) {
-            for (size_t i = 0; i < n; i++) {
-                c->inputs[i] = c->scales[i] * c->inputs[i] + c->scales[n + i];
-            }
-        }
-        values = c->inputs;
-    }
-    if (LIKELY(c->version == 2)) {
-        const fmi2Status status = c->call.fmi2.SetReal(c->instance, c->input_references, n, values);
+INLINE bool set(Run *run, const Component *c, int version, const uint32_t *references, size_t n,
+                const double *values) {
+    if (LIKELY(version == 2)) {
+        const fmi2Status status = c->call.fmi2.SetReal(c->instance, references, n, values);
         return passed(run, c, "fmi2SetReal", (int)status);
     }
-    const fmi3Status status =
-        c->call.fmi3.SetFloat64(c->instance, c->input_references, n, values, n);
+    const fmi3Status status = c->call.fmi3.SetFloat64(c->instance, references, n, values, n);
     return passed(run, c, "fmi3SetFloat64", (int)status);
 }
 
-INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
-    double *values = row + c->column;
-    if (UNLIKELY(n == 0)) {
-        return true;
-    }
-    if (LIKELY(c->version == 2)) {
-        const fmi2Status status =
-            c->call.fmi2.GetReal(c->instance, c->output_references, n, values);
+INLINE bool get(Run *run, const Component *c, int version, const uint32_t *references, size_t n,
+                double *values) {
+    if (LIKELY(version == 2)) {
+        const fmi2Status status = c->call.fmi2.GetReal(c->instance, references, n, values);
         return passed(run, c, "fmi2GetReal", (int)status);
     }
-    const fmi3Status status =
-        c->call.fmi3.GetFloat64(c->instance, c->output_references, n, values, n);
+    const fmi3Status status = c->call.fmi3.GetFloat64(c->instance, references, n, values, n);
     return passed(run, c, "fmi3GetFloat64", (int)status);
 }
 
-INLINE bool do_step(Run *run, const Component *c, double t, double h) {
-    if (LIKELY(c->version == 2)) {
+INLINE bool do_step(Run *run, const Component *c, int version) {
+    const double t = run->t, h = run->h;
+    if (LIKELY(version == 2)) {
         const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
         return passed(run, c, "fmi2DoStep", (int)status);
     }
@@ -85,6 +67,32 @@ INLINE bool do_step(Run *run, const Component *c, double t, double h) {
         return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
     }
     return passed(run, c, "fmi3DoStep", (int)status);
+}
+
+INLINE const double *gather(const Component *c, const double *row) {
+#pragma clang loop unroll(disable) vectorize(disable)
+    for (size_t i = 0; i < c->n_inputs; i++) {
+        c->gathered[i] = row[c->input_offsets[i]];
+    }
+    if (UNLIKELY(c->scales != NULL)) {
+        for (size_t i = 0; i < c->n_inputs; i++) {
+            c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
+        }
+    }
+    return c->gathered;
+}
+
+INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
+    if (UNLIKELY(c->inputs == NONE)) {
+        return true;
+    }
+    const double *values =
+        LIKELY(c->inputs == SIDE_BY_SIDE) ? row + c->input_offset : gather(c, row);
+    return set(run, c, c->version, c->input_references, c->n_inputs, values);
+}
+
+INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
+    return UNLIKELY(n == 0) || get(run, c, c->version, c->output_references, n, row + c->column);
 }
 
 INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }

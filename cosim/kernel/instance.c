@@ -29,8 +29,8 @@ static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2
     }
 }
 
-static void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
-                     fmi3String message) {
+void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
+              fmi3String message) {
     Log *log = environment;
     (void)category;
     if (message && graver(log, (int)status)) {

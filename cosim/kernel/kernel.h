@@ -17,20 +17,25 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-/* The functions taken from an FMU's binary, in the order in which Python fills the tables. */
+/* The functions taken from an FMU's binary, in the order in which Python fills the tables; first
+ * those of a step. */
 #define FMI2_CALLS(X)                                                                              \
+    X(SetReal)                                                                                     \
+    X(DoStep)                                                                                      \
+    X(GetReal)                                                                                     \
     X(Instantiate)                                                                                 \
     X(FreeInstance)                                                                                \
     X(Reset)                                                                                       \
     X(SetupExperiment)                                                                             \
-    X(EnterInitializationMode)                                                                     \
-    X(ExitInitializationMode) X(SetReal) X(GetReal) X(DoStep) X(Terminate)
+    X(EnterInitializationMode) X(ExitInitializationMode) X(Terminate)
 #define FMI3_CALLS(X)                                                                              \
+    X(SetFloat64)                                                                                  \
+    X(DoStep)                                                                                      \
+    X(GetFloat64)                                                                                  \
     X(InstantiateCoSimulation)                                                                     \
     X(FreeInstance)                                                                                \
     X(Reset)                                                                                       \
-    X(EnterInitializationMode)                                                                     \
-    X(ExitInitializationMode) X(SetFloat64) X(GetFloat64) X(DoStep) X(Terminate)
+    X(EnterInitializationMode) X(ExitInitializationMode) X(Terminate)
 
 #define FMI2_MEMBER(call) fmi2##call##TYPE *call;
 #define FMI3_MEMBER(call) fmi3##call##TYPE *call;
@@ -69,26 +74,33 @@ typedef struct {
     char message[1024];
 } Log;
 
+/* How a component finds its inputs in a row. */
+enum Inputs { SIDE_BY_SIDE, SCATTERED, NONE };
+
+/* What a step reads comes first and close together: with thousands of components, memory decides.
+ */
 typedef struct {
-    int64_t version; /* 2 or 3 */
+    int32_t version; /* 2 or 3 */
+    int32_t inputs;  /* an Inputs */
     void *instance;
+    size_t n_inputs;
+    const uint32_t *input_references;
+    int64_t input_offset; /* of the first input, from the row of the present time */
+    size_t n_outputs;
+    const uint32_t *output_references;
+    int64_t column; /* of the first output in a row */
     union {
         Fmi2 fmi2;
         Fmi3 fmi3;
     } call;
-    Log *log;
-    int64_t used; /* not 0: must be reset before the next run */
-    size_t n_settings;
-    const Setting *settings;
-    size_t n_inputs;
-    const uint32_t *input_references;
-    const int64_t *input_offsets; /* from the row of the present time */
-    double *inputs;       /* gathered here, or NULL where they lie side by side in the row */
+    const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
+    double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
     size_t n_linked;      /* the first outputs: those that other components read */
-    size_t n_outputs;
-    const uint32_t *output_references;
-    int64_t column; /* of the first output in a row */
+    int64_t used;         /* not 0: must be reset before the next run */
+    size_t n_settings;
+    const Setting *settings;
+    Log *log;
     size_t n_disturbances;
     const Disturbance *disturbances;
 } Component;
@@ -99,12 +111,11 @@ enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102 };
 
 typedef struct {
-    Component *components; /* in the order in which they step; after the last, one of version 0 */
-    int64_t jacobi; /* not 0: all set, all step, all get; else one component after the other */
+    Component *components; /* in the order in which they step */
+    int64_t n_components;
+    int64_t jacobi; /* not 0: all see the values of this point in time; else one after the other */
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
-    int64_t disturbed; /* not 0: some components have disturbances */
-    int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
     double start, stop, step; /* s */
     const double *external;   /* (n_steps + 1, n_external) */
     int64_t n_external;
@@ -116,16 +127,20 @@ typedef struct {
     int64_t n_selected;
     int64_t block_start; /* the step to which the first row belongs, where there is a record */
     int64_t done;        /* steps completed; -1 before initialisation */
+    double t, h;         /* s, of the present step: in memory, where no call can lose them */
     int64_t failed;      /* component */
     int64_t output;      /* of that component, where its value is not finite */
     int64_t status;      /* an FMI status or a Reason */
     const char *call;
+    int64_t disturbed; /* not 0: some components have disturbances */
+    int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */
 EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
+void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
 
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
  * HALTED when step halt is reached: with another halt, it goes on from there. */

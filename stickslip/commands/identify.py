@@ -5,19 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.identification import identify
-from stickslip.loop import build_fmus
 from stickslip.parameters import UNITS
 from stickslip.reproduction import drive_truth
 from stickslip.results import claim_folder
-from stickslip.rig import Rig
-from stickslip.setup import LOOP, Datasheet
+from stickslip.rig import rig_of
+from stickslip.setup import LOOP
 from toolchain import write_whole
 
 
@@ -35,12 +33,7 @@ def run(options: argparse.Namespace) -> None:
     drive_truth(truth)
     if options.out:
         claim_folder(options.out)
-    with (
-        tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
-        TerminalProgress(sys.stderr) as progress,
-    ):
-        build_fmus(Path(fmus), truth)
-        rig = Rig(Path(fmus), Datasheet(), LOOP.T_s)
+    with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
         estimates = identify(rig, LOOP, progress.stage).estimates
     for name, estimate in estimates.items():
         print(f"{name:8} {estimate.value:12.6g} +- {estimate.standard_error:<10.2g} {UNITS[name]}")

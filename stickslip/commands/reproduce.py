@@ -11,6 +11,7 @@ from typing import Any
 import ga
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
 from stickslip.loop import FEEDS
 from stickslip.reproduction import Options, drive_truth, reproduce
@@ -70,15 +71,5 @@ def run(options: argparse.Namespace) -> None:
         reproduction = reproduce(chosen, Path(fmus), progress)
         progress.stage("writing the report")
         write_results(reproduction, options.out)
-    _print(reproduction.validation.table().to_dict("records"), options.out)
-
-
-def _print(rows: list[dict[Any, Any]], folder: Path) -> None:
-    print("velocity  region   metric  without     with  reduction  (paper)")
-    for row in rows:
-        print(
-            f"{row['velocity']:9} {row['region']:8} {row['metric']:6}"
-            f" {row['without']:8.3f} {row['with']:8.3f}"
-            f" {100 * row['reduction']:8.1f} %  ({100 * row['paper_reduction']:.0f} %)"
-        )
-    print(f"velocity errors in mm/s; all results in {folder}, begin with report.html")
+    print_table4(reproduction.validation.table())
+    print(f"all results in {options.out}; begin with report.html")

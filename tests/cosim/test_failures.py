@@ -17,13 +17,19 @@ def version(request):
     return request.param
 
 
+@pytest.fixture(params=["tables", "compiled"])
+def compiled(request):
+    return request.param == "compiled"
+
+
 @pytest.fixture(params=["jacobi", "gauss_seidel"])
-def simulation(make, version, request):
+def simulation(make, version, compiled, request):
     system = cosim.System("loop")
     system.add("source", make("integrator", version), {"u": 1.0})
     system.add("gain", make("gain", version))
     system.connect("source.y", "gain.u")
-    with system.prepare(step=0.01, stop=10.0, coupling=request.param) as simulation:
+    times = {"step": 0.01, "stop": 10.0}
+    with system.prepare(**times, coupling=request.param, compiled=compiled) as simulation:
         yield simulation
 
 
@@ -74,14 +80,27 @@ def test_the_value_that_is_not_finite_is_blamed_not_its_victim(make, status):
         np.testing.assert_array_equal(simulation.run().values, before)
 
 
-@pytest.mark.parametrize(
-    ("fault", "words"), [(TERMINATE, "asked to terminate"), (RETURN_EARLY, "returned early")]
-)
-def test_fmi_3_ways_to_end_a_step(make, fault, words):
+def test_an_early_return_that_was_not_allowed_is_a_failure(make):
     system = cosim.System()
-    system.add("a", make("gain", 3), {"fault": fault, "fault_time": 0.5})
-    with pytest.raises(cosim.SimulationError, match=words):
+    system.add("a", make("gain", 3), {"fault": RETURN_EARLY, "fault_time": 0.5})
+    with pytest.raises(cosim.SimulationError, match="returned early"):
         system.prepare(step=0.1, stop=1.0).run()
+
+
+@pytest.mark.parametrize("record", [None, ("a.y",)])
+def test_a_run_that_an_fmu_ends_keeps_what_was_recorded(make, record):
+    system = cosim.System()
+    system.add("a", make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": 0.45})
+    whole = cosim.System()
+    whole.add("a", make("integrator", 3), {"u": 1.0})
+    with system.prepare(step=0.1, stop=1.0, record=record) as simulation:
+        result = simulation.run()
+        np.testing.assert_array_equal(simulation.run().values, result.values)
+        assert simulation.run({"a.fault": 0}).stopped is None
+    expected = whole.prepare(step=0.1, stop=1.0, record=record).run()
+    assert result.stopped == "a: asked to terminate the simulation at t = 0.6 s"
+    np.testing.assert_array_equal(result.time, expected.time[:7])
+    np.testing.assert_array_equal(result.values, expected.values[:7])
 
 
 def test_failure_during_initialisation(simulation, version):

@@ -71,6 +71,21 @@ def test_export_takes_what_was_learned(results, tmp_path, capsys):
     assert str(exported) in capsys.readouterr().out
 
 
+def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, capsys):
+    learned = str(results / "learned.json")
+    assert main(["validate", "--parameters", learned, "--out", str(tmp_path)]) == 0
+    same = pd.read_csv(tmp_path / "table4.csv")
+    expected = pd.read_csv(results / "table4.csv")
+    assert same["with"].to_numpy() == pytest.approx(expected["with"].to_numpy(), rel=1e-12)
+    assert (
+        main(["validate", "--parameters", learned, "--out", str(tmp_path), "--set", "drive.F_c=4"])
+        == 0
+    )
+    other = pd.read_csv(tmp_path / "table4.csv")
+    assert (other["with"] > 3 * expected["with"]).all()  # the wrong friction is compensated
+    assert "E_rms" in capsys.readouterr().out
+
+
 def test_wrong_names_are_told(stage, capsys):
     assert "there is no model 'stag'" in complaint(capsys, "build", "stag")
     assert "no variable 'mm'" in complaint(capsys, "simulate", stage, "--set", "mm=1")

@@ -1,0 +1,159 @@
+"""The ring with every other master that pip installs: each returns how long n steps took, in s."""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from fmpy import extract, read_model_description
+from fmpy.container_fmu import config as container
+from fmpy.container_fmu.cli import create_container_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
+
+from benchmarks.coupling import ring
+
+LINKS = [
+    (source.split("."), target.split("."))
+    for source, targets in ring.FEEDS.items()
+    for target in ([targets] if isinstance(targets, str) else targets)
+]
+REFERENCE = {
+    (name, line.split()[0]): reference
+    for name, lines in ring.MODELS.items()
+    for reference, line in enumerate(lines)
+}
+
+
+def fmpy_from_python(folder: Path, n: int) -> float:
+    """Step by step, with lists, as its documentation shows."""
+    slaves = {name: _slave(ring.build(folder, name, 2), name) for name in ring.MODELS}
+    begin = time.perf_counter()
+    for k in range(n):
+        moved = [
+            (target, slaves[source[0]].getReal([REFERENCE[tuple(source)]]))
+            for source, target in LINKS
+        ]
+        for (name, variable), values in moved:
+            slaves[name].setReal([REFERENCE[name, variable]], values)
+        for slave in slaves.values():
+            slave.doStep(k * ring.STEP, ring.STEP)
+    return time.perf_counter() - begin
+
+
+def fmpy_container(folder: Path, n: int) -> float:
+    """All three sealed in one FMU, stepped by one call."""
+    path = folder / "fmpy" / "container.fmu"
+    if not path.exists():
+        parts = {
+            name: container.Component(name, file, read_model_description(file))
+            for name, file in ((name, ring.build(folder, name, 2)) for name in ring.MODELS)
+        }
+        variables = {
+            (name, variable.name): variable
+            for name, part in parts.items()
+            for variable in part.modelDescription.modelVariables
+        }
+        for variable in variables.values():
+            variable.type = "Float64"  # FMPy would write Real, which its binary does not know
+        shown = ModelVariable(
+            name="v", valueReference=0, type="Real", causality="output", variability="continuous"
+        )
+        description = ModelDescription()
+        description.fmiVersion = "2.0"
+        description.modelName = description.guid = description.instantiationToken = "container"
+        description.coSimulation = CoSimulation(fixedInternalStepSize=ring.STEP)
+        description.modelVariables = [shown]
+        connections = [
+            container.Connection(parts[s], [variables[s, source]], parts[t], [variables[t, target]])
+            for (s, source), (t, target) in LINKS
+        ]
+        mapping = {shown: [(parts["mass"], variables["mass", "v"])]}
+        unpacked = folder / "fmpy" / "unpacked"
+        unpacked.mkdir(parents=True)
+        create_container_fmu(
+            container.Configuration(False, description, list(parts.values()), connections, mapping),
+            unpacked,
+            path,
+        )
+    return _one_call(path, n)
+
+
+def toolbox_container(folder: Path, n: int) -> float:
+    """All three sealed in one FMU by fmu-manipulation-toolbox, stepped by one call."""
+    path = folder / "fmi2-0" / "sealed.fmu"
+    if not path.exists():
+        for name in ring.MODELS:
+            ring.build(folder, name, 2)
+        recipe = {
+            "name": path.name,
+            "fmu": [f"{name}.fmu" for name in ring.MODELS],
+            "link": [
+                [f"{s}.fmu", source, f"{t}.fmu", target] for (s, source), (t, target) in LINKS
+            ],
+            "output": [["mass.fmu", "x", "x"]],
+            "step_size": ring.STEP,
+        }
+        (path.parent / "sealed.json").write_text(json.dumps(recipe))
+        run = "from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer; fmucontainer()"
+        command = [sys.executable, "-c", run, "-container", "sealed.json"]
+        done = subprocess.run(
+            [*command, "-fmu-directory", str(path.parent)], capture_output=True, text=True
+        )
+        if not path.exists():
+            raise RuntimeError(f"fmucontainer built nothing: {(done.stderr or done.stdout)[-200:]}")
+    return _one_call(path, n)
+
+
+def libcosimpy(folder: Path, n: int) -> float:
+    """libcosim's fixed step algorithm."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    log_output_level(CosimLogLevel.FATAL)
+    execution = CosimExecution.from_step_size(round(ring.STEP * 1e9))
+    slaves = {}
+    for name in ring.MODELS:
+        path = str(ring.build(folder, name, 2))
+        slave = CosimLocalSlave(fmu_path=path, instance_name=name)
+        slaves[name] = execution.add_local_slave(local_slave=slave)
+    for (s, source), (t, target) in LINKS:
+        execution.connect_real_variables(
+            slaves[s], REFERENCE[s, source], slaves[t], REFERENCE[t, target]
+        )
+    begin = time.perf_counter()
+    execution.step(step_count=n)
+    return time.perf_counter() - begin
+
+
+PEERS: dict[str, tuple[Callable[[Path, int], float], int]] = {  # and how many steps to time
+    "FMPy container FMU, one doStep": (fmpy_container, 100_000),
+    "fmu-manipulation-toolbox container, one doStep": (toolbox_container, 100_000),
+    "FMPy from Python": (fmpy_from_python, 5_000),
+    "libcosimpy": (libcosimpy, 5_000),
+}
+
+
+def _slave(path: Path, name: str) -> FMU2Slave:
+    description = read_model_description(path)
+    slave = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=extract(path),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=name,
+    )
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    return slave
+
+
+def _one_call(path: Path, n: int) -> float:
+    slave = _slave(path, path.stem)
+    begin = time.perf_counter()
+    slave.doStep(0.0, n * ring.STEP)
+    return time.perf_counter() - begin

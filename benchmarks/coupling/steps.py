@@ -1,0 +1,87 @@
+"""What a step of the ring costs, and one candidate, relative to the plain C loop."""
+
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from benchmarks.coupling import ring
+from benchmarks.coupling.loops import Loops, sources
+from benchmarks.coupling.peers import PEERS
+from benchmarks.timing import interleaved
+
+N = 100_000  # steps
+CANDIDATE = 10_000
+PLAIN = "plain C loop over FMI pointers, all recorded"
+
+
+def measure(folder: Path, version: int) -> dict[str, float]:
+    """Return the seconds of N steps by who steps them."""
+    loops = Loops(version)
+    system = ring.system(folder, version)
+    cases: dict[str, Callable[[], object]] = {
+        "fused C loop, no FMI": lambda: loops.fused(N),
+        PLAIN: lambda: loops.plain(N),
+    }
+    if gcc := _with_gcc(folder, version):
+        cases["the same compiled by gcc"] = lambda: gcc.plain(N)
+    for name, options in {
+        "cosim, Jacobi": {"coupling": "jacobi"},
+        "cosim, Jacobi, two signals recorded": {"coupling": "jacobi", "record": ["mass.*"]},
+        "cosim, Gauss-Seidel": {},
+    }.items():
+        for compiled in (False, True):
+            simulation = _prepare(system, N, compiled=compiled, **options)
+            cases[name + ", compiled" * compiled] = simulation.run
+    np.testing.assert_array_equal(loops.plain(N), cases["cosim, Jacobi"]().values[1:])
+    return interleaved(cases, 21)
+
+
+def measure_candidate(folder: Path, version: int) -> dict[str, float]:
+    """Return the seconds of one candidate: reset, set two parameters, run, read the cost."""
+    loops = Loops(version)
+    gains = {"controller.K_p": 41.0, "controller.K_i": 910.0}
+    system = ring.system(folder, version)
+    options = {"coupling": "jacobi", "record": ["mass.v"]}
+
+    def judge(simulation) -> float:
+        error = 0.2 - simulation.run(gains)["mass.v"][1:]
+        return float(error @ error)
+
+    cases = {"C loop with reset": lambda: loops.candidate(CANDIDATE, *gains.values())}
+    for compiled in (False, True):
+        simulation = _prepare(system, CANDIDATE, compiled=compiled, **options)
+        cases["cosim" + ", compiled" * compiled] = lambda s=simulation: judge(s)
+    return interleaved(cases, 201)
+
+
+def measure_peers(folder: Path) -> dict[str, float]:
+    """Return the seconds of N steps of every peer that is installed."""
+    seconds = {}
+    for name, (run, n) in PEERS.items():
+        try:
+            seconds[name] = np.median([run(folder, n) for _ in range(5)]) * N / n
+        except (ImportError, OSError, RuntimeError) as reason:
+            print(f"  {name}: left out: {reason}")
+    return seconds
+
+
+def _prepare(system, steps: int, **options):
+    return system.prepare(step=ring.STEP, stop=steps * ring.STEP, constant_step=True, **options)
+
+
+def _with_gcc(folder: Path, version: int) -> Loops | None:
+    if not (gcc := shutil.which("gcc")):
+        print("  gcc: left out: not installed")
+        return None
+    path = folder / f"gcc{version}.so"
+    for name, text in sources().items():
+        if name.endswith(("loops.c", "ring.h")):
+            (folder / name).write_text(text)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    command = [gcc, "-O2", "-fPIC", "-shared", f"-DFMI={version}", f"-I{headers}"]
+    subprocess.run([*command, str(folder / "loops.c"), "-o", str(path)], check=True)
+    return Loops(version, path)

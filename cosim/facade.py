@@ -1,0 +1,153 @@
+"""FMUs with more than steps and doubles: the kernel meets them behind a facade (``facade.h``)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from cosim import kernel
+from cosim.batch import Batch, batches
+from cosim.errors import FmuError
+from cosim.fmu import Fmu
+from cosim.kernel import facade as mirror
+from cosim.library import Library
+from cosim.variables import Value, Variable
+
+# Of Model Exchange; a finer one that the FMU proposes is taken instead.
+TOLERANCE = 1e-8
+
+
+def wants_facade(fmu: Fmu, signals: Iterable[Variable]) -> bool:
+    """Return whether an FMU with these signals is more than the kernel's loop takes as it is."""
+    return (
+        fmu.interface == "model_exchange"
+        or fmu.event_mode
+        or fmu.has_arrays
+        or not all(signal.is_plain for signal in signals)
+    )
+
+
+class Facade:
+    """Room for one component behind a facade.
+
+    Parameters
+    ----------
+    outputs : variables or elements in the order of the component's columns
+    inputs : those that are fed, in the order in which the kernel sets them
+    ahead : for each input, whether the kernel gives its value at the end of the step
+    arrays : name -> variable, of the arrays whose elements are among these
+
+    Attributes
+    ----------
+    is_thin : whether it keeps nothing from one step to the next that the FMU does not
+    """
+
+    def __init__(
+        self,
+        fmu: Fmu,
+        library: Library,
+        outputs: Sequence[Variable],
+        inputs: Sequence[Variable],
+        ahead: Sequence[bool],
+        arrays: Mapping[str, Variable],
+    ) -> None:
+        self._arrays = arrays
+        self.is_thin = not (fmu.interface == "model_exchange" or fmu.event_mode or fmu.has_arrays)
+        self._inputs = batches(library, self._owners(inputs), "Set")
+        self._outputs = batches(library, self._owners(outputs), "Get")
+        self._starts: tuple[list[Batch], list[Batch]] = ([], [])
+        self.c = mirror.Facade(
+            version=fmu.version,
+            model_exchange=fmu.interface == "model_exchange",
+            event_mode=fmu.event_mode,
+            notes_steps=fmu.notes_steps,
+            inputs=_groups(self._inputs),
+            outputs=_groups(self._outputs),
+            input_ports=_ports(self._inputs, inputs, ahead),
+            output_ports=_ports(self._outputs, outputs, [False] * len(outputs)),
+            n_inputs=len(inputs),
+            before=(ctypes.c_double * len(inputs))(),
+            after=(ctypes.c_double * len(inputs))(),
+            tolerance=min(fmu.experiment.tolerance or TOLERANCE, TOLERANCE),
+            n_states=fmu.n_states,
+            n_indicators=fmu.n_indicators,
+        )
+        self.c.call[:] = _addresses(fmu, library)
+        if fmu.interface == "model_exchange":
+            self.c.cvode = _cvode(fmu)
+
+    def dress(self, slot: kernel.Component) -> None:
+        """Let a component of the kernel, wired as if it were plain, be this facade."""
+        library = kernel.load()
+        slot.version = 2
+        names = [f"facade_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
+        slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
+        slot.log = ctypes.pointer(self.c.log)
+        slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
+        slot.output_references = (ctypes.c_uint32 * slot.n_outputs)(*range(slot.n_outputs))
+
+    def start_with(self, structure: list[Batch], starts: list[Batch]) -> None:
+        """Take start values from here: those of structural parameters and all others."""
+        self._starts = (structure, starts)
+        self.c.structure, self.c.starts = _groups(structure), _groups(starts)
+
+    def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
+        """Let elements of fed arrays that are not fed themselves have their start values."""
+        for variable, value in values.values():
+            for batch in self._inputs:
+                if variable.owner in self._arrays and batch.holds(variable):
+                    batch.put(variable, value)
+
+    def _owners(self, variables: Iterable[Variable]) -> list[Variable]:
+        owners = {v.owner: self._arrays.get(v.owner, v) for v in variables}
+        return list(owners.values())
+
+
+def _groups(sources: Sequence[Batch]) -> mirror.Groups:
+    return mirror.Groups(len(sources), (mirror.Group * len(sources))(*(b.group() for b in sources)))
+
+
+def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Sequence[bool]) -> Any:
+    ports = (mirror.Port * len(variables))()
+    for port, variable, early in zip(ports, variables, ahead, strict=True):
+        port.group = next(i for i, batch in enumerate(sources) if batch.holds(variable))
+        port.place = sources[port.group].place(variable)
+        port.ahead = early
+    return ports
+
+
+def _addresses(fmu: Fmu, library: Library) -> list[int]:
+    needs = "M" if fmu.interface == "model_exchange" else "C"
+    needs += "E" * fmu.event_mode + "S" * bool(fmu.structural)
+    return [
+        0 if name == "-" or not set(reasons) & set(needs) else library.address(name)
+        for name, reasons in mirror.facade_calls(fmu.version)
+    ]
+
+
+def _address(function: Any) -> int:
+    return ctypes.cast(function, ctypes.c_void_p).value or 0 if function else 0
+
+
+@cache
+def _cvode_table() -> Any:
+    from fmpy.sundials import libraries  # loads the libraries, which not every platform has
+
+    places = [value for name, value in vars(libraries).items() if name.startswith("sundials_")]
+    names = mirror.cvode_calls()
+    found = (next(p for p in places if hasattr(p, name)) for name in names)
+    return (ctypes.c_void_p * len(names))(
+        *(_address(getattr(place, name)) for place, name in zip(found, names, strict=True))
+    )
+
+
+def _cvode(fmu: Fmu) -> Any:
+    try:
+        return _cvode_table()
+    except (ImportError, OSError, AttributeError, StopIteration) as fault:
+        raise FmuError(
+            f"{fmu.path}: Model Exchange needs the solver CVode, which FMPy has for"
+            f" x86_64-linux, x86_64-windows and darwin ({fault}); use its Co-Simulation interface"
+        ) from fault

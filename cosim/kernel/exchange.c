@@ -1,0 +1,295 @@
+/* Model Exchange: integrates an FMU's states over one communication step with CVode (BDF, Newton),
+ * and stops at its state, time and step events. */
+#include "cvode.h"
+#include "facade.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
+static const double NEAR = 1e-9; /* relative: two times this close are the same */
+
+struct Integrator {
+    void *context, *memory, *matrix, *solver;
+    void *states, *tolerances; /* vectors */
+    double *x, *atol;          /* their values, n */
+    size_t n;                  /* at least 1: CVode needs a state even where the FMU has none */
+    double begin, end;         /* of the communication step, s */
+    bool moving;               /* an input changes within the step */
+    fmi2Status status;         /* of an FMI call that CVode made */
+};
+
+const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
+
+static fmi2Status exchange(Facade *f, enum Call place, double *values, size_t n) {
+    AnyCall *call = f->call[place];
+    return noted(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));
+}
+
+static fmi2Status set_time(Facade *f, double t) {
+    AnyCall *call = f->call[SET_TIME];
+    return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
+}
+
+/* The inputs at time t: those known at both ends of the step lie on a straight line. */
+static fmi2Status set_moving_inputs(Facade *f, double t) {
+    const Integrator *in = f->integrator;
+    const double share = fmin(1.0, (t - in->begin) / (in->end - in->begin));
+    for (size_t i = 0; i < f->n_inputs; i++) {
+        const Port *port = &f->input_ports[i];
+        if (port->ahead && !f->inputs.groups[port->group].discrete) {
+            store(&f->inputs.groups[port->group], port->place,
+                  (1.0 - share) * f->before[i] + share * f->after[i]);
+        }
+    }
+    for (size_t i = 0; i < f->inputs.n; i++) {
+        if (!f->inputs.groups[i].discrete) {
+            TRY_STATUS(transfer(f, &f->inputs.groups[i]));
+        }
+    }
+    return fmi2OK;
+}
+
+static fmi2Status set_point(Facade *f, double t, double *x) {
+    TRY_STATUS(set_time(f, t));
+    TRY_STATUS(f->n_states ? exchange(f, SET_STATES, x, f->n_states) : fmi2OK);
+    return f->integrator->moving ? set_moving_inputs(f, t) : fmi2OK;
+}
+
+/* What CVode is told: 0 done, 1 try a smaller step, -1 give up. */
+static int answer(Facade *f, fmi2Status status) {
+    f->integrator->status = status;
+    return OK(status) ? 0 : status == fmi2Discard ? 1 : -1;
+}
+
+static int derivatives(double t, void *states, void *rates, void *facade) {
+    Facade *f = facade;
+    const Cvode *cvode = f->cvode;
+    double *dx = cvode->N_VGetArrayPointer_Serial(rates);
+    dx[0] = 0.0;
+    fmi2Status status = set_point(f, t, cvode->N_VGetArrayPointer_Serial(states));
+    if (OK(status) && f->n_states) {
+        status = exchange(f, GET_DERIVATIVES, dx, f->n_states);
+    }
+    return answer(f, status);
+}
+
+static int indicators(double t, void *states, double *z, void *facade) {
+    Facade *f = facade;
+    fmi2Status status = set_point(f, t, f->cvode->N_VGetArrayPointer_Serial(states));
+    if (OK(status)) {
+        status = exchange(f, GET_INDICATORS, z, f->n_indicators);
+    }
+    return answer(f, status);
+}
+
+static void complain(int line, const char *function, const char *file, const char *message,
+                     int code, void *facade, void *context) {
+    Facade *f = facade;
+    (void)line, (void)file, (void)code, (void)context;
+    if (f->log.severity < fmi2Error) {
+        f->log.severity = fmi2Error;
+        snprintf(f->log.message, sizeof f->log.message, "%s: %s", function, message);
+    }
+}
+
+static fmi2Status solver_failed(Facade *f) {
+    const fmi2Status status = f->integrator->status;
+    if (status > fmi2Discard) {
+        return status; /* the FMU is to blame; f->called says where */
+    }
+    f->called = "CVode";
+    return (fmi2Status)SOLVER_FAILED;
+}
+
+/* Take over the FMU's states, which an event may have changed. */
+static fmi2Status read_states(Facade *f) {
+    Integrator *in = f->integrator;
+    in->x[0] = in->atol[0] = 1.0;
+    if (f->n_states) {
+        TRY_STATUS(exchange(f, GET_STATES, in->x, f->n_states));
+        TRY_STATUS(exchange(f, GET_NOMINALS, in->atol, f->n_states));
+    }
+    for (size_t i = 0; i < in->n; i++) {
+        const double nominal = fabs(in->atol[i]);
+        in->atol[i] = f->tolerance * (nominal > 0.0 && isfinite(nominal) ? nominal : 1.0);
+    }
+    return fmi2OK;
+}
+
+static fmi2Status restart(Facade *f) {
+    Integrator *in = f->integrator;
+    TRY_STATUS(read_states(f));
+    return f->cvode->CVodeReInit(in->memory, f->time, in->states) ? solver_failed(f) : fmi2OK;
+}
+
+static fmi2Status count(Facade *f, enum Call place, size_t *n) {
+    AnyCall *call = f->call[place];
+    if (f->version == 2) {
+        return fmi2OK; /* the description says */
+    }
+    return noted(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
+}
+
+fmi2Status begin_exchange(Facade *f) {
+    const Cvode *cvode = f->cvode;
+    end_exchange(f);
+    Integrator *in = f->integrator = calloc(1, sizeof *in);
+    TRY_STATUS(count(f, COUNT_STATES, &f->n_states));
+    TRY_STATUS(count(f, COUNT_INDICATORS, &f->n_indicators));
+    if (!in || cvode->SUNContext_Create(0, &in->context)) {
+        return solver_failed(f);
+    }
+    in->n = f->n_states ? f->n_states : 1;
+    in->begin = f->time;
+    cvode->SUNContext_ClearErrHandlers(in->context);
+    cvode->SUNContext_PushErrHandler(in->context, complain, f);
+    in->states = cvode->N_VNew_Serial((int64_t)in->n, in->context);
+    in->tolerances = cvode->N_VNew_Serial((int64_t)in->n, in->context);
+    in->x = cvode->N_VGetArrayPointer_Serial(in->states);
+    in->atol = cvode->N_VGetArrayPointer_Serial(in->tolerances);
+    TRY_STATUS(read_states(f));
+    in->matrix = cvode->SUNDenseMatrix((int64_t)in->n, (int64_t)in->n, in->context);
+    in->solver = cvode->SUNLinSol_Dense(in->states, in->matrix, in->context);
+    void *memory = in->memory = cvode->CVodeCreate(CV_BDF, in->context);
+    const bool failed = cvode->CVodeInit(memory, derivatives, f->time, in->states) ||
+                        cvode->CVodeSetUserData(memory, f) ||
+                        cvode->CVodeSVtolerances(memory, f->tolerance, in->tolerances) ||
+                        cvode->CVodeRootInit(memory, (int)f->n_indicators, indicators) ||
+                        cvode->CVodeSetLinearSolver(memory, in->solver, in->matrix) ||
+                        cvode->CVodeSetNoInactiveRootWarn(memory);
+    return failed ? solver_failed(f) : fmi2OK;
+}
+
+void end_exchange(Facade *f) {
+    Integrator *in = f->integrator;
+    const Cvode *cvode = f->cvode;
+    if (!in) {
+        return;
+    }
+    if (in->memory) {
+        cvode->CVodeFree(&in->memory);
+    }
+    if (in->solver) {
+        cvode->SUNLinSolFree(in->solver);
+    }
+    if (in->matrix) {
+        cvode->SUNMatDestroy(in->matrix);
+    }
+    if (in->states) {
+        cvode->N_VDestroy_Serial(in->states);
+    }
+    if (in->tolerances) {
+        cvode->N_VDestroy_Serial(in->tolerances);
+    }
+    if (in->context) {
+        cvode->SUNContext_Free(&in->context);
+    }
+    free(in);
+    f->integrator = NULL;
+}
+
+static fmi2Status completed_step(Facade *f, bool *event) {
+    AnyCall *call = f->call[COMPLETED_STEP];
+    bool enter = false, terminate = false;
+    int status = fmi2OK;
+    if (!f->notes_steps) {
+        return fmi2OK;
+    }
+    if (f->version == 2) {
+        fmi2Boolean enter2 = fmi2False, terminate2 = fmi2False;
+        status = (int)((fmi2CompletedIntegratorStepTYPE *)call)(f->instance, fmi2True, &enter2,
+                                                                &terminate2);
+        enter = enter2;
+        terminate = terminate2;
+    } else {
+        status =
+            (int)((fmi3CompletedIntegratorStepTYPE *)call)(f->instance, true, &enter, &terminate);
+    }
+    *event = *event || enter;
+    return noted(f, COMPLETED_STEP, OK(status) && terminate ? TERMINATED : status);
+}
+
+/* Integrate to target, or to the first event before it. */
+static fmi2Status integrate(Facade *f, double target, bool *event) {
+    Integrator *in = f->integrator;
+    if ((f->n_states == 0 && f->n_indicators == 0) ||
+        target - f->time <= 1e-14 * fmax(fabs(target), fabs(f->time))) {
+        f->time = target;
+        return set_point(f, target, in->x);
+    }
+    in->status = fmi2OK;
+    if (f->cvode->CVodeSetStopTime(in->memory, target)) {
+        return solver_failed(f);
+    }
+    for (int i = 0; i < MAX_SOLVER_STEPS; i++) {
+        const int flag = f->cvode->CVode(in->memory, target, in->states, &f->time, CV_ONE_STEP);
+        if (flag < 0) {
+            return solver_failed(f);
+        }
+        *event = flag == CV_ROOT_RETURN;
+        TRY_STATUS(set_point(f, f->time, in->x));
+        TRY_STATUS(completed_step(f, event));
+        if (*event || flag == CV_TSTOP_RETURN) {
+            return fmi2OK;
+        }
+    }
+    return solver_failed(f);
+}
+
+/* Inputs whose value is only known from before hold it for the step, from its begin on; the others
+ * reach theirs at the end, where those that are discrete jump. */
+static fmi2Status take_inputs(Facade *f, bool ahead) {
+    bool event = false, jump = false;
+    for (size_t i = 0; i < f->n_inputs; i++) {
+        const Port *port = &f->input_ports[i];
+        const Group *group = &f->inputs.groups[port->group];
+        if ((port->ahead != 0) == ahead) {
+            const bool changed = f->before[i] != f->after[i];
+            event = event || (changed && group->discrete);
+            jump = jump || (changed && !ahead);
+            f->before[i] = f->after[i];
+            store(group, port->place, f->after[i]);
+        }
+    }
+    if (event) {
+        TRY_STATUS(handle_event(f, true));
+    } else if (jump) {
+        TRY_STATUS(set_moving_inputs(f, f->time));
+    }
+    return event || jump ? restart(f) : fmi2OK;
+}
+
+static bool inputs_move(const Facade *f) {
+    for (size_t i = 0; i < f->n_inputs; i++) {
+        const Port *port = &f->input_ports[i];
+        if (port->ahead && f->before[i] != f->after[i] && !f->inputs.groups[port->group].discrete) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool same_time(double a, double b) { return fabs(a - b) <= NEAR * fmax(fabs(a), fabs(b)); }
+
+fmi2Status step_exchange(Facade *f, double t, double h) {
+    Integrator *in = f->integrator;
+    in->begin = t;
+    in->end = t + h;
+    TRY_STATUS(take_inputs(f, false));
+    in->moving = inputs_move(f);
+    for (int i = 0; f->time < in->end; i++) {
+        const bool due = f->next_event < in->end && !same_time(f->next_event, in->end);
+        bool event = false;
+        if (i == MAX_EVENTS) {
+            return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+        }
+        TRY_STATUS(integrate(f, due ? f->next_event : in->end, &event));
+        if (event || f->next_event <= f->time || same_time(f->next_event, f->time)) {
+            TRY_STATUS(handle_event(f, false));
+            TRY_STATUS(restart(f));
+        }
+    }
+    in->moving = false;
+    return take_inputs(f, true);
+}

@@ -1,0 +1,207 @@
+/* The life of an FMU behind a facade, from instantiation to its end, with its events. */
+#include "facade.h"
+#include <math.h>
+
+/* More in a row mean that events never come to an end. */
+enum { MAX_ITERATIONS = 10000 };
+
+#define FMI2(place, fmi2, fmi3, interfaces) fmi2,
+#define FMI3(place, fmi2, fmi3, interfaces) fmi3,
+static const char *const NAMES[][N_CALLS] = {{FACADE_CALLS(FMI2)}, {FACADE_CALLS(FMI3)}};
+
+#define LINE(place, fmi2, fmi3, interfaces) fmi2 " " fmi3 " " interfaces "\n"
+const char *facade_calls(void) { return FACADE_CALLS(LINE); }
+
+fmi2Status noted(Facade *f, enum Call place, int status) {
+    if (!OK(status)) {
+        f->called = NAMES[f->version - 2][place];
+        if (status == fmi2Fatal) {
+            f->instance = NULL;
+        }
+    }
+    return (fmi2Status)status;
+}
+
+fmi2Status plain(Facade *f, enum Call place) {
+    return noted(f, place, ((int (*)(void *))f->call[place])(f->instance));
+}
+
+fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
+                                 fmi2String resources, const fmi2CallbackFunctions *callbacks,
+                                 fmi2Boolean visible, fmi2Boolean logging) {
+    Facade *f = callbacks->componentEnvironment;
+    AnyCall *call = f->call[f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS];
+    if (f->version == 2) {
+        type = f->model_exchange ? fmi2ModelExchange : fmi2CoSimulation;
+        f->instance = ((fmi2InstantiateTYPE *)call)(name, type, token, resources, callbacks,
+                                                    visible, logging);
+    } else if (f->model_exchange) {
+        f->instance = ((fmi3InstantiateModelExchangeTYPE *)call)(
+            name, token, resources, visible != 0, logging != 0, &f->log, log_fmi3);
+    } else {
+        const bool events = f->event_mode;
+        f->instance = ((fmi3InstantiateCoSimulationTYPE *)call)(
+            name, token, resources, visible != 0, logging != 0, events, events, NULL, 0, &f->log,
+            log_fmi3, NULL);
+    }
+    return f->instance ? f : NULL;
+}
+
+void facade_FreeInstance(fmi2Component c) {
+    Facade *f = c;
+    end_exchange(f);
+    if (f->instance) {
+        ((void (*)(void *))f->call[FREE_INSTANCE])(f->instance);
+    }
+    f->instance = NULL;
+}
+
+fmi2Status facade_Reset(fmi2Component c) {
+    Facade *f = c;
+    end_exchange(f);
+    return plain(f, RESET);
+}
+
+fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                  fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
+    Facade *f = c;
+    f->time = f->start = start;
+    f->stop = stop;
+    f->next_event = INFINITY;
+    f->running = 0;
+    f->called = NULL;
+    if (f->version == 3) {
+        return fmi2OK;
+    }
+    AnyCall *call = f->call[SETUP_EXPERIMENT];
+    return noted(f, SETUP_EXPERIMENT,
+                 (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
+                                                        start, has_stop, stop));
+}
+
+fmi2Status facade_EnterInitializationMode(fmi2Component c) {
+    Facade *f = c;
+    if (f->structure.n) {
+        TRY_STATUS(plain(f, ENTER_CONFIGURATION));
+        TRY_STATUS(set_groups(f, &f->structure));
+        TRY_STATUS(plain(f, EXIT_CONFIGURATION));
+    }
+    TRY_STATUS(set_groups(f, &f->starts));
+    if (f->version == 2) {
+        return plain(f, ENTER_INITIALIZATION);
+    }
+    AnyCall *call = f->call[ENTER_INITIALIZATION];
+    return noted(f, ENTER_INITIALIZATION,
+                 (int)((fmi3EnterInitializationModeTYPE *)call)(f->instance, false, 0.0, f->start,
+                                                                true, f->stop));
+}
+
+fmi2Status facade_ExitInitializationMode(fmi2Component c) {
+    Facade *f = c;
+    TRY_STATUS(plain(f, EXIT_INITIALIZATION));
+    if (f->model_exchange) {
+        TRY_STATUS(update_discrete_states(f));
+        TRY_STATUS(plain(f, ENTER_CONTINUOUS_TIME));
+        TRY_STATUS(begin_exchange(f));
+    } else if (f->event_mode) {
+        TRY_STATUS(update_discrete_states(f));
+        TRY_STATUS(plain(f, ENTER_STEP_MODE));
+    }
+    f->running = 1;
+    return fmi2OK;
+}
+
+fmi2Status facade_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
+
+/* Once: whether another call is due, and whether the FMU wants to end. */
+static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
+    AnyCall *call = f->call[UPDATE_DISCRETE_STATES];
+    bool nominals, states, defined;
+    double next;
+    int status;
+    if (f->version == 2) {
+        fmi2EventInfo info = {0};
+        status = (int)((fmi2NewDiscreteStatesTYPE *)call)(f->instance, &info);
+        *again = info.newDiscreteStatesNeeded;
+        *terminate = info.terminateSimulation;
+        nominals = info.nominalsOfContinuousStatesChanged;
+        states = info.valuesOfContinuousStatesChanged;
+        defined = info.nextEventTimeDefined;
+        next = info.nextEventTime;
+    } else {
+        nominals = states = defined = *again = *terminate = false;
+        next = INFINITY;
+        status = (int)((fmi3UpdateDiscreteStatesTYPE *)call)(f->instance, again, terminate,
+                                                             &nominals, &states, &defined, &next);
+    }
+    f->states_changed = f->states_changed || nominals || states;
+    f->next_event = defined ? next : INFINITY;
+    return noted(f, UPDATE_DISCRETE_STATES, status);
+}
+
+fmi2Status update_discrete_states(Facade *f) {
+    f->states_changed = 0;
+    for (int i = 0; i < MAX_ITERATIONS; i++) {
+        bool again, terminate;
+        TRY_STATUS(update_once(f, &again, &terminate));
+        if (terminate || !again) {
+            return terminate ? noted(f, UPDATE_DISCRETE_STATES, TERMINATED) : fmi2OK;
+        }
+    }
+    return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+}
+
+fmi2Status handle_event(Facade *f, bool with_inputs) {
+    TRY_STATUS(plain(f, ENTER_EVENT_MODE));
+    if (with_inputs) {
+        TRY_STATUS(set_groups(f, &f->inputs));
+    }
+    TRY_STATUS(update_discrete_states(f));
+    return plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
+}
+
+static fmi2Status step_fmi2(Facade *f, double t, double h) {
+    AnyCall *call = f->call[DO_STEP];
+    TRY_STATUS(noted(f, DO_STEP, (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, fmi2True)));
+    f->time = t + h;
+    return fmi2OK;
+}
+
+/* An FMU that returns early is sent on its way again until the step is done. */
+static fmi2Status step_fmi3(Facade *f, double t, double h) {
+    AnyCall *call = f->call[DO_STEP];
+    const double end = t + h;
+    for (int i = 0; i < MAX_ITERATIONS; i++) {
+        bool event = false, terminate = false, early = false;
+        double reached = end;
+        TRY_STATUS(noted(f, DO_STEP,
+                         (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, true, &event, &terminate,
+                                                       &early, &reached)));
+        const bool whole = !early || end - reached <= 1e-12 * fabs(end);
+        f->time = whole ? end : reached;
+        if (terminate) {
+            return noted(f, DO_STEP, TERMINATED);
+        }
+        if (early && !f->event_mode) {
+            return noted(f, DO_STEP, RETURNED_EARLY);
+        }
+        if (event && f->event_mode) {
+            TRY_STATUS(handle_event(f, false));
+        }
+        if (whole) {
+            return fmi2OK;
+        }
+        t = reached;
+        h = end - t;
+    }
+    return noted(f, DO_STEP, TOO_MANY_EVENTS);
+}
+
+fmi2Status facade_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {
+    Facade *f = c;
+    (void)no_return;
+    if (f->model_exchange) {
+        return step_exchange(f, t, h);
+    }
+    return (f->version == 2 ? step_fmi2(f, t, h) : step_fmi3(f, t, h));
+}

@@ -1,0 +1,155 @@
+/* An FMU that does more than step on doubles, seen by the kernel as a plain FMI 2.0 one.
+ *
+ * The kernel's loop knows SetReal, DoStep and GetReal on rows of doubles. A facade gives it these
+ * for FMUs with other types, arrays, event mode or Model Exchange. References are then places in
+ * its lists of ports. cosim/kernel/facade.py mirrors these structures. */
+#ifndef COSIM_FACADE_H
+#define COSIM_FACADE_H
+
+#include "kernel.h"
+
+typedef void AnyCall(void);
+
+/* place, name in FMI 2.0, name in FMI 3.0, what it is needed for: (C)o-simulation, (M)odel
+ * exchange, (E)vent mode, (S)tructural parameters. A dash: the version has no such call. */
+#define FACADE_CALLS(X)                                                                            \
+    X(INSTANTIATE_CS, "fmi2Instantiate", "fmi3InstantiateCoSimulation", "C")                       \
+    X(INSTANTIATE_ME, "fmi2Instantiate", "fmi3InstantiateModelExchange", "M")                      \
+    X(FREE_INSTANCE, "fmi2FreeInstance", "fmi3FreeInstance", "CM")                                 \
+    X(RESET, "fmi2Reset", "fmi3Reset", "CM")                                                       \
+    X(SETUP_EXPERIMENT, "fmi2SetupExperiment", "-", "CM")                                          \
+    X(ENTER_CONFIGURATION, "-", "fmi3EnterConfigurationMode", "S")                                 \
+    X(EXIT_CONFIGURATION, "-", "fmi3ExitConfigurationMode", "S")                                   \
+    X(ENTER_INITIALIZATION, "fmi2EnterInitializationMode", "fmi3EnterInitializationMode", "CM")    \
+    X(EXIT_INITIALIZATION, "fmi2ExitInitializationMode", "fmi3ExitInitializationMode", "CM")       \
+    X(TERMINATE, "fmi2Terminate", "fmi3Terminate", "CM")                                           \
+    X(DO_STEP, "fmi2DoStep", "fmi3DoStep", "C")                                                    \
+    X(ENTER_STEP_MODE, "-", "fmi3EnterStepMode", "E")                                              \
+    X(ENTER_EVENT_MODE, "fmi2EnterEventMode", "fmi3EnterEventMode", "ME")                          \
+    X(UPDATE_DISCRETE_STATES, "fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates", "ME")           \
+    X(ENTER_CONTINUOUS_TIME, "fmi2EnterContinuousTimeMode", "fmi3EnterContinuousTimeMode", "M")    \
+    X(SET_TIME, "fmi2SetTime", "fmi3SetTime", "M")                                                 \
+    X(GET_STATES, "fmi2GetContinuousStates", "fmi3GetContinuousStates", "M")                       \
+    X(SET_STATES, "fmi2SetContinuousStates", "fmi3SetContinuousStates", "M")                       \
+    X(GET_DERIVATIVES, "fmi2GetDerivatives", "fmi3GetContinuousStateDerivatives", "M")             \
+    X(GET_INDICATORS, "fmi2GetEventIndicators", "fmi3GetEventIndicators", "M")                     \
+    X(GET_NOMINALS, "fmi2GetNominalsOfContinuousStates", "fmi3GetNominalsOfContinuousStates", "M") \
+    X(COUNT_STATES, "-", "fmi3GetNumberOfContinuousStates", "M")                                   \
+    X(COUNT_INDICATORS, "-", "fmi3GetNumberOfEventIndicators", "M")                                \
+    X(COMPLETED_STEP, "fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep", "M")
+
+#define PLACE(place, fmi2, fmi3, interfaces) place,
+enum Call { FACADE_CALLS(PLACE) N_CALLS };
+
+/* How a variable's value is stored, by its C type. Strings and Binary are only ever start values.
+ */
+#define STORED_TYPES(X)                                                                            \
+    X(FLOAT64, double)                                                                             \
+    X(FLOAT32, float)                                                                              \
+    X(INT8, int8_t)                                                                                \
+    X(UINT8, uint8_t)                                                                              \
+    X(INT16, int16_t)                                                                              \
+    X(UINT16, uint16_t)                                                                            \
+    X(INT32, int32_t)                                                                              \
+    X(UINT32, uint32_t)                                                                            \
+    X(INT64, int64_t)                                                                              \
+    X(UINT64, uint64_t)                                                                            \
+    X(BOOLEAN, bool)
+
+#define STORED(place, type) place,
+enum Stored { STORED_TYPES(STORED) TEXT };
+
+/* Variables that one call gets or sets. Arrays lie one after the other in values. */
+typedef struct {
+    AnyCall *call;
+    const char *name;
+    int64_t stored; /* enum Stored */
+    int64_t discrete;
+    size_t n;
+    const uint32_t *references; /* n */
+    size_t n_values;
+    void *values;
+    const size_t *sizes; /* n_values, of Binary; else NULL */
+} Group;
+
+typedef struct {
+    size_t n;
+    Group *groups;
+} Groups;
+
+/* A column of the kernel's rows: one element of one group. */
+typedef struct {
+    int64_t group;
+    int64_t place;
+    int64_t ahead; /* Model Exchange: the kernel gives the value at the end of the step */
+} Port;
+
+typedef struct Integrator Integrator;
+typedef struct Cvode Cvode;
+
+typedef struct {
+    Log log; /* first: by its address the kernel's call to Instantiate finds the facade */
+    int64_t version;
+    int64_t model_exchange;
+    int64_t event_mode;  /* Co-Simulation: eventModeUsed and earlyReturnAllowed */
+    int64_t notes_steps; /* Model Exchange: CompletedIntegratorStep is needed */
+    AnyCall *call[N_CALLS];
+    Groups structure; /* start values of structural parameters */
+    Groups starts;    /* of all others */
+    Groups inputs, outputs;
+    const Port *input_ports, *output_ports;
+    size_t n_inputs;
+    double *before, *after; /* n_inputs, values of the input ports at the two ends of a step */
+    const Cvode *cvode;     /* Model Exchange */
+    double tolerance;       /* relative; times the nominal value it is the absolute one */
+    size_t n_states, n_indicators;
+    void *instance;
+    Integrator *integrator;
+    const char *called; /* the last call that did not return OK or warning */
+    double time;        /* reached, s */
+    double start, stop; /* of the run, s */
+    double next_event;  /* s; infinite where none is due */
+    int64_t running;    /* initialisation is over */
+    int64_t states_changed;
+} Facade;
+
+/* Beside TERMINATED and the others of enum Reason. */
+enum { TOO_MANY_EVENTS = 103, SOLVER_FAILED = 104 };
+
+/* Each returns an FMI status or a Reason. */
+fmi2Status plain(Facade *f, enum Call place);
+fmi2Status noted(Facade *f, enum Call place, int status);
+fmi2Status transfer(Facade *f, const Group *group);
+fmi2Status set_groups(Facade *f, const Groups *groups);
+fmi2Status handle_event(Facade *f, bool with_inputs);
+fmi2Status update_discrete_states(Facade *f);
+void store(const Group *group, int64_t place, double value);
+
+fmi2Status begin_exchange(Facade *f);
+fmi2Status step_exchange(Facade *f, double t, double h);
+void end_exchange(Facade *f);
+
+#define OK(status) ((unsigned)(status) <= fmi2Warning)
+#define TRY_STATUS(action)                                                                         \
+    do {                                                                                           \
+        const fmi2Status status_ = (action);                                                       \
+        if (!OK(status_)) {                                                                        \
+            return status_;                                                                        \
+        }                                                                                          \
+    } while (0)
+
+EXPORT const char *facade_calls(void);
+
+/* Under these names the kernel's table of FMI 2.0 calls finds them. */
+EXPORT fmi2InstantiateTYPE facade_Instantiate;
+EXPORT fmi2FreeInstanceTYPE facade_FreeInstance;
+EXPORT fmi2ResetTYPE facade_Reset;
+EXPORT fmi2SetupExperimentTYPE facade_SetupExperiment;
+EXPORT fmi2EnterInitializationModeTYPE facade_EnterInitializationMode;
+EXPORT fmi2ExitInitializationModeTYPE facade_ExitInitializationMode;
+EXPORT fmi2SetRealTYPE facade_SetReal;
+EXPORT fmi2GetRealTYPE facade_GetReal;
+EXPORT fmi2DoStepTYPE facade_DoStep;
+EXPORT fmi2TerminateTYPE facade_Terminate;
+
+#endif

@@ -1,0 +1,120 @@
+"""The structures of ``facade.h`` and the functions behind them."""
+
+from __future__ import annotations
+
+from ctypes import (
+    POINTER,
+    Structure,
+    c_bool,
+    c_char_p,
+    c_double,
+    c_float,
+    c_int8,
+    c_int16,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_uint8,
+    c_uint16,
+    c_uint32,
+    c_uint64,
+    c_void_p,
+)
+
+from cosim.kernel import Log, load
+
+# In the order of ``enum Stored``; what is none of these is text.
+STORED = (
+    c_double,
+    c_float,
+    c_int8,
+    c_uint8,
+    c_int16,
+    c_uint16,
+    c_int32,
+    c_uint32,
+    c_int64,
+    c_uint64,
+    c_bool,
+    c_char_p,
+)
+N_CALLS = 24
+
+
+class Group(Structure):
+    """Variables that one call gets or sets."""
+
+    _fields_ = (
+        ("call", c_void_p),
+        ("name", c_char_p),
+        ("stored", c_int64),
+        ("discrete", c_int64),
+        ("n", c_size_t),
+        ("references", POINTER(c_uint32)),
+        ("n_values", c_size_t),
+        ("values", c_void_p),
+        ("sizes", POINTER(c_size_t)),
+    )
+
+
+class Groups(Structure):
+    """A list of groups."""
+
+    _fields_ = (("n", c_size_t), ("groups", POINTER(Group)))
+
+
+class Port(Structure):
+    """A column of the kernel's rows: one element of one group."""
+
+    _fields_ = (("group", c_int64), ("place", c_int64), ("ahead", c_int64))
+
+
+class Facade(Structure):
+    """An FMU seen by the kernel as a plain one."""
+
+    _fields_ = (
+        ("log", Log),
+        ("version", c_int64),
+        ("model_exchange", c_int64),
+        ("event_mode", c_int64),
+        ("notes_steps", c_int64),
+        ("call", c_void_p * N_CALLS),
+        ("structure", Groups),
+        ("starts", Groups),
+        ("inputs", Groups),
+        ("outputs", Groups),
+        ("input_ports", POINTER(Port)),
+        ("output_ports", POINTER(Port)),
+        ("n_inputs", c_size_t),
+        ("before", POINTER(c_double)),
+        ("after", POINTER(c_double)),
+        ("cvode", POINTER(c_void_p)),
+        ("tolerance", c_double),
+        ("n_states", c_size_t),
+        ("n_indicators", c_size_t),
+        ("instance", c_void_p),
+        ("integrator", c_void_p),
+        ("called", c_char_p),
+        ("time", c_double),
+        ("start", c_double),
+        ("stop", c_double),
+        ("next_event", c_double),
+        ("running", c_int64),
+        ("states_changed", c_int64),
+    )
+
+
+def facade_calls(version: int) -> list[tuple[str, str]]:
+    """Return for each call its name, None where the version has none, and what needs it."""
+    function = load().facade_calls
+    function.restype = c_char_p
+    lines = function().decode().splitlines()
+    return [(words[version - 2], words[2]) for words in map(str.split, lines)]
+
+
+def cvode_calls() -> list[str]:
+    """Return the names of the functions of SUNDIALS in the order of ``struct Cvode``."""
+    function = load().cvode_calls
+    function.restype = c_char_p
+    names: bytes = function()
+    return names.decode().split()

@@ -1,0 +1,97 @@
+/* Values of a facade: doubles on the kernel's side, any type on the FMU's. */
+#include "facade.h"
+#include <math.h>
+
+fmi2Status transfer(Facade *f, const Group *g) {
+    int status;
+    if (f->version == 2) {
+        status = ((int (*)(void *, const uint32_t *, size_t, void *))g->call)(
+            f->instance, g->references, g->n, g->values);
+    } else if (g->sizes) {
+        status =
+            ((int (*)(void *, const uint32_t *, size_t, const size_t *, void *, size_t))g->call)(
+                f->instance, g->references, g->n, g->sizes, g->values, g->n_values);
+    } else {
+        status = ((int (*)(void *, const uint32_t *, size_t, void *, size_t))g->call)(
+            f->instance, g->references, g->n, g->values, g->n_values);
+    }
+    if (!OK(status)) {
+        f->called = g->name;
+        f->instance = status == fmi2Fatal ? NULL : f->instance;
+    }
+    return (fmi2Status)status;
+}
+
+fmi2Status set_groups(Facade *f, const Groups *groups) {
+    for (size_t i = 0; i < groups->n; i++) {
+        TRY_STATUS(transfer(f, &groups->groups[i]));
+    }
+    return fmi2OK;
+}
+
+/* Numbers beyond a type's range are held at its ends; the value is known to be finite. */
+#define STORE(place_, type)                                                                        \
+    case place_:                                                                                   \
+        ((type *)g->values)[place] = (type)value;                                                  \
+        break;
+void store(const Group *g, int64_t place, double value) {
+    static const double lowest[] = {
+        [INT8] = INT8_MIN, [INT16] = INT16_MIN, [INT32] = INT32_MIN, [INT64] = -0x1p63, [TEXT] = 0};
+    static const double highest[] = {
+        [INT8] = INT8_MAX,       [UINT8] = UINT8_MAX,      [INT16] = INT16_MAX,
+        [UINT16] = UINT16_MAX,   [INT32] = INT32_MAX,      [UINT32] = UINT32_MAX,
+        [INT64] = 0x1p63 - 1024, [UINT64] = 0x1p64 - 2048, [BOOLEAN] = 1};
+    if (g->stored > FLOAT32 && g->stored < BOOLEAN) {
+        value = fmax(lowest[g->stored], fmin(highest[g->stored], value));
+    }
+    switch (g->stored) { STORED_TYPES(STORE) }
+}
+
+#define LOAD(place_, type)                                                                         \
+    case place_:                                                                                   \
+        return (double)((const type *)g->values)[place];
+static double load(const Group *g, int64_t place) {
+    switch (g->stored) { STORED_TYPES(LOAD) }
+    return NAN;
+}
+
+/* While a run goes on, a discrete input that changed is an event where the FMU knows events; Model
+ * Exchange keeps the values until it steps. */
+fmi2Status facade_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                          const fmi2Real values[]) {
+    Facade *f = c;
+    bool event = false;
+    for (size_t i = 0; i < n; i++) {
+        const Port *port = &f->input_ports[r[i]];
+        const Group *group = &f->inputs.groups[port->group];
+        event = event || (group->discrete && f->after[r[i]] != values[i]);
+        f->after[r[i]] = values[i];
+        if (!f->running || !f->model_exchange) {
+            f->before[r[i]] = values[i];
+            store(group, port->place, values[i]);
+        }
+    }
+    if (f->running && f->model_exchange) {
+        return fmi2OK;
+    }
+    if (f->running && f->event_mode && event) {
+        return handle_event(f, true);
+    }
+    for (size_t i = 0; i < f->inputs.n; i++) {
+        if (!(f->running && f->event_mode && f->inputs.groups[i].discrete)) {
+            TRY_STATUS(transfer(f, &f->inputs.groups[i]));
+        }
+    }
+    return fmi2OK;
+}
+
+fmi2Status facade_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                          fmi2Real values[]) {
+    Facade *f = c;
+    TRY_STATUS(set_groups(f, &f->outputs));
+    for (size_t i = 0; i < n; i++) {
+        const Port *port = &f->output_ports[r[i]];
+        values[i] = load(&f->outputs.groups[port->group], port->place);
+    }
+    return fmi2OK;
+}

@@ -1,0 +1,52 @@
+"""``stickslip validate``: the trapezoid of section 4.2 with a compensator of your own."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.table4 import print_table4
+from stickslip.identification import identify
+from stickslip.learned import read_learned
+from stickslip.loop import FEEDS
+from stickslip.reproduction import drive_truth
+from stickslip.results import claim_folder
+from stickslip.rig import rig_of
+from stickslip.setup import LOOP, VALIDATION
+from stickslip.validation import validate
+from toolchain import write_whole
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "validate", help="judge a compensator's parameters on the drive FMU, as in Table 4"
+    )
+    parser.add_argument(
+        "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
+    )
+    parser.add_argument("--feed", choices=FEEDS, default="nominal")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write table4.csv there")
+    add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Identify the axis for its loop, run the trapezoid without and with the compensator."""
+    truth = drive_changes(options.set)
+    drive_truth(truth)
+    compensator = read_learned(options.parameters)
+    if options.out:
+        claim_folder(options.out)
+    with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
+        loop = identify(rig, LOOP, progress.stage).loop
+        progress.stage("validating")
+        table = validate(rig, loop, compensator, VALIDATION, options.feed).table()
+    print_table4(table)
+    if options.out:
+        path = options.out / "table4.csv"
+        print(write_whole(path, table.to_csv(index=False, lineterminator="\n")))

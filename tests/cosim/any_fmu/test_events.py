@@ -1,0 +1,72 @@
+"""Events of FMI 3.0 Co-Simulation, and FMUs that end a run."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+
+import cosim
+
+
+def last_of_each_time(result):
+    keep = np.append(np.diff(result["time"]) > 1e-9, True)
+    return result[keep]
+
+
+@pytest.mark.parametrize("model", ["ball", "stair"])
+@pytest.mark.parametrize("step", [0.01, 0.1, 0.5])
+def test_event_mode_equals_fmpy(export, model, step):
+    path = export(model, 3, "CS events")
+    names = {"ball": ["height", "bounces"], "stair": ["count", "level"]}[model]
+    system = cosim.System()
+    system.add("a", path)
+    ours = system.prepare(step=step, stop=3.0).run()
+    theirs = fmpy.simulate_fmu(
+        str(path), stop_time=3.0, output_interval=step, step_size=step, output=names,
+        use_event_mode=True, early_return_allowed=True,
+    )  # fmt: skip
+    theirs = last_of_each_time(theirs)
+    regular = [np.argmin(abs(theirs["time"] - t)) for t in ours.time]
+    for name in names:
+        np.testing.assert_allclose(ours[f"a.{name}"], theirs[name][regular], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("interfaces", ["CS", "CS events"])
+def test_a_discrete_input_that_jumps_is_an_event(export, interfaces):
+    system = cosim.System()
+    system.add("a", export("stair", 3, interfaces))
+    system.expose("u", "a.trigger")
+    trigger = cosim.Table([0.0, 0.3, 0.7], [0, 1, 0])
+    result = system.prepare(step=0.1, stop=1.0).run(inputs={"u": trigger})
+    np.testing.assert_array_equal(result["a.level"], [0, 0, 0, 0, 10, 10, 10, 10, 20, 20, 20])
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("interfaces", ["CS", "CS events"])
+def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfaces):
+    path = export("stair", version, interfaces)
+    system = cosim.System()
+    system.add("a", path, {"last": 3})
+    ours = system.prepare(step=0.1, stop=2.0).run()
+    theirs = fmpy.simulate_fmu(
+        str(path), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1, step_size=0.1,
+        start_values={"last": 3}, output=["count"], use_event_mode="events" in interfaces,
+        early_return_allowed="events" in interfaces,
+    )  # fmt: skip
+    assert ours.stopped is not None
+    assert "a: " in ours.stopped
+    theirs = last_of_each_time(theirs)
+    if "events" not in interfaces:  # there FMPy goes on to the end of the step
+        assert ours.time[-1] == pytest.approx(theirs["time"][-1])
+    regular = [np.argmin(abs(theirs["time"] - t)) for t in ours.time[:8]]
+    np.testing.assert_array_equal(ours["a.count"][:8], theirs["count"][regular])
+
+
+def test_reset_equals_fresh(export):
+    system = cosim.System()
+    system.add("ball", export("ball", 3, "CS events"))
+    with system.prepare(step=0.1, stop=2.0) as simulation:
+        first = simulation.run().values
+        simulation.run({"ball.e": 0.5})
+        np.testing.assert_array_equal(simulation.run().values, first)

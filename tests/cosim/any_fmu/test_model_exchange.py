@@ -1,0 +1,125 @@
+"""Model Exchange: closed-form solutions, FMPy's CVode, and the times of events."""
+
+from __future__ import annotations
+
+import math
+
+import fmpy
+import numpy as np
+import pytest
+
+import cosim
+
+G = 9.81
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
+
+
+def one(path, parameters=None):
+    system = cosim.System()
+    system.add("a", path, parameters, interface="model_exchange")
+    return system
+
+
+def fmpy_run(path, step, stop, output, **more):
+    return fmpy.simulate_fmu(
+        str(path), fmi_type="ModelExchange", stop_time=stop, output_interval=step,
+        relative_tolerance=1e-8, record_events=False, output=output, **more,
+    )  # fmt: skip
+
+
+def test_an_oscillator_follows_the_cosine(export, version):
+    result = one(export("oscillator", version, "ME")).prepare(step=0.05, stop=20.0).run()
+    np.testing.assert_allclose(result["a.position"], np.cos(2 * result.time), atol=2e-5)
+    np.testing.assert_allclose(result["a.velocity"], -2 * np.sin(2 * result.time), atol=4e-5)
+
+
+def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
+    e, first = 0.7, math.sqrt(2 / G)
+    bounces = first * (1 + 2 * np.cumsum([0.0, *(e**i for i in range(1, 8))]))
+    result = one(export("ball", version, "ME")).prepare(step=1e-3, stop=2.3).run()
+    seen = result.time[1:][np.diff(result["a.bounces"]) > 0]
+    np.testing.assert_allclose(seen, np.ceil(bounces[bounces < 2.3] / 1e-3) * 1e-3, atol=1e-9)
+    falling = result.time < first
+    expected = 1 - G / 2 * result.time[falling] ** 2
+    np.testing.assert_allclose(result["a.height"][falling], expected, atol=3e-5)
+
+
+def test_a_bouncing_ball_equals_fmpy(export, version):
+    path = export("ball", version, "ME")
+    ours = one(path).prepare(step=0.01, stop=2.0).run()
+    theirs = fmpy_run(path, 0.01, 2.0, ["height", "bounces"])
+    np.testing.assert_allclose(ours["a.height"], theirs["height"], atol=3e-5)
+    np.testing.assert_array_equal(ours["a.bounces"], theirs["bounces"])
+
+
+def test_a_stair_rises_at_its_time_events_and_ends_the_run(export, version):
+    path = export("stair", version, "ME")
+    result = one(path, {"period": 0.25}).prepare(step=0.1, stop=1.0).run()
+    np.testing.assert_array_equal(result["a.count"], [0, 0, 0, 1, 1, 2, 2, 2, 3, 3, 4])
+    theirs = fmpy_run(path, 0.1, 1.0, ["count"])
+    np.testing.assert_array_equal(result["a.count"], theirs["count"])
+    ended = one(path, {"last": 3}).prepare(step=0.1, stop=1.0).run()
+    assert ended.stopped == "a: asked to terminate the simulation at t = 0.75 s"
+    assert ended.time[-1] == pytest.approx(0.75)
+    assert ended["a.count"][-1] == 3
+
+
+def test_inputs_move_within_the_step_as_in_fmpy(export, version):
+    path = export("oscillator", version, "ME")
+    system = one(path)
+    system.expose("u", "a.force")
+    time = np.linspace(0, 10, 1001)
+    force = np.sin(3 * time)
+    with system.prepare(step=0.01, stop=10.0) as simulation:
+        ours = simulation.run(inputs={"u": cosim.Table(time, force)})
+    table = np.array(list(zip(time, force, strict=True)), dtype=[("time", "f8"), ("force", "f8")])
+    theirs = fmpy_run(path, 0.01, 10.0, ["position", "gain"], input=table)
+    exact = np.cos(2 * time) + (np.sin(2 * time) * 1.5 - np.sin(3 * time)) / 5
+    np.testing.assert_allclose(ours["a.position"], exact, atol=3e-4)
+    np.testing.assert_allclose(ours["a.gain"], theirs["gain"], atol=1e-12)
+    error, of_fmpy = (abs(x - exact).max() for x in (ours["a.position"], theirs["position"]))
+    assert error < max(of_fmpy, 3e-4)
+
+
+def test_a_discrete_input_is_an_event_at_the_time_of_its_jump(export, version):
+    path = export("stair", version, "ME")
+    system = one(path)
+    system.expose("u", "a.trigger")
+    jumps = cosim.Table([0.0, 0.3, 0.7], [0, 1, 0])
+    result = system.prepare(step=0.1, stop=1.0).run(inputs={"u": jumps})
+    table = np.array(
+        [(0.0, False), (0.3, True), (0.7, False)], dtype=[("time", "f8"), ("trigger", "?")]
+    )
+    theirs = fmpy_run(path, 0.1, 1.0, ["level"], input=table)
+    np.testing.assert_array_equal(result["a.level"], [0, 0, 0, 10, 10, 10, 10, 20, 20, 20, 20])
+    assert theirs["level"][-1] == 20
+
+
+@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+def test_both_interfaces_couple(export, version, coupling):
+    system = cosim.System()
+    system.add("me", export("oscillator", version), interface="model_exchange")
+    system.add("cs", export("oscillator", version), {"position": 0.0})
+    system.connect("me.position", "cs.force")
+    with system.prepare(step=1e-3, stop=5.0, coupling=coupling) as simulation:
+        result = simulation.run()
+        np.testing.assert_array_equal(simulation.run().values, result.values)
+    t = result.time  # x'' + 4 x = cos 2t
+    np.testing.assert_allclose(result["cs.position"], t * np.sin(2 * t) / 4, atol=0.01)
+
+
+def test_states_of_an_array(export):
+    system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
+    result = system.prepare(step=0.1, stop=1.0).run()
+    np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-4)
+
+
+def test_a_second_run_equals_the_first(export, version):
+    with one(export("ball", version, "ME")).prepare(step=0.1, stop=2.0) as simulation:
+        first = simulation.run().values
+        assert simulation.run({"a.e": 0.5}).values.tobytes() != first.tobytes()
+        np.testing.assert_array_equal(simulation.run().values, first)

@@ -1,0 +1,65 @@
+"""Files that stray from the standard, or leave it to us to say what is missing."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+
+import pytest
+
+import cosim
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
+    path = export("stair", version, binary_name="libstair_linux")
+    with caplog.at_level(logging.WARNING, "cosim.fmu"):
+        system = cosim.System()
+        system.add("a", path)
+    assert "libstair_linux" in caplog.text
+    assert "modelIdentifier is 'stair'" in caplog.text
+    system.prepare(step=0.1, stop=0.2).run()
+
+
+def test_other_platforms_are_named(export):
+    with pytest.raises(cosim.FmuError, match=r"no binary for this machine: .* the FMU has vax32"):
+        cosim.Fmu(export("stair", 3, platform_folder="vax32"))
+
+
+def test_scheduled_execution_alone_cannot_be_run(export):
+    with pytest.raises(cosim.FmuError, match="only Scheduled Execution; export the model"):
+        cosim.Fmu(export("stair", 3, "SE"))
+
+
+def test_an_interface_it_does_not_have(export):
+    with pytest.raises(cosim.FmuError, match="no interface 'model_exchange'; it has co_simulation"):
+        cosim.Fmu(export("stair", 2, "CS"), interface="model_exchange")
+
+
+def test_interfaces_are_listed_and_pickled(export):
+    fmu = cosim.Fmu(export("stair", 2, "ME CS"), interface="model_exchange")
+    assert fmu.interfaces == ("co_simulation", "model_exchange")
+    assert pickle.loads(pickle.dumps(fmu)).interface == "model_exchange"  # noqa: S301
+    assert cosim.Fmu(export("stair", 2, "ME CS")).interface == "co_simulation"
+    assert cosim.Fmu(export("stair", 2, "ME")).interface == "model_exchange"
+
+
+def test_one_instance_per_process(export):
+    once = 'canBeInstantiatedOnlyOncePerProcess="true"'
+    path = export("stair", 2, "CS", once)
+    system = cosim.System("first")
+    system.add("a", path)
+    with system.prepare(step=0.1, stop=0.2) as simulation:
+        simulation.run()
+        with pytest.raises(cosim.SimulationError, match="only once per process, and a of first"):
+            system.prepare(step=0.1, stop=0.2)
+        simulation.run()
+    system.add("b", path)
+    with pytest.raises(cosim.SimulationError, match="only once per process"):
+        system.prepare(step=0.1, stop=0.2)
+
+
+def test_an_fmu_that_needs_its_tool_says_so(export, caplog):
+    with caplog.at_level(logging.WARNING, "cosim.fmu"):
+        cosim.Fmu(export("stair", 2, "CS", 'needsExecutionTool="true"'))
+    assert "needs the tool" in caplog.text

@@ -1,0 +1,107 @@
+"""Every numeric type goes in, out and across a connection; every type can be a start value."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+
+import cosim
+
+ALL = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"]
+ALL += ["UInt64", "Boolean", "Enumeration", "discrete"]
+TYPES = {2: ["Float64", "Int32", "Boolean", "Enumeration", "discrete"], 3: ALL}
+CASES = [(version, name) for version, names in TYPES.items() for name in names]
+
+
+@pytest.mark.parametrize(("version", "name"), CASES)
+def test_a_signal_of_any_type_equals_fmpy(export, version, name):
+    path = export("feedthrough", version)
+    time = np.array([0.0, 0.2, 0.5, 0.8, 1.0])
+    values = np.array([0, 1, 1, 0, 1])
+    system = cosim.System()
+    system.add("a", path)
+    system.expose("u", f"a.{name}_in")
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        ours = simulation.run(inputs={"u": cosim.Table(time, values)})
+    kind = {"Float64": "f8", "Float32": "f4", "discrete": "f8", "Boolean": "?"}.get(name, "i8")
+    table = np.array(
+        list(zip(time, values, strict=True)), dtype=[("time", "f8"), (f"{name}_in", kind)]
+    )
+    theirs = fmpy.simulate_fmu(
+        str(path),
+        fmi_type="CoSimulation",
+        stop_time=1.0,
+        output_interval=0.1,
+        step_size=0.1,
+        input=table,
+        output=[f"{name}_out"],
+    )
+    np.testing.assert_array_equal(ours[f"a.{name}_out"], theirs[f"{name}_out"].astype(float))
+
+
+@pytest.mark.parametrize(("version", "name"), CASES)
+def test_a_connection_carries_any_type(export, version, name):
+    system = cosim.System()
+    system.add("a", export("feedthrough", version))
+    system.add("b", export("feedthrough", version), interface="co_simulation")
+    system.connect(f"a.{name}_out", f"b.{name}_in")
+    system.expose("u", f"a.{name}_in")
+    with system.prepare(step=0.1, stop=0.5, coupling="jacobi") as simulation:
+        result = simulation.run(inputs={"u": np.array([0, 1, 1, 0, 1, 0])})
+    np.testing.assert_array_equal(result[f"a.{name}_out"], [0, 0, 1, 1, 0, 1])
+    np.testing.assert_array_equal(result[f"b.{name}_out"], [0, 0, 0, 1, 1, 0])
+
+
+def test_only_equal_types_connect(export):
+    system = cosim.System()
+    system.add("a", export("feedthrough", 3))
+    system.add("b", export("feedthrough", 2))
+    system.connect("a.Float64_out", "b.Float64_in")
+    system.connect("a.Int32_out", "b.Int32_in")
+    with pytest.raises(cosim.ConnectionFault, match=r"a\.Int16_out is a Int16, b\.Boolean_in a B"):
+        system.connect("a.Int16_out", "b.Boolean_in")
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
+    system = cosim.System()
+    system.add("a", export("feedthrough", version))
+    system.expose("u", "a.Int32_in")
+    with system.prepare(step=0.1, stop=0.2) as simulation:
+        result = simulation.run(inputs={"u": np.array([1e12, -1e12, 0.0])})
+    np.testing.assert_array_equal(result["a.Int32_out"], [2**31 - 1, 2**31 - 1, -(2**31)])
+
+
+def test_start_values_of_every_type_arrive_to_the_bit(export):
+    system = cosim.System()
+    system.add("a", export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})
+    system.set("a.UInt8_in", 200)
+    system.set("a.Boolean_in", True)
+    with system.prepare(step=0.1, stop=0.1) as simulation:
+        result = simulation.run({"a.Enumeration_in": 3})
+    assert result["a.sum"][0] == 3 + 400 + (2**62 + 5) % 1000003
+    assert result["a.UInt8_out"][0] == 200
+    assert result["a.Boolean_out"][0] == 1
+    assert result["a.Enumeration_out"][0] == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("UInt8_in", 256), ("Int8_in", -129), ("Int64_in", 2**63), ("Int32_in", 0.5), ("bytes", 3)],
+)
+def test_a_start_value_that_a_type_cannot_hold_is_refused(export, name, value):
+    system = cosim.System()
+    system.add("a", export("feedthrough", 3))
+    with pytest.raises(cosim.ParameterError, match=f"a.{name}"):
+        system.set(f"a.{name}", value)
+
+
+def test_an_alias_is_another_name(export):
+    system = cosim.System()
+    system.add("ball", export("ball", 3))
+    with system.prepare(
+        step=0.1, stop=1.0, record=["ball.height of the ball", "ball.height"]
+    ) as simulation:
+        result = simulation.run()
+    np.testing.assert_array_equal(result["ball.height of the ball"], result["ball.height"])
