@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from cosim.coupling import Adaptive, Coupling
 from cosim.errors import (
     ConnectionFault,
     CosimError,
@@ -32,8 +33,10 @@ from cosim.units import Unit
 from cosim.variables import Variable
 
 __all__ = [
+    "Adaptive",
     "ConnectionFault",
     "CosimError",
+    "Coupling",
     "DefaultExperiment",
     "ExperimentError",
     "Fmu",

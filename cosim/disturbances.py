@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cosim import kernel
-from cosim.errors import SignalError
+from cosim.errors import ExperimentError, SignalError
 from cosim.layout import Layout
 from cosim.names import suggestion
 from cosim.scenario import Scenario
@@ -37,6 +37,8 @@ def disturb(
     ------
     SignalError
         When a name is no signal that is read or recorded, or would not be finite.
+    ExperimentError
+        When outputs are disturbed though the coupling is not plain.
     """
     tables = scenario.tables(time)
     if not tables and not run.disturbed:
@@ -50,7 +52,13 @@ def disturb(
     for column, name in enumerate(list(layout.columns)[: external.shape[1]]):
         if name in tables:
             external[:, column] = _disturbed(external[:, column], *tables[name])
-    run.disturbed = len(tables)
+    outputs = tables.keys() - list(layout.columns)[: external.shape[1]]
+    if outputs and run.coupling:
+        raise ExperimentError(
+            f"scenario: {', '.join(sorted(outputs))}: outputs of components can be disturbed only"
+            " with a plain coupling, where no loop is solved and inputs hold"
+        )
+    run.disturbed = len(outputs)
     for component, slot in slots.items():
         mine = [name for name in layout.outputs[component] if name in tables]
         slot.n_disturbances = len(mine)

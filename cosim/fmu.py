@@ -56,6 +56,7 @@ class Fmu:
     structural : names of its structural parameters
     once_per_process : whether there can be one instance only
     serializes : whether its state can be put into a file
+    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
     ------
@@ -83,6 +84,9 @@ class Fmu:
         self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
         self.n_states = int(description.numberOfContinuousStates or 0)
         self.n_indicators = int(description.numberOfEventIndicators or 0)
+        self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
+        self.interpolates_inputs = _flag(chosen, "canInterpolateInputs")
+        self.varies_step = _flag(chosen, "canHandleVariableCommunicationStepSize")
         self.binary = self._find_binary()
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions

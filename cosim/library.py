@@ -51,6 +51,16 @@ class Library:
         name = setter.replace("Set", verb)
         return name, self.address(name), c_type
 
+    def state_calls(self) -> tuple[int, int, int]:
+        """Return the addresses of the functions that save, restore and free a state."""
+        word = "fmi2{}FMUstate" if self._fmu.version == 2 else "fmi3{}FMUState"
+        save, restore, free = (self.address(word.format(s)) for s in ("Get", "Set", "Free"))
+        return save, restore, free
+
+    def derivatives_call(self) -> int:
+        """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
+        return self.address("fmi2SetRealInputDerivatives")
+
     def function(self, name: str) -> Any:
         """Return a function for use from Python; it returns an FMI status."""
         self.address(name)

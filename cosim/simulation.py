@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from cosim import kernel
 from cosim.checkpoint import Checkpoint
+from cosim.coupled import Coupled
+from cosim.coupling import Coupling, Method
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
@@ -21,9 +23,9 @@ from cosim.experiment import count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
+from cosim.loops import group
 from cosim.memory import Memory
 from cosim.once import claim, give_up
-from cosim.order import stepping_order
 from cosim.pace import Pace
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
@@ -35,8 +37,6 @@ from cosim.wiring import wire
 
 if TYPE_CHECKING:
     from cosim.system import System
-
-Coupling = Literal["gauss_seidel", "jacobi"]
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Specification:
     stop: float
     start: float = 0.0
     record: tuple[str, ...] | None = None
-    coupling: Coupling = "gauss_seidel"
+    coupling: Coupling | Method = "gauss_seidel"
     constant_step: bool = False
     compiled: bool = False
 
@@ -76,27 +76,29 @@ class Simulation:
 
     def __init__(self, spec: Specification) -> None:
         system = spec.system
-        if spec.coupling not in ("gauss_seidel", "jacobi"):
-            raise ExperimentError(
-                f"coupling is {spec.coupling!r}, expected 'gauss_seidel' or 'jacobi'"
-            )
+        coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
-        jacobi = spec.coupling == "jacobi"
-        names = list(system.components)
+        jacobi = coupling.method == "jacobi"
+        groups = group(system, coupling)
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
         self._halted: Memory | None = None
-        self.order = names if jacobi else stepping_order(names, system.feedthrough())
+        self.order = [name for members in groups for name in members.components]
         self._layout = Layout.of(system, spec.record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
             system, self._layout, self.order, self._libraries, jacobi=jacobi
         )
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
+        self._coupled = Coupled(
+            system, self._layout, groups, self._libraries, coupling, self._facades
+        )
+        self._coupled.attach(self._run)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._coupled.attach(self._run)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -141,9 +143,7 @@ class Simulation:
             values[name] = system.checked(name, value)
             check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
-        self._disturbances = disturb(
-            scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
-        )
+        self._disturb(scenario, external)
         self._begin(values)
         memory = Memory(self._run, external)
         return self._step(memory, 0, self._place(until), real_time, progress)
@@ -155,7 +155,8 @@ class Simulation:
         ------
         SimulationError
             When no run was halted by ``until``, or an FMU cannot give its state away, or there is
-            more state than the FMU's: Model Exchange, event mode, arrays.
+            more state than the FMUs': Model Exchange, event mode, arrays, a coupling that is not
+            plain.
         """
         if self._halted is None:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
@@ -164,6 +165,11 @@ class Simulation:
             raise SimulationError(
                 f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
                 " (canSerializeFMUstate)"
+            )
+        if self._run.coupling:
+            raise SimulationError(
+                "the state cannot be saved: with a coupling other than the plain ones it takes"
+                " more than one point in time"
             )
         if hidden := [name for name, facade in self._facades.items() if not facade.is_thin]:
             raise SimulationError(
@@ -207,9 +213,7 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturbances = disturb(
-            scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
-        )
+        self._disturb(scenario, external)
         self._begin(system.parameters)
         memory = Memory(self._run, external)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -217,6 +221,12 @@ class Simulation:
             self._state_of(name).restore(checkpoint.states[name])
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, last, real_time, progress)
+
+    def _disturb(self, scenario: Scenario | None, external: Array) -> None:
+        if scenario or self._run.disturbed:
+            self._disturbances = disturb(
+                scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
+            )
 
     def _begin(self, values: Mapping[str, Value]) -> None:
         """Make FMUs and start values ready for a new run."""
@@ -302,11 +312,26 @@ class Simulation:
         spec = self.spec
         tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
         columns = list(self._layout.columns)
-        return repr((spec.start, spec.step, spec.coupling, spec.constant_step, tokens, columns))
+        coupling = Coupling.of(spec.coupling)
+        return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, columns))
+
+    @property
+    def accuracy(self) -> int:
+        """The declared order: the coupling's error falls with step^accuracy."""
+        return self._coupled.accuracy
+
+    @property
+    def effort(self) -> Mapping[str, int]:
+        """What the last run took: steps, sweeps through loops or single components, rejected steps.
+
+        Empty where every component does every step once.
+        """
+        return self._coupled.effort
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
         self._halted = None
+        self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)
         give_up(self)
@@ -337,6 +362,7 @@ class Simulation:
     def _instantiate(self) -> None:
         for name, slot in self._slots.items():
             if not slot.instance:
+                self._coupled.lose(name)
                 fmu = self.spec.system.components[name]
                 claim(fmu, name, self)
                 arguments = (name, fmu.token, self._libraries[name].resources)
@@ -365,6 +391,8 @@ class Simulation:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
         message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
+        if run.status == kernel.NOT_SOLVED:
+            return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
         if run.call.endswith(b"Reset"):
             self._kernel.release(slot)  # the next run instantiates it anew
         return SimulationError(message)

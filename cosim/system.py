@@ -6,11 +6,12 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.scaling import PLAIN, Link, Scaling
-from cosim.simulation import Coupling, Simulation, Specification
+from cosim.simulation import Simulation, Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
 
@@ -231,7 +232,7 @@ class System:
         stop: float,
         start: float = 0.0,
         record: Sequence[str] | None = None,
-        coupling: Coupling = "gauss_seidel",
+        coupling: Coupling | Method = "gauss_seidel",
         constant_step: bool = False,
         compiled: bool = False,
     ) -> Simulation:
@@ -242,8 +243,9 @@ class System:
         step, stop, start : communication step and interval, s
         record : names or patterns (``drive.*``) of what to keep; every output and exposed input by
             default. A pattern stands for outputs and exposed inputs, a name for any real variable
-        coupling : ``gauss_seidel`` steps components in the order of their direct feedthrough, each
-            seeing what was computed before it; ``jacobi`` delays every connection by one step
+        coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
+            order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
+            delays every connection by one step; ``iterative`` repeats steps until all agree
         constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
             default they are told the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly

@@ -106,6 +106,9 @@ class Run(Structure):
         ("output", c_int64),
         ("status", c_int64),
         ("call", c_char_p),
+        ("initial", c_void_p),
+        ("coupling", c_void_p),
+        ("unsolved", c_void_p),
         ("disturbed", c_int64),
         ("halt", c_int64),
     )
@@ -122,6 +125,7 @@ SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in 
 DISCARD = 2
 NOT_FINITE = 100
 TERMINATED = 101
+NOT_SOLVED = 103
 STATUS = {
     2: "returned discard",
     3: "returned error",
@@ -161,9 +165,9 @@ def load(steps: str | None = None) -> CDLL:
     library = CDLL(str(toolchain.shared_library("cosim_kernel", files, flags=_FLAGS)))
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
-    library.instantiate.restype = library.release.restype = None
+    library.instantiate.restype = library.release.restype = library.forget.restype = None
     library.release.argtypes = (POINTER(Component),)
-    library.advance.argtypes = (POINTER(Run),)
+    library.advance.argtypes = library.forget.argtypes = (POINTER(Run),)
     library.advance.restype = c_int
     return library
 

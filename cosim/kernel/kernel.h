@@ -108,7 +108,7 @@ typedef struct {
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
-enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102 };
+enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102, NOT_SOLVED = 103 };
 
 typedef struct {
     Component *components; /* in the order in which they step */
@@ -132,6 +132,9 @@ typedef struct {
     int64_t output;      /* of that component, where its value is not finite */
     int64_t status;      /* an FMI status or a Reason */
     const char *call;
+    struct Loop *initial;      /* what must agree before the first step, or NULL; see coupling.h */
+    struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
+    struct Loop *unsolved;
     int64_t disturbed; /* not 0: some components have disturbances */
     int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
 } Run;

@@ -1,4 +1,5 @@
 #include "calls.h"
+#include "coupling.h"
 #include "disturbed.h"
 #include "steps.h"
 #include <math.h>
@@ -29,6 +30,7 @@ static bool initialise(Run *run) {
     }
     FOR_EACH_COMPONENT(c) { TRY(get_initial(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
+    TRY(!run->initial || solve_initial(run));
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
     FOR_EACH_COMPONENT(c) {
         TRY(get_outputs(run, c, c->n_outputs, run->rows));
@@ -107,8 +109,10 @@ static bool step_block(Run *run, int64_t end) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
-    const bool done = UNLIKELY(run->disturbed) ? walk_disturbed(run, end) : step_until(run, end);
-    TRY(done || trace_back(run, first + 1));
+    const bool stepped = UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
+                         : run->coupling          ? couple_until(run, end)
+                                                  : step_until(run, end);
+    TRY(stepped || trace_back(run, first + 1));
     return close_rows(run, first + 1, end);
 }
 
@@ -117,6 +121,9 @@ enum Outcome advance(Run *run) {
         run->block_start = 0;
         if (!initialise(run) || !close_rows(run, 0, 0)) {
             return FAILED;
+        }
+        if (run->coupling) {
+            begin_coupled(run);
         }
         run->done = 0;
     }

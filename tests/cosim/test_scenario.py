@@ -85,3 +85,46 @@ def test_events_on_one_signal_act_in_their_order(simulation):
 def test_scenarios_that_cannot_be(simulation, scenario, message):
     with pytest.raises(cosim.SignalError, match=message):
         run(simulation, scenario)
+
+
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+def test_unrolled_steps_give_way_to_a_scenario_and_come_back(make, coupling):
+    system = cosim.System("ring")
+    system.add("sensor", make("gain"), {"k": -0.5})
+    system.add("plant", make("integrator", 3), {"k": 1.0})
+    system.connect("sensor.y", "plant.u")
+    system.connect("plant.y", "sensor.u")
+    scenario = Scenario().add_noise("sensor.y", 0.1, seed=1).stick("plant.y", 0.5, 0.9)
+    values = []
+    for compiled in (False, True):
+        how = {"coupling": coupling, "compiled": compiled}
+        with system.prepare(step=STEP, stop=N * STEP, **how) as simulation:
+            runs = [simulation.run(scenario=s).values for s in (None, scenario, None)]
+        np.testing.assert_array_equal(runs[0], runs[2])
+        assert not np.array_equal(runs[0], runs[1])
+        values.append(runs)
+    np.testing.assert_array_equal(values[0], values[1])
+
+
+def test_from_the_beginning_receivers_see_the_disturbed_value(make):
+    system = cosim.System("late")
+    for name in ("a", "b"):
+        system.add(name, make("gain"), {"k": 2.0})
+    system.connect("a.y", "b.u")
+    system.expose("x", "a.u")
+    for coupling in ("gauss_seidel", "jacobi"):
+        with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+            result = run(simulation, Scenario().set("a.y", 3.0, at=0.0))
+        assert set(result["b.y"]) == {6.0}
+
+
+def test_outputs_are_not_disturbed_where_the_coupling_is_not_plain(make):
+    system = cosim.System("slow")
+    system.add("a", make("gain"))
+    system.expose("x", "a.u")
+    coupling = cosim.Coupling(every={"a": 2})
+    with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+        with pytest.raises(cosim.ExperimentError, match=r"a\.y: outputs .* plain coupling"):
+            run(simulation, Scenario().set("a.y", 1.0, at=0.0))
+        again = run(simulation, Scenario().set("x", 1.0, at=0.0))["a.y"]
+        np.testing.assert_array_equal(again, run(simulation, None, x=1.0)["a.y"])

@@ -59,9 +59,27 @@ def test_a_state_of_another_run_is_refused(system, tmp_path):
         pytest.raises(cosim.SimulationError, match="another step"),
     ):
         other.resume(path)
+    with (
+        system.prepare(step=STEP, stop=HALF) as shorter,
+        pytest.raises(cosim.ExperimentError, match="no step left"),
+    ):
+        shorter.resume(path)
     path.write_bytes(b"PK damaged")
     with (
         system.prepare(step=STEP, stop=STOP) as same,
         pytest.raises(cosim.SimulationError, match=r"a\.state: no saved state"),
     ):
         same.resume(path)
+
+
+def test_a_coupling_that_remembers_more_than_one_point_is_halted_but_not_saved(system, tmp_path):
+    coupling = cosim.Coupling(degree=1)
+    inputs = {"v_cmd": command}
+    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
+        whole = simulation.run(inputs=inputs)
+        half = simulation.run(inputs=inputs, until=HALF)
+        np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
+        with pytest.raises(cosim.SimulationError, match="more than one point in time"):
+            simulation.save(tmp_path / "a.state")
+        paced = simulation.run(inputs=inputs, progress=lambda _: None)
+    np.testing.assert_array_equal(paced.values, whole.values)

@@ -123,3 +123,34 @@ def test_a_second_run_equals_the_first(export, version):
         first = simulation.run().values
         assert simulation.run({"a.e": 0.5}).values.tobytes() != first.tobytes()
         np.testing.assert_array_equal(simulation.run().values, first)
+
+
+def test_what_cannot_be_taken_back_is_not_iterated(export, version):
+    system = one(export("oscillator", version, "ME"))
+    adaptive = cosim.Coupling(adaptive=cosim.Adaptive())
+    with pytest.raises(cosim.ConnectionFault, match=r"a \(.*cannot"):
+        system.prepare(step=0.05, stop=1.0, coupling=adaptive)
+
+
+def test_a_run_halts_and_goes_the_same_way_but_its_solver_is_not_saved(export, version, tmp_path):
+    system = one(export("oscillator", version, "ME"))
+    with system.prepare(step=0.05, stop=2.0) as simulation:
+        whole = simulation.run()
+        looked = simulation.run(progress=lambda _: None)
+        half = simulation.run(until=1.0)
+        np.testing.assert_array_equal(looked.values, whole.values)
+        np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
+        with pytest.raises(cosim.SimulationError, match="cannot serialise"):
+            simulation.save(tmp_path / "a.state")
+        system.components["a"].serializes = True  # as if the FMU could
+        with pytest.raises(cosim.SimulationError, match="more than the FMU's own"):
+            simulation.save(tmp_path / "a.state")
+
+
+def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
+    with one(export("stair", version, "ME")).prepare(step=0.3, stop=30.0) as simulation:
+        whole = simulation.run()
+        looked = simulation.run(progress=lambda _: None)
+    assert whole.stopped == looked.stopped
+    np.testing.assert_array_equal(looked.time, whole.time)
+    np.testing.assert_array_equal(looked.values, whole.values)

@@ -1,0 +1,231 @@
+"""Fills in the kernel's tables for coupling beyond the plain orders."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from cosim import kernel
+from cosim.coupling import Coupling
+from cosim.errors import ConnectionFault, ExperimentError
+from cosim.kernel import coupling as tables
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.loops import Group
+from cosim.names import component_of, suggestion, variable_of
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+
+class Coupled:
+    """What a run needs to agree before the first step and, where it is not plain, in each.
+
+    Attributes
+    ----------
+    accuracy : the declared order, with what these FMUs can do
+    """
+
+    def __init__(
+        self,
+        system: System,
+        layout: Layout,
+        groups: Sequence[Group],
+        libraries: Mapping[str, Library],
+        coupling: Coupling,
+        facades: Collection[str],
+    ) -> None:
+        self._system, self._libraries, self._coupling = system, libraries, coupling
+        self._facades = facades
+        self._names = list(layout.columns)
+        self._layout = layout
+        self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
+        self._group = {name: g for g in groups for name in g.components}
+        self._groups = groups
+        self.accuracy = coupling.order
+        self._check()
+
+    def attach(self, run: Any) -> None:
+        """Let a run, which was wired and has its times, use this.
+
+        Raises
+        ------
+        FmuError
+            When an FMU lacks a function that its description declares.
+        ExperimentError
+            When a component's step does not divide the run.
+        """
+        for name, every in self._coupling.every.items():
+            if run.n_steps % every:
+                raise ExperimentError(
+                    f"every: {name} steps {every} at a time, which does not divide the"
+                    f" {run.n_steps} steps of the run"
+                )
+        n, connections = len(self._place), self._system.connections
+        late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
+        if late:
+            self._initial = self._loop(0, n, late)
+            run.initial = ctypes.addressof(self._initial)
+        if self._coupling.is_plain and not any(g.iterated for g in self._groups):
+            return
+        width = len(self._names)
+        adaptive = self._coupling.adaptive
+        self._members = (tables.Member * n)(
+            *(self._member(name, run.components[i]) for name, i in self._place.items())
+        )
+        self._loops = self._all_loops()
+        self._table = tables.Coupling(
+            members=self._members,
+            n_members=n,
+            loops=self._loops,
+            n_loops=len(self._loops),
+            degree=self._coupling.degree,
+            past=(ctypes.c_double * (tables.MAX_PAST * width))(),
+            next=(ctypes.c_double * width)(),
+            tolerance=adaptive.tolerance if adaptive else 0.0,
+            min_step=adaptive.min_step if adaptive else 0.0,
+            nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
+        )
+        run.jacobi = False
+        run.coupling = ctypes.addressof(self._table)
+
+    @property
+    def effort(self) -> dict[str, int]:
+        """Steps tried, passes through loops or single components, and steps taken back."""
+        if not hasattr(self, "_table"):
+            return {}
+        table = self._table
+        return {"steps": table.steps, "sweeps": table.sweeps, "rejected": table.rejected}
+
+    def lose(self, name: str) -> None:
+        """Forget the saved state of a component whose instance is gone."""
+        if hasattr(self, "_members"):
+            self._members[self._place[name]].state = None
+
+    def unsolved(self, address: int) -> str:
+        """Return which loop was not solved, and what changed most."""
+        loop = tables.Loop.from_address(address)
+        worst = self._names[loop.columns[loop.worst]]
+        members = list(self._place)[loop.first : loop.end]
+        variables = {s for s in self._system.connections.values() if component_of(s) in members}
+        path = " -> ".join(sorted(variables)) if len(variables) < 9 else ", ".join(members)
+        return (
+            f"the loop {path} was not solved in {loop.max_iterations} iterations; {worst} changed"
+            f" last by {loop.change:.3g}, where {loop.tolerance:g} of its value or nominal value"
+            " is allowed; raise Coupling.tolerance, or check that the equations have one solution"
+        )
+
+    def _check(self) -> None:
+        system, coupling = self._system, self._coupling
+        for name in coupling.every:
+            if name not in system.components:
+                near = suggestion(name, system.components)
+                raise ConnectionFault(f"every: {system.name} has no component {name!r}{near}")
+        for group in self._groups:
+            rates = {coupling.every.get(name, 1) for name in group.components}
+            if group.iterated and len(rates) > 1:
+                raise ExperimentError(
+                    f"{', '.join(group.components)} are iterated together and must step at one"
+                    f" rate, got {sorted(rates)}"
+                )
+        if not coupling.adaptive:
+            return
+        for name, fmu in system.components.items():
+            if not (fmu.restores_state and fmu.varies_step):
+                missing = "GetAndSetFMUstate" if not fmu.restores_state else ""
+                missing = missing or "HandleVariableCommunicationStepSize"
+                raise ConnectionFault(
+                    f"{name} ({fmu.path.name}) cannot take part in an adaptive step: it does not"
+                    f" declare can{missing}; export it with that, or leave the step constant"
+                )
+
+    def _is_earlier(self, source: str, target: str) -> bool:
+        before = self._place[component_of(source)] < self._place[component_of(target)]
+        return before and self._coupling.method != "jacobi"
+
+    def _is_fresh(self, source: str, component: str) -> bool:
+        if source in self._system.inputs:
+            return self._coupling.degree > 0
+        group = self._group[component_of(source)]
+        solved = group.iterated and component in group.components
+        return solved or self._is_earlier(source, component)
+
+    def _nominal(self, name: str) -> float:
+        is_input = name in self._system.inputs
+        variable = self._system.variable(self._system.inputs[name][0] if is_input else name)
+        return abs(variable.nominal or 1.0)
+
+    def _all_loops(self) -> Any:
+        loops = []
+        for group in self._groups:
+            first = self._place[group.components[0]]
+            unknown = self._unknowns(group) if group.iterated else []
+            loops.append(self._loop(first, first + len(group.components), unknown))
+            loops[-1].rollback = bool(unknown) or self._coupling.adaptive is not None
+        return (tables.Loop * len(loops))(*loops)
+
+    def _unknowns(self, group: Group) -> list[str]:
+        return [
+            source
+            for target, source in self._system.connections.items()
+            if {component_of(source), component_of(target)} <= set(group.components)
+            and not self._is_earlier(source, target)
+        ]
+
+    def _loop(self, first: int, end: int, sources: Sequence[str]) -> Any:
+        unknowns = sorted(set(sources), key=self._layout.columns.__getitem__)
+        n = len(unknowns)
+        return tables.Loop(
+            first=first,
+            end=end,
+            n=n,
+            columns=(ctypes.c_int64 * n)(*(self._layout.columns[name] for name in unknowns)),
+            nominal=(ctypes.c_double * n)(*map(self._nominal, unknowns)),
+            tolerance=self._coupling.tolerance,
+            max_iterations=self._coupling.max_iterations,
+            inverse=(ctypes.c_double * (n * n))(),
+            work=(ctypes.c_double * (n * n + 6 * n))(),
+        )
+
+    def _member(self, name: str, slot: kernel.Component) -> Any:
+        fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
+        fed = {t: s for t, s in self._system.sources().items() if component_of(t) == name}
+        targets = {self._system.variable(target).reference: target for target in fed}
+        shown = [variable_of(output) for output in self._layout.outputs[name]]
+        interpolates = fmu.interpolates_inputs and degree > 0 and name not in self._facades
+        links = (tables.Link * n)()
+        for i, link in enumerate(links):
+            target = targets[slot.input_references[i]]
+            link.column = self._layout.columns[fed[target]]
+            link.fresh = self._is_fresh(fed[target], name)
+            link.feeds_through = any(
+                variable_of(target) in fmu.feedthrough.get(output, ()) for output in shown
+            )
+        shows = any(link.feeds_through for link in links)
+        member = tables.Member(links=links, values=(ctypes.c_double * n)())
+        member.splits = degree > 0 and shows and not interpolates and fmu.varies_step
+        if n and not interpolates:
+            self.accuracy = min(self.accuracy, 1 if shows and not member.splits else 2)
+        member.every = self._coupling.every.get(name, 1)
+        library = self._libraries[name]
+        if self._group[name].iterated or self._coupling.adaptive:
+            self._check_facade(name)
+            member.save, member.restore, member.discard = library.state_calls()
+        if interpolates:
+            references = list(slot.input_references[:n]) * degree
+            orders = [order for order in range(1, degree + 1) for _ in range(n)]
+            member.interpolates = True
+            member.set_derivatives = library.derivatives_call()
+            member.derivative_references = (ctypes.c_uint32 * len(references))(*references)
+            member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
+            member.derivatives = (ctypes.c_double * len(orders))()
+        return member
+
+    def _check_facade(self, name: str) -> None:
+        if name in self._facades:
+            raise ConnectionFault(
+                f"{name} ({self._system.components[name].path.name}) cannot repeat a step here: its"
+                " Model Exchange interface, events, arrays or types other than Real are handled for"
+                " it, and that cannot be taken back; choose a plain coupling and a constant step"
+            )

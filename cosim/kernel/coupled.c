@@ -1,0 +1,181 @@
+/* A step of components whose inputs follow polynomials, with loops among them. */
+#include "calls.h"
+#include "coupling.h"
+#include <string.h>
+
+/* The share of a step in which inputs of FMUs that do not interpolate are at their end already, so
+ * that outputs show it. */
+static const double END = 0.125;
+
+/* The part of a step for which inputs are set. */
+enum Part { WHOLE, BEGINNING, ENDING };
+
+/* One value for a part of the step. Those of beginning and end have the mean of the whole. */
+static double held(Polynomial p, const Link *link, enum Part part, double h) {
+    switch (part) {
+    case BEGINNING:
+        return (mean_over(p, h) - END * value_at(p, h)) / (1.0 - END);
+    case ENDING:
+        return value_at(p, h);
+    default:
+        return link->feeds_through ? value_at(p, h) : mean_over(p, h);
+    }
+}
+
+/* In the unit of input i. */
+static Polynomial scaled(Polynomial p, const Component *c, size_t i) {
+    if (c->scales) {
+        for (int j = 0; j <= MAX_DEGREE; j++) {
+            p.a[j] *= c->scales[i];
+        }
+        p.a[0] += c->scales[c->n_inputs + i];
+    }
+    return p;
+}
+
+static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Part part) {
+    const Coupling *k = run->coupling;
+    const Component *c = &run->components[index];
+    const Member *m = &k->members[index];
+    const size_t n = c->n_inputs;
+    for (size_t i = 0; i < n; i++) {
+        const Link *link = &m->links[i];
+        const Polynomial p = scaled(hold(run, link->column, link->fresh, t, h), c, i);
+        m->values[i] = m->interpolates ? p.a[0] : held(p, link, part, h);
+        for (size_t j = 0; m->interpolates && j < (size_t)k->degree; j++) {
+            m->derivatives[j * n + i] = (double)(j + 1) * p.a[j + 1]; /* 1 a1, 2 a2 */
+        }
+    }
+    if (n == 0) {
+        return true;
+    }
+    if (c->version == 3) {
+        const fmi3Status status =
+            c->call.fmi3.SetFloat64(c->instance, c->input_references, n, m->values, n);
+        return passed(run, c, "fmi3SetFloat64", (int)status);
+    }
+    const fmi2Status status = c->call.fmi2.SetReal(c->instance, c->input_references, n, m->values);
+    return passed(run, c, "fmi2SetReal", (int)status) &&
+           (!m->interpolates ||
+            passed(run, c, "fmi2SetRealInputDerivatives",
+                   (int)m->set_derivatives(c->instance, m->derivative_references,
+                                           n * (size_t)k->degree, m->derivative_orders,
+                                           m->derivatives)));
+}
+
+/* final: nobody will go back behind t. */
+static bool do_step_of(Run *run, const Component *c, double t, double h, bool final) {
+    if (c->version == 2) {
+        return passed(run, c, "fmi2DoStep", (int)c->call.fmi2.DoStep(c->instance, t, h, final));
+    }
+    fmi3Boolean event = false, terminate = false, early = false;
+    fmi3Float64 reached = t + h;
+    const fmi3Status status =
+        c->call.fmi3.DoStep(c->instance, t, h, final, &event, &terminate, &early, &reached);
+    if ((terminate || early) && (unsigned)status <= fmi3Warning) {
+        return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
+    }
+    return passed(run, c, "fmi3DoStep", (int)status);
+}
+
+static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
+    const Component *c = &run->components[i];
+    if (!run->coupling->members[i].splits) {
+        return set_held_inputs(run, i, t, h, WHOLE) && do_step_of(run, c, t, h, final);
+    }
+    const double late = t + (1.0 - END) * h;
+    return set_held_inputs(run, i, t, h, BEGINNING) && do_step_of(run, c, t, late - t, final) &&
+           set_held_inputs(run, i, t, h, ENDING) && do_step_of(run, c, late, t + h - late, final);
+}
+
+/* Once through the components of a loop, or the one that is in none. */
+static bool sweep(Run *run, Loop *loop) {
+    Coupling *k = run->coupling;
+    if (k->swept && !restore(run, loop->first, loop->end)) {
+        return false;
+    }
+    k->swept = true;
+    k->sweeps++;
+    for (int64_t i = loop->first; i < loop->end; i++) {
+        const Component *c = &run->components[i];
+        const double h = (double)k->members[i].every * k->h;
+        if (!(step_member(run, i, k->t, h, !loop->rollback) &&
+              get_outputs(run, c, c->n_outputs, k->next))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool attempt(Run *run, double t, double h) {
+    Coupling *k = run->coupling;
+    k->t = t;
+    k->h = h;
+    k->steps++;
+    for (int64_t i = 0; i < k->n_loops; i++) {
+        Loop *loop = &k->loops[i];
+        if (run->done % k->members[loop->first].every) {
+            continue; /* it has stepped beyond this point already */
+        }
+        k->swept = false;
+        for (int64_t j = 0; j < loop->n; j++) {
+            const int64_t column = loop->columns[j];
+            k->next[column] = value_at(hold(run, column, false, t, h), h);
+        }
+        if ((loop->rollback && !save(run, loop->first, loop->end)) ||
+            !(loop->n ? solve(run, loop, k->next, sweep) : sweep(run, loop))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void keep(Run *run, const double *row, double t) {
+    Coupling *k = run->coupling;
+    const size_t width = (size_t)run->width;
+    memmove(k->past + width, k->past, (MAX_PAST - 1) * width * sizeof *row);
+    memmove(k->times + 1, k->times, (MAX_PAST - 1) * sizeof *k->times);
+    memcpy(k->past, row, width * sizeof *row);
+    k->times[0] = t;
+    k->n_past += k->n_past < MAX_PAST;
+}
+
+void begin_coupled(Run *run) {
+    Coupling *k = run->coupling;
+    k->n_past = k->steps = k->sweeps = k->rejected = 0;
+    k->inner = run->step;
+    memcpy(k->next, run->rows, (size_t)run->width * sizeof *k->next);
+    keep(run, run->rows, run->start);
+    for (int64_t i = 0; i < k->n_loops; i++) {
+        k->loops[i].known = false; /* so that a run depends on nothing before it */
+    }
+}
+
+static bool step_coupled(Run *run, double *row, double t, double h) {
+    Coupling *k = run->coupling;
+    memcpy(k->next, row, (size_t)run->n_external * sizeof *row);
+    const bool stepped = k->tolerance > 0.0 ? step_adaptively(run, row, t, h) : attempt(run, t, h);
+    for (int64_t i = 0; i < k->n_members; i++) {
+        const Component *c = &run->components[i];
+        const bool reached = (run->done + 1) % k->members[i].every == 0;
+        memcpy(row + c->column, (reached ? k->next : k->past) + c->column,
+               c->n_outputs * sizeof *row);
+    }
+    if (stepped) {
+        keep(run, row, t + h);
+    }
+    return stepped;
+}
+
+bool couple_until(Run *run, int64_t end) {
+    for (; run->done < end; run->done++) {
+        const int64_t next = run->done + 1;
+        const double t = run->start + (double)run->done * run->step;
+        const double t_next = run->start + (double)next * run->step;
+        double *row = run->rows + (run->record ? next - run->block_start : next) * run->width;
+        if (!step_coupled(run, row, t, run->constant_step ? run->step : t_next - t)) {
+            return false;
+        }
+    }
+    return true;
+}

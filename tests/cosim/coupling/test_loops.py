@@ -1,0 +1,141 @@
+"""Loops without delay are solved where FMUs can repeat a step, and named where they cannot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def gains(linear, request):
+    """a = k1 b + w + 0.7, b = k2 a, all at once."""
+
+    def make(k1, k2, **abilities):
+        system = cosim.System("gains")
+        first = {"d11": k1, "d12": 1.0, "f1": 0.7}
+        system.add("a", linear(request.param, "d11", "d12", **abilities), first)
+        system.add("b", linear(request.param, "d11", **abilities), {"d11": k2})
+        system.connect("a.y1", "b.u1")
+        system.connect("b.y1", "a.u1")
+        system.expose("w", "a.u2")
+        return system
+
+    return make
+
+
+@pytest.mark.parametrize("method", ["gauss_seidel", "iterative"])
+@pytest.mark.parametrize(("k1", "k2"), [(0.5, 0.5), (2.0, 3.0), (-4.0, 5.0), (1.0, 0.999)])
+def test_two_gains_have_their_exact_solution_at_every_step(gains, k1, k2, method):
+    with gains(k1, k2).prepare(step=1e-2, stop=2.0, coupling=method) as simulation:
+        w = np.sin(7.0 * simulation.time)
+        result = simulation.run(inputs={"w": w})
+    if method == "gauss_seidel":
+        w = np.concatenate([w[:1], w[:-1]])  # held from the begin of the step
+    exact = (0.7 + w) / (1.0 - k1 * k2)
+    scale = np.abs(exact).max() / abs(1.0 - k1 * k2)  # of rounding errors
+    np.testing.assert_allclose(result["a.y1"], exact, rtol=0, atol=1e-12 * max(scale, 1.0))
+    np.testing.assert_allclose(result["b.y1"], k2 * exact, rtol=0, atol=1e-12 * max(scale, 1.0))
+
+
+@pytest.mark.parametrize("method", ["gauss_seidel", "jacobi", "iterative"])
+def test_initial_values_agree_whatever_the_coupling(gains, method):
+    with gains(2.0, 3.0).prepare(step=1e-2, stop=0.1, coupling=method) as simulation:
+        result = simulation.run(inputs={"w": 0.3})
+    assert result["a.y1"][0] == pytest.approx(1.0 / (1.0 - 6.0), abs=1e-12)
+
+
+def test_initial_values_need_no_way_back(gains):
+    system = gains(2.0, 3.0, restores=False)
+    with system.prepare(step=1e-2, stop=0.1, coupling="jacobi") as simulation:
+        result = simulation.run(inputs={"w": 0.3})
+    assert result["a.y1"][0] == pytest.approx(-0.2, abs=1e-12)
+
+
+def test_a_loop_that_cannot_go_back_is_named(gains):
+    with pytest.raises(cosim.ConnectionFault) as error:
+        gains(2.0, 3.0, restores=False).prepare(step=0.1, stop=1.0)
+    message = str(error.value)
+    assert "algebraic loop a.y1 -> b.u1 -> b.y1 -> a.u1" in message
+    assert "a (" in message
+    assert "canGetAndSetFMUstate" in message
+    assert "coupling='jacobi'" in message
+
+
+def test_iteration_names_who_cannot_go_back(linear, two_masses):
+    system = two_masses.system(linear, restores=False)
+    with pytest.raises(cosim.ConnectionFault, match=r"'iterative' repeats.*right \(.*left \("):
+        system.prepare(step=0.1, stop=1.0, coupling="iterative")
+
+
+def test_a_loop_without_solution_is_named_with_its_worst_variable(gains):
+    with (
+        gains(1.0, 1.0).prepare(step=0.1, stop=1.0) as simulation,
+        pytest.raises(cosim.SimulationError, match=r"loop .*a\.y1.*b\.y1 changed last by 0\.7"),
+    ):
+        simulation.run()
+
+
+def test_a_loop_that_is_not_linear(gains):
+    """a = 0.7 + w - b - b^3, b = a: one real solution."""
+    with gains(-1.0, 1.0).prepare(step=1e-2, stop=1.0, coupling="iterative") as simulation:
+        w = 3.0 * np.sin(20.0 * simulation.time)
+        result = simulation.run({"a.cubic": 1.0}, inputs={"w": w})
+    a, b = result["a.y1"], result["b.y1"]
+    # w + cubic w^3 feeds through as well
+    np.testing.assert_allclose(a, 0.7 + w + w**3 - b - b**3, rtol=0, atol=1e-10)
+
+
+def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
+    """a.u1 -> a.y1 -> b -> a.u2 -> a.y2: through a twice, but never back."""
+
+    def chain(**abilities):
+        system = cosim.System("chain")
+        system.add("a", linear(2, "d11", "d22", **abilities), {"d11": 2.0, "d22": 3.0})
+        system.add("b", linear(2, "d11", **abilities), {"d11": 5.0})
+        system.connect("a.y1", "b.u1")
+        system.connect("b.y1", "a.u2")
+        system.expose("w", "a.u1")
+        return system
+
+    w = np.arange(6.0)
+    with chain().prepare(step=1.0, stop=5.0) as simulation:
+        result = simulation.run(inputs={"w": w})
+    np.testing.assert_allclose(result["a.y2"][1:], 30.0 * w[:-1], rtol=1e-15)
+    with chain(restores=False).prepare(step=1.0, stop=5.0) as simulation:
+        result = simulation.run(inputs={"w": w})
+    np.testing.assert_allclose(result["a.y2"][2:], 30.0 * w[:-2], rtol=1e-15)  # a step late
+
+
+def test_runs_of_a_loop_repeat_bit_for_bit_and_leave_nothing(gains):
+    with gains(2.0, 3.0).prepare(step=1e-2, stop=1.0) as simulation:
+        before = simulation.run().values
+        simulation.run({"b.d11": -8.0})
+        np.testing.assert_array_equal(simulation.run().values, before)
+        simulation.close()
+        np.testing.assert_array_equal(simulation.run().values, before)
+
+
+def test_recording_less_of_a_loop_changes_no_value(two_masses, linear):
+    system = two_masses.system(linear)
+    coupling = cosim.Coupling("iterative", degree=2)
+    all_ = system.prepare(step=1e-2, stop=2.0, coupling=coupling).run()
+    some = system.prepare(step=1e-2, stop=2.0, coupling=coupling, record=["left.y1"]).run()
+    np.testing.assert_array_equal(some["left.y1"], all_["left.y1"])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"method": "newton"},
+        {"degree": 3},
+        {"tolerance": 0.0},
+        {"max_iterations": 0},
+        {"every": {"a": 0}},
+        {"every": {"a": 2}, "degree": 1},
+    ],
+)
+def test_impossible_couplings_are_refused(wrong):
+    with pytest.raises(cosim.CosimError):
+        cosim.Coupling(**wrong)

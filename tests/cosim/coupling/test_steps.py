@@ -1,0 +1,112 @@
+"""Steps that adapt to a transient, and components that step at rates of their own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import cosim
+
+
+def errors(pair, linear, step, coupling, **abilities):
+    """Return error of the left mass, m, and effort; the reference integrates both as one."""
+    system = pair.system(linear, **abilities)
+    with system.prepare(step=step, stop=10.0, coupling=coupling) as simulation:
+        result = simulation.run()
+        again = simulation.run()
+        effort = simulation.effort
+    np.testing.assert_array_equal(result.values, again.values)
+    start = [1.0, 0.0, pair.right.get("x1", 0.0), 0.0]
+    exact = solve_ivp(
+        lambda _, x: pair.matrix @ x,
+        (0.0, 10.0),
+        start,
+        method="Radau",
+        t_eval=np.minimum(result.time, 10.0),
+        rtol=1e-9,
+        atol=1e-9,
+    )
+    return np.abs(result["left.y1"] - exact.y[0]).max(), effort
+
+
+def test_adaptive_steps_take_fewer_steps_for_the_same_error(transient_pair, linear):
+    fixed = cosim.Coupling("iterative", degree=2)
+    adaptive = cosim.Coupling("iterative", degree=2, adaptive=cosim.Adaptive(1e-3))
+    worse, many = errors(transient_pair, linear, 1e-3, fixed)
+    better, few = errors(transient_pair, linear, 0.05, adaptive)
+    assert better < worse
+    assert few["steps"] < many["steps"] / 20
+    assert few["rejected"] > 0
+
+
+@pytest.mark.parametrize("interpolates", [True, False])
+@pytest.mark.parametrize("method", ["jacobi", "gauss_seidel", "iterative"])
+def test_the_error_falls_with_the_tolerance(two_masses, linear, method, interpolates):
+    found = [
+        errors(
+            two_masses,
+            linear,
+            0.1,
+            cosim.Coupling(method, degree=1, adaptive=cosim.Adaptive(tolerance)),
+            interpolates=interpolates,
+        )[0]
+        for tolerance in (1e-2, 1e-3)
+    ]
+    assert found[1] < found[0] / 4
+
+
+def test_an_adaptive_step_names_who_cannot_go_back(two_masses, linear):
+    system = two_masses.system(linear, restores=False)
+    coupling = cosim.Coupling("jacobi", adaptive=cosim.Adaptive())
+    with pytest.raises(cosim.ConnectionFault, match=r"left .*canGetAndSetFMUstate"):
+        system.prepare(step=0.1, stop=1.0, coupling=coupling)
+
+
+def test_inputs_hold_or_are_joined_within_adaptive_steps(linear):
+    """y' = u of the integrator, u(t) = t: exact where lines join the values."""
+    system = cosim.System()
+    system.add("x", linear(), {"b11": 1.0, "c11": 1.0})
+    system.expose("u", "x.u1")
+    for degree, exact in ((1, 0.5), (0, 0.45)):
+        coupling = cosim.Coupling("jacobi", degree=degree, adaptive=cosim.Adaptive())
+        with system.prepare(step=0.1, stop=1.0, coupling=coupling) as simulation:
+            result = simulation.run(inputs={"u": simulation.time})
+        assert result["x.y1"][-1] == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def sampled(make, request):
+    """A gain k = -1 closes the loop around an integrator."""
+    system = cosim.System("sampled")
+    system.add("plant", make("integrator", request.param), {"k": 1.0})
+    system.add("controller", make("gain", request.param), {"k": -1.0})
+    system.connect("plant.y", "controller.u")
+    system.connect("controller.y", "plant.u")
+    return system
+
+
+@pytest.mark.parametrize("method", ["jacobi", "gauss_seidel"])
+def test_one_rate_for_all_is_a_longer_step(sampled, method):
+    slow = cosim.Coupling(method, every={"plant": 4, "controller": 4})
+    long = sampled.prepare(step=0.25, stop=4.0, coupling=method).run()
+    short = sampled.prepare(step=0.0625, stop=4.0, coupling=slow).run()
+    np.testing.assert_array_equal(short.values[::4], long.values)
+
+
+def test_a_slow_controller_holds_its_output_while_the_plant_steps_on(sampled):
+    coupling = cosim.Coupling(every={"controller": 4})
+    y = sampled.prepare(step=0.0625, stop=4.0, coupling=coupling).run()["plant.y"]
+    # what the controller saw at t[4 n] acts from there to t[4 n + 4]
+    np.testing.assert_allclose(y[4::4], 0.75 * y[:-4:4], rtol=1e-14)
+    np.testing.assert_allclose(np.diff(y, 2).reshape(-1)[:3], 0.0, atol=1e-15)
+
+
+def test_rates_that_do_not_fit_are_refused(sampled, linear, two_masses):
+    with pytest.raises(cosim.ExperimentError, match=r"controller steps 3 at a time.*10 steps"):
+        sampled.prepare(step=0.1, stop=1.0, coupling=cosim.Coupling(every={"controller": 3}))
+    with pytest.raises(cosim.ConnectionFault, match="no component 'plan'"):
+        sampled.prepare(step=0.1, stop=1.0, coupling=cosim.Coupling(every={"plan": 2}))
+    coupling = cosim.Coupling("iterative", degree=0, every={"left": 2})
+    with pytest.raises(cosim.ExperimentError, match="must step at one rate"):
+        two_masses.system(linear).prepare(step=0.1, stop=1.0, coupling=coupling)
