@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cosim import kernel
 from cosim.coupling import Coupling
 from cosim.errors import ConnectionFault, ExperimentError
+from cosim.facade import Facade
 from cosim.kernel import coupling as tables
 from cosim.layout import Layout
 from cosim.library import Library
@@ -34,7 +35,7 @@ class Coupled:
         groups: Sequence[Group],
         libraries: Mapping[str, Library],
         coupling: Coupling,
-        facades: Collection[str],
+        facades: Mapping[str, Facade],
     ) -> None:
         self._system, self._libraries, self._coupling = system, libraries, coupling
         self._facades = facades
@@ -210,8 +211,8 @@ class Coupled:
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:
-            self._check_facade(name)
-            member.save, member.restore, member.discard = library.state_calls()
+            keeper = self._facades.get(name) or library
+            member.save, member.restore, member.discard = keeper.state_calls()
         if interpolates:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]
@@ -221,11 +222,3 @@ class Coupled:
             member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
             member.derivatives = (ctypes.c_double * len(orders))()
         return member
-
-    def _check_facade(self, name: str) -> None:
-        if name in self._facades:
-            raise ConnectionFault(
-                f"{name} ({self._system.components[name].path.name}) cannot repeat a step here: its"
-                " Model Exchange interface, events, arrays or types other than Real are handled for"
-                " it, and that cannot be taken back; choose a plain coupling and a constant step"
-            )

@@ -88,6 +88,14 @@ class Facade:
         slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
         slot.output_references = (ctypes.c_uint32 * slot.n_outputs)(*range(slot.n_outputs))
 
+    def state_calls(self) -> tuple[int, int, int]:
+        """Return the addresses of the functions that save, restore and free its state."""
+        library = kernel.load()
+        save, restore, free = (
+            _address(getattr(library, f"facade_{verb}FMUstate")) for verb in ("Get", "Set", "Free")
+        )
+        return save, restore, free
+
     def start_with(self, structure: list[Batch], starts: list[Batch]) -> None:
         """Take start values from here: those of structural parameters and all others."""
         self._starts = (structure, starts)
@@ -120,7 +128,7 @@ def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Seque
 
 def _addresses(fmu: Fmu, library: Library) -> list[int]:
     needs = "M" if fmu.interface == "model_exchange" else "C"
-    needs += "E" * fmu.event_mode + "S" * bool(fmu.structural)
+    needs += "E" * fmu.event_mode + "S" * bool(fmu.structural) + "R" * fmu.restores_state
     return [
         0 if name == "-" or not set(reasons) & set(needs) else library.address(name)
         for name, reasons in mirror.facade_calls(fmu.version)

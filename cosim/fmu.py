@@ -16,6 +16,7 @@ from lxml import etree
 
 import toolchain
 from cosim.archive import unpack
+from cosim.collection import paused_collection
 from cosim.errors import FmuError
 from cosim.experiment import DefaultExperiment
 from cosim.units import Unit
@@ -63,6 +64,7 @@ class Fmu:
     FmuError
     """
 
+    @paused_collection()
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.folder = unpack(self.path, "fmus", FmuError)
@@ -86,19 +88,22 @@ class Fmu:
         self.n_indicators = int(description.numberOfEventIndicators or 0)
         self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
         self.interpolates_inputs = _flag(chosen, "canInterpolateInputs")
-        self.varies_step = _flag(chosen, "canHandleVariableCommunicationStepSize")
+        self.varies_step = self.interface == "model_exchange" or _flag(
+            chosen, "canHandleVariableCommunicationStepSize"
+        )
         self.binary = self._find_binary()
         self.units: Mapping[str, Unit] = {
             unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions
         }
         try:
-            variables = [Variable.from_fmpy(variable) for variable in description.modelVariables]
+            described = [v for v in description.modelVariables if not getattr(v, "alias", None)]
+            variables = [Variable.from_fmpy(variable) for variable in described]
         except (KeyError, ValueError) as fault:
             raise FmuError(
                 f"{self.path}: modelDescription.xml holds a bad value: {fault}"
             ) from fault
         self.variables: Mapping[str, Variable] = MappingProxyType({v.name: v for v in variables})
-        self.aliases = {a.name: v.name for v in description.modelVariables for a in v.aliases}
+        self.aliases = {a.name: v.name for v in described for a in getattr(v, "aliases", ())}
         self.has_arrays = any(
             v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
             for v in variables
@@ -221,13 +226,19 @@ class Fmu:
         feedthrough = dict.fromkeys(outputs, inputs)
         for unknown in description.outputs:
             if unknown.dependencies is not None:
-                names = frozenset(variable.name for variable in unknown.dependencies)
-                feedthrough[unknown.variable.name] = inputs & names
+                names = frozenset(map(_true_name, unknown.dependencies))
+                feedthrough[_true_name(unknown.variable)] = inputs & names
         return feedthrough
 
 
 def _rebuild(path: Path, interface: Interface) -> Fmu:
     return Fmu(path, interface=interface)
+
+
+def _true_name(variable: Any) -> str:
+    """Return the name of a variable of FMPy, or of the one of which it is an alias."""
+    name: str = (getattr(variable, "alias", None) or variable).name
+    return name
 
 
 def _flag(interface: Any, name: str) -> bool:

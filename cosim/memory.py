@@ -17,15 +17,17 @@ class Memory:
     rows : what the kernel steps through, all signals: the record itself, or one block
     """
 
-    def __init__(self, run: kernel.Run, external: Array) -> None:
+    def __init__(self, run: kernel.Run, external: Array, block: Array | None) -> None:
         self._run = run
         self._external = external
         self.record: Array = np.empty((run.n_steps + 1, run.n_selected))
-        self._all = run.n_selected == run.width
-        self.rows = self.record if self._all else np.empty((run.block + 1, run.width))
-        run.record = None if self._all else self.record.ctypes.data
-        run.rows = self.rows.ctypes.data
-        run.external = external.ctypes.data
+        self._all = block is None
+        self.rows = self.record if block is None else block
+        if self._all:
+            run.rows = self.record.ctypes.data
+        else:  # the rows of a block are the run's already
+            run.record = self.record.ctypes.data
+        run.external = external.ctypes.data if external.size else None
 
     def row(self, step: int) -> Array:
         """Return a copy of all signals at the end of the last step done."""

@@ -98,6 +98,10 @@ class Simulation:
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._block: Array | None = None  # rows of a block of steps, unless the rows are the record
+        if self._run.n_selected < self._run.width:
+            self._block = np.empty((self._run.block + 1, self._run.width))
+            self._run.rows = self._block.ctypes.data
         self._coupled.attach(self._run)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
@@ -145,7 +149,7 @@ class Simulation:
         external = sample_inputs(system, values, inputs or {}, self.time)
         self._disturb(scenario, external)
         self._begin(values)
-        memory = Memory(self._run, external)
+        memory = Memory(self._run, external, self._block)
         return self._step(memory, 0, self._place(until), real_time, progress)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -215,7 +219,7 @@ class Simulation:
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
         self._disturb(scenario, external)
         self._begin(system.parameters)
-        memory = Memory(self._run, external)
+        memory = Memory(self._run, external, self._block)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])

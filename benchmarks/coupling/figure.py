@@ -22,7 +22,7 @@ def draw(
     bars = left.barh(names, [steps[name] for name in names], color=colours)
     left.bar_label(bars, fmt="%.3g", padding=3)
     left.set_xscale("log")
-    left.margins(x=0.15)
+    left.margins(x=0.3)
     left.axvline(1.0, color="black", linewidth=0.8)
     left.set_xlabel("cost of a step / plain C loop (1)")
     left.set_title("Ring of three FMI 2.0 FMUs, 100,000 steps")

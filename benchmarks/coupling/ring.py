@@ -26,7 +26,7 @@ FEEDS = {
 
 
 def system(folder: Path, version: int, n: int = 3, extra: int = 0) -> cosim.System:
-    """Return a ring of n FMUs, n / 3 times the three models; FMI 2.0 takes ``extra`` outputs."""
+    """Return a ring of n FMUs, n / 3 times the three models; ``extra`` outputs each, FMI 2.0."""
     fmus = {name: cosim.Fmu(build(folder, name, version, extra)) for name in MODELS}
     ring = cosim.System("ring")
     for i in range(n // 3):
@@ -80,7 +80,10 @@ def _description(name: str, version: int, extra: int) -> str:
     source = next(i for i, (_, kind, _) in enumerate(listed) if kind == "output")
     variables, outputs = [], []
     entries = [(i, *entry) for i, entry in enumerate(listed)]
-    entries += [(source, f"copy[{i}]", "output", "0") for i in range(extra)]
+    entries += [
+        (source if version == 2 else len(listed) + i, f"copy[{i}]", "output", "0")
+        for i in range(extra)
+    ]
     for place, (reference, variable, kind, start) in enumerate(entries, 1):
         changes = "tunable" if kind == "parameter" else "continuous"
         exact = "" if kind == "input" else ' initial="exact"'

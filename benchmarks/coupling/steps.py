@@ -27,7 +27,7 @@ def measure(folder: Path, version: int) -> dict[str, float]:
         PLAIN: lambda: loops.plain(N),
     }
     if gcc := _with_gcc(folder, version):
-        cases["the same compiled by gcc"] = lambda: gcc.plain(N)
+        cases["plain C loop, by gcc"] = lambda: gcc.plain(N)
     for name, options in {
         "cosim, Jacobi": {"coupling": "jacobi"},
         "cosim, Jacobi, two signals recorded": {"coupling": "jacobi", "record": ["mass.*"]},

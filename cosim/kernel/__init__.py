@@ -134,8 +134,8 @@ STATUS = {
     NOT_FINITE: "gave a value that is not finite",
     TERMINATED: "asked to terminate the simulation",
     102: "returned early though that was not allowed",
-    103: "came to no end of events at one time or within one step",
-    104: "could not integrate",
+    110: "came to no end of events at one time or within one step",
+    111: "could not integrate",
 }
 
 

@@ -5,7 +5,7 @@
 
 #include "kernel.h"
 
-enum { CV_BDF = 2, CV_ONE_STEP = 2, CV_TSTOP_RETURN = 1, CV_ROOT_RETURN = 2 };
+enum { CV_BDF = 2, CV_NORMAL = 1, CV_TSTOP_RETURN = 1, CV_ROOT_RETURN = 2 };
 
 typedef int Rates(double t, void *states, void *rates, void *user);
 typedef int Roots(double t, void *states, double *roots, void *user);
@@ -33,6 +33,9 @@ typedef void Complaint(int line, const char *function, const char *file, const c
     X(int, CVodeSetLinearSolver, (void *memory, void *solver, void *matrix))                       \
     X(int, CVodeSetNoInactiveRootWarn, (void *memory))                                             \
     X(int, CVodeSetStopTime, (void *memory, double t))                                             \
+    X(int, CVodeSetMaxStep, (void *memory, double h))                                              \
+    X(int, CVodeClearStopTime, (void *memory))                                                     \
+    X(int, CVodeSetMaxNumSteps, (void *memory, long n))                                            \
     X(int, CVode, (void *memory, double t, void *states, double *reached, int task))               \
     X(void, CVodeFree, (void **memory))
 

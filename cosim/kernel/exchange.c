@@ -7,7 +7,8 @@
 #include <stdlib.h>
 
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
-static const double NEAR = 1e-9; /* relative: two times this close are the same */
+static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
+static const double NEAR = 1e-9;    /* relative: two times this close are the same */
 
 struct Integrator {
     void *context, *memory, *matrix, *solver;
@@ -117,7 +118,7 @@ static fmi2Status read_states(Facade *f) {
     return fmi2OK;
 }
 
-static fmi2Status restart(Facade *f) {
+fmi2Status restart_exchange(Facade *f) {
     Integrator *in = f->integrator;
     TRY_STATUS(read_states(f));
     return f->cvode->CVodeReInit(in->memory, f->time, in->states) ? solver_failed(f) : fmi2OK;
@@ -157,6 +158,8 @@ fmi2Status begin_exchange(Facade *f) {
                         cvode->CVodeSVtolerances(memory, f->tolerance, in->tolerances) ||
                         cvode->CVodeRootInit(memory, (int)f->n_indicators, indicators) ||
                         cvode->CVodeSetLinearSolver(memory, in->solver, in->matrix) ||
+                        cvode->CVodeSetMaxNumSteps(memory, MAX_SOLVER_STEPS) ||
+                        cvode->CVodeSetMaxStep(memory, LONGEST * (f->stop - f->start)) ||
                         cvode->CVodeSetNoInactiveRootWarn(memory);
     return failed ? solver_failed(f) : fmi2OK;
 }
@@ -210,6 +213,14 @@ static fmi2Status completed_step(Facade *f, bool *event) {
     return noted(f, COMPLETED_STEP, OK(status) && terminate ? TERMINATED : status);
 }
 
+/* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
+ * beyond a time event, and with inputs not beyond the time up to which they are known. */
+static int set_stop(Facade *f, double target) {
+    const double stop = f->n_inputs ? target : f->next_event;
+    return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop)
+                          : f->cvode->CVodeClearStopTime(f->integrator->memory);
+}
+
 /* Integrate to target, or to the first event before it. */
 static fmi2Status integrate(Facade *f, double target, bool *event) {
     Integrator *in = f->integrator;
@@ -219,22 +230,16 @@ static fmi2Status integrate(Facade *f, double target, bool *event) {
         return set_point(f, target, in->x);
     }
     in->status = fmi2OK;
-    if (f->cvode->CVodeSetStopTime(in->memory, target)) {
+    if (set_stop(f, target)) {
         return solver_failed(f);
     }
-    for (int i = 0; i < MAX_SOLVER_STEPS; i++) {
-        const int flag = f->cvode->CVode(in->memory, target, in->states, &f->time, CV_ONE_STEP);
-        if (flag < 0) {
-            return solver_failed(f);
-        }
-        *event = flag == CV_ROOT_RETURN;
-        TRY_STATUS(set_point(f, f->time, in->x));
-        TRY_STATUS(completed_step(f, event));
-        if (*event || flag == CV_TSTOP_RETURN) {
-            return fmi2OK;
-        }
+    const int flag = f->cvode->CVode(in->memory, target, in->states, &f->time, CV_NORMAL);
+    if (flag < 0) {
+        return solver_failed(f);
     }
-    return solver_failed(f);
+    *event = flag == CV_ROOT_RETURN;
+    TRY_STATUS(set_point(f, f->time, in->x));
+    return completed_step(f, event);
 }
 
 /* Inputs whose value is only known from before hold it for the step, from its begin on; the others
@@ -257,7 +262,7 @@ static fmi2Status take_inputs(Facade *f, bool ahead) {
     } else if (jump) {
         TRY_STATUS(set_moving_inputs(f, f->time));
     }
-    return event || jump ? restart(f) : fmi2OK;
+    return event || jump ? restart_exchange(f) : fmi2OK;
 }
 
 static bool inputs_move(const Facade *f) {
@@ -270,7 +275,8 @@ static bool inputs_move(const Facade *f) {
     return false;
 }
 
-static bool same_time(double a, double b) { return fabs(a - b) <= NEAR * fmax(fabs(a), fabs(b)); }
+/* The latter is finite; an event that is not due lies at infinity. */
+static bool same_time(double event, double t) { return fabs(event - t) <= NEAR * fabs(t); }
 
 fmi2Status step_exchange(Facade *f, double t, double h) {
     Integrator *in = f->integrator;
@@ -287,7 +293,7 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
         TRY_STATUS(integrate(f, due ? f->next_event : in->end, &event));
         if (event || f->next_event <= f->time || same_time(f->next_event, f->time)) {
             TRY_STATUS(handle_event(f, false));
-            TRY_STATUS(restart(f));
+            TRY_STATUS(restart_exchange(f));
         }
     }
     in->moving = false;

@@ -11,7 +11,8 @@
 typedef void AnyCall(void);
 
 /* place, name in FMI 2.0, name in FMI 3.0, what it is needed for: (C)o-simulation, (M)odel
- * exchange, (E)vent mode, (S)tructural parameters. A dash: the version has no such call. */
+ * exchange, (E)vent mode, (S)tructural parameters, (R)ollback. A dash: the version has no such
+ * call. */
 #define FACADE_CALLS(X)                                                                            \
     X(INSTANTIATE_CS, "fmi2Instantiate", "fmi3InstantiateCoSimulation", "C")                       \
     X(INSTANTIATE_ME, "fmi2Instantiate", "fmi3InstantiateModelExchange", "M")                      \
@@ -24,6 +25,9 @@ typedef void AnyCall(void);
     X(EXIT_INITIALIZATION, "fmi2ExitInitializationMode", "fmi3ExitInitializationMode", "CM")       \
     X(TERMINATE, "fmi2Terminate", "fmi3Terminate", "CM")                                           \
     X(DO_STEP, "fmi2DoStep", "fmi3DoStep", "C")                                                    \
+    X(GET_STATE, "fmi2GetFMUstate", "fmi3GetFMUState", "R")                                        \
+    X(SET_STATE, "fmi2SetFMUstate", "fmi3SetFMUState", "R")                                        \
+    X(FREE_STATE, "fmi2FreeFMUstate", "fmi3FreeFMUState", "R")                                     \
     X(ENTER_STEP_MODE, "-", "fmi3EnterStepMode", "E")                                              \
     X(ENTER_EVENT_MODE, "fmi2EnterEventMode", "fmi3EnterEventMode", "ME")                          \
     X(UPDATE_DISCRETE_STATES, "fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates", "ME")           \
@@ -114,7 +118,7 @@ typedef struct {
 } Facade;
 
 /* Beside TERMINATED and the others of enum Reason. */
-enum { TOO_MANY_EVENTS = 103, SOLVER_FAILED = 104 };
+enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED = 111 };
 
 /* Each returns an FMI status or a Reason. */
 fmi2Status plain(Facade *f, enum Call place);
@@ -127,6 +131,7 @@ void store(const Group *group, int64_t place, double value);
 
 fmi2Status begin_exchange(Facade *f);
 fmi2Status step_exchange(Facade *f, double t, double h);
+fmi2Status restart_exchange(Facade *f);
 void end_exchange(Facade *f);
 
 #define OK(status) ((unsigned)(status) <= fmi2Warning)
@@ -151,5 +156,8 @@ EXPORT fmi2SetRealTYPE facade_SetReal;
 EXPORT fmi2GetRealTYPE facade_GetReal;
 EXPORT fmi2DoStepTYPE facade_DoStep;
 EXPORT fmi2TerminateTYPE facade_Terminate;
+EXPORT fmi2GetFMUstateTYPE facade_GetFMUstate;
+EXPORT fmi2SetFMUstateTYPE facade_SetFMUstate;
+EXPORT fmi2FreeFMUstateTYPE facade_FreeFMUstate;
 
 #endif

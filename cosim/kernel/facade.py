@@ -38,7 +38,7 @@ STORED = (
     c_bool,
     c_char_p,
 )
-N_CALLS = 24
+N_CALLS = 27
 
 
 class Group(Structure):

@@ -117,7 +117,7 @@ typedef struct {
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
     double start, stop, step; /* s */
-    const double *external;   /* (n_steps + 1, n_external) */
+    const double *external;   /* (n_steps + 1, n_external), or NULL where n_external is 0 */
     int64_t n_external;
     double *rows;   /* (n_steps + 1, width), or (block + 1, width) where there is a record */
     int64_t width;  /* of a row */

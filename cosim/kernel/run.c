@@ -19,8 +19,11 @@ static bool get_initial(Run *run, const Component *c) {
 }
 
 static bool initialise(Run *run) {
-    memcpy(run->rows, run->external, (size_t)run->n_external * sizeof *run->rows);
-    memcpy(run->rows + run->width, run->external, (size_t)run->n_external * sizeof *run->rows);
+    if (run->n_external) {
+        const size_t size = (size_t)run->n_external * sizeof *run->rows;
+        memcpy(run->rows, run->external, size);
+        memcpy(run->rows + run->width, run->external, size);
+    }
     FOR_EACH_COMPONENT(c) {
         c->log->severity = 0;
         c->log->message[0] = '\0';

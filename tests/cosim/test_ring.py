@@ -1,43 +1,63 @@
-"""The ring of three FMUs that peers were measured with, against the plain C loop."""
+"""The ring of three FMUs that peers are measured with, against the plain C loop."""
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
+import numpy as np
 import pytest
 
-import cosim
+from benchmarks.coupling import ring
+from benchmarks.coupling.loops import Loops
 
-RING = Path(__file__).parents[3] / "shared" / "ring"
+N = 100_000
+
+
+@pytest.fixture(scope="module", params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def ring(tmp_path_factory):
-    if not (RING / "build_fmus.py").is_file() or shutil.which("gcc") is None:
-        pytest.skip("needs the ring's sources beside the repository, and gcc")
-    folder = tmp_path_factory.mktemp("ring")
-    command = [sys.executable, str(RING / "build_fmus.py"), str(folder)]
-    subprocess.run(command, check=True, capture_output=True, env=dict(os.environ))
-    system = cosim.System("ring")
-    for name in ("ctrl", "plant", "comp"):
-        system.add(name, folder / f"{name}.fmu")
-    system.connect("ctrl.u", "plant.u")
-    system.connect("comp.f", "plant.f")
-    system.connect("plant.y", "ctrl.y")
-    system.connect("plant.y", "comp.v")
-    return system
+def system(version, tmp_path_factory):
+    return ring.system(tmp_path_factory.mktemp("ring"), version)
 
 
-@pytest.mark.parametrize("record", [None, ["plant.y", "plant.x"]], ids=["all", "some"])
-def test_end_values_are_those_of_the_plain_c_loop(ring, record):
-    with ring.prepare(
-        step=1e-4, stop=10.0, coupling="jacobi", constant_step=True, record=record
-    ) as simulation:
+@pytest.fixture(scope="module")
+def loops(version):
+    return Loops(version)
+
+
+def prepare(system, n=N, **options):
+    times = {"step": ring.STEP, "stop": n * ring.STEP}
+    return system.prepare(**times, coupling="jacobi", constant_step=True, **options)
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
+def test_every_signal_is_that_of_the_plain_c_loop_to_the_bit(system, loops, compiled):
+    with prepare(system, compiled=compiled) as simulation:
         for _ in range(2):
             result = simulation.run()
-            assert result["plant.y"][-1] == 0.19999999999999973
-            assert result["plant.x"][-1] == 1.9996644444403784
+            np.testing.assert_array_equal(result.values[1:], loops.plain(N))
+    assert result["mass.v"][-1] == 0.19999999999999973
+    assert result["mass.x"][-1] == 1.9996644444403784
+
+
+def test_recording_some_changes_no_bit(system, loops):
+    with prepare(system, record=["mass.x"]) as simulation:
+        np.testing.assert_array_equal(simulation.run()["mass.x"][1:], loops.plain(N)[:, 2])
+
+
+def test_a_candidate_costs_what_the_c_loop_says(system, loops):
+    with prepare(system, 10_000, record=["mass.v"]) as simulation:
+        result = simulation.run({"controller.K_p": 41.0, "controller.K_i": 910.0})
+    cost = np.sum((0.2 - result["mass.v"][1:]) ** 2)
+    assert cost == pytest.approx(loops.candidate(10_000, 41.0, 910.0), rel=1e-12)
+
+
+def test_rings_of_more_fmus_than_a_group_step_all_of_them(tmp_path):
+    """All parts of a longer ring move alike, since each sees what the first ring sees."""
+    with prepare(ring.system(tmp_path, 2, 30), 1_000) as simulation:
+        result = simulation.run()
+    with prepare(ring.system(tmp_path, 2), 1_000) as simulation:
+        first = simulation.run()
+    for i in range(1, 10):
+        np.testing.assert_array_equal(result[f"mass{i}.v"], first["mass.v"])

@@ -222,4 +222,4 @@ def test_many_runs_leave_memory_and_open_files_as_they_were(oscillator):
     for _ in range(50):
         oscillator.prepare(step=0.1, stop=1.0).close()
     assert resources()[1] == files
-    assert resources()[0] - pages < 500
+    assert resources()[0] - pages < 100

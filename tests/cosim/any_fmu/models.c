@@ -311,6 +311,19 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size
     return fmi2OK;
 }
 
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    *state = *state ? *state : malloc(sizeof(Model));
+    return *state ? memcpy(*state, c, sizeof(Model)), fmi2OK : fmi2Error;
+}
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    return memcpy(c, state, sizeof(Model)), fmi2OK;
+}
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    (void)c;
+    free(*state);
+    return *state = NULL, fmi2OK;
+}
+
 /* FMI 3.0: the same, but for the arguments */
 const char *fmi3GetVersion(void) { return "3.0"; }
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
@@ -339,6 +352,15 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
     return create(true);
 }
 void fmi3FreeInstance(fmi3Instance c) { free(c); }
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
+    return (fmi3Status)fmi2GetFMUstate(c, state);
+}
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+    return (fmi3Status)fmi2SetFMUstate(c, state);
+}
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
+    return (fmi3Status)fmi2FreeFMUstate(c, state);
+}
 fmi3Status fmi3Reset(fmi3Instance c) { return start(c), fmi3OK; }
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {
     return ((Model *)c)->configuring = true, fmi3OK;

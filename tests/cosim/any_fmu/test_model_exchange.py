@@ -33,8 +33,15 @@ def fmpy_run(path, step, stop, output, **more):
 
 def test_an_oscillator_follows_the_cosine(export, version):
     result = one(export("oscillator", version, "ME")).prepare(step=0.05, stop=20.0).run()
-    np.testing.assert_allclose(result["a.position"], np.cos(2 * result.time), atol=2e-5)
-    np.testing.assert_allclose(result["a.velocity"], -2 * np.sin(2 * result.time), atol=4e-5)
+    np.testing.assert_allclose(result["a.position"], np.cos(2 * result.time), atol=2e-6)
+    np.testing.assert_allclose(result["a.velocity"], -2 * np.sin(2 * result.time), atol=4e-6)
+
+
+def test_without_events_and_inputs_it_is_fmpy_to_the_bit(export, version):
+    path = export("oscillator", version, "ME")
+    ours = one(path).prepare(step=0.05, stop=20.0).run()
+    theirs = fmpy_run(path, 0.05, 20.0, ["position"])
+    np.testing.assert_array_equal(ours["a.position"], theirs["position"])
 
 
 def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
@@ -45,14 +52,14 @@ def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
     np.testing.assert_allclose(seen, np.ceil(bounces[bounces < 2.3] / 1e-3) * 1e-3, atol=1e-9)
     falling = result.time < first
     expected = 1 - G / 2 * result.time[falling] ** 2
-    np.testing.assert_allclose(result["a.height"][falling], expected, atol=3e-5)
+    np.testing.assert_allclose(result["a.height"][falling], expected, atol=1e-7)
 
 
 def test_a_bouncing_ball_equals_fmpy(export, version):
     path = export("ball", version, "ME")
     ours = one(path).prepare(step=0.01, stop=2.0).run()
     theirs = fmpy_run(path, 0.01, 2.0, ["height", "bounces"])
-    np.testing.assert_allclose(ours["a.height"], theirs["height"], atol=3e-5)
+    np.testing.assert_allclose(ours["a.height"], theirs["height"], atol=1e-7)
     np.testing.assert_array_equal(ours["a.bounces"], theirs["bounces"])
 
 
@@ -115,7 +122,7 @@ def test_both_interfaces_couple(export, version, coupling):
 def test_states_of_an_array(export):
     system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
     result = system.prepare(step=0.1, stop=1.0).run()
-    np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-4)
+    np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-6)
 
 
 def test_a_second_run_equals_the_first(export, version):
@@ -125,10 +132,10 @@ def test_a_second_run_equals_the_first(export, version):
         np.testing.assert_array_equal(simulation.run().values, first)
 
 
-def test_what_cannot_be_taken_back_is_not_iterated(export, version):
+def test_without_saved_states_it_takes_no_part_in_an_adaptive_step(export, version):
     system = one(export("oscillator", version, "ME"))
     adaptive = cosim.Coupling(adaptive=cosim.Adaptive())
-    with pytest.raises(cosim.ConnectionFault, match=r"a \(.*cannot"):
+    with pytest.raises(cosim.ConnectionFault, match="canGetAndSetFMUstate"):
         system.prepare(step=0.05, stop=1.0, coupling=adaptive)
 
 

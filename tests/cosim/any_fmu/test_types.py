@@ -100,6 +100,7 @@ def test_a_start_value_that_a_type_cannot_hold_is_refused(export, name, value):
 def test_an_alias_is_another_name(export):
     system = cosim.System()
     system.add("ball", export("ball", 3))
+    assert "ball.height of the ball" not in system.prepare(step=0.1, stop=1.0).run()
     with system.prepare(
         step=0.1, stop=1.0, record=["ball.height of the ball", "ball.height"]
     ) as simulation:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -123,6 +126,30 @@ def test_recording_less_of_a_loop_changes_no_value(two_masses, linear):
     all_ = system.prepare(step=1e-2, stop=2.0, coupling=coupling).run()
     some = system.prepare(step=1e-2, stop=2.0, coupling=coupling, record=["left.y1"]).run()
     np.testing.assert_array_equal(some["left.y1"], all_["left.y1"])
+
+
+def test_saved_states_are_used_again(two_masses, linear):
+    if not Path("/proc/self/statm").exists():
+        pytest.skip("needs /proc")
+
+    def pages():
+        gc.collect()
+        return int(Path("/proc/self/statm").read_text().split()[1])
+
+    with two_masses.system(linear).prepare(step=0.1, stop=1.0, coupling="iterative") as simulation:
+        for _ in range(200):
+            simulation.run()
+        before = pages()
+        for _ in range(3000):
+            simulation.run()
+        assert pages() - before < 100
+
+
+def test_a_value_that_is_not_finite_is_blamed_not_the_loop(gains):
+    with gains(-1.0, 1.0).prepare(step=0.1, stop=1.0, coupling="iterative") as simulation:
+        w = np.where(simulation.time > 0.45, 1e200, 0.0)
+        with pytest.raises(cosim.SimulationError, match=r"a\.y1: .*not finite .* t = 0\.4 s"):
+            simulation.run({"a.cubic": 1.0}, inputs={"w": w})
 
 
 @pytest.mark.parametrize(

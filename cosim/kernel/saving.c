@@ -1,0 +1,59 @@
+/* Saves and restores an FMU behind a facade: its state, its time and the inputs it was given. */
+#include "facade.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    void *state;
+    double time, next_event;
+    double inputs[]; /* before and after, 2 n_inputs */
+} Saved;
+
+typedef int StateCall(void *instance, void **state);
+
+static size_t inputs_size(const Facade *f) { return f->n_inputs * sizeof(double); }
+
+static fmi2Status call_on(Facade *f, enum Call place, void **state) {
+    return noted(f, place, ((StateCall *)f->call[place])(f->instance, state));
+}
+
+/* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
+fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    Facade *f = c;
+    Saved *saved = *state;
+    if (!saved) {
+        saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f));
+    }
+    if (!saved) {
+        return noted(f, GET_STATE, fmi2Error);
+    }
+    saved->time = f->time;
+    saved->next_event = f->next_event;
+    memcpy(saved->inputs, f->before, inputs_size(f));
+    memcpy(saved->inputs + f->n_inputs, f->after, inputs_size(f));
+    return call_on(f, GET_STATE, &saved->state);
+}
+
+fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    Facade *f = c;
+    const Saved *saved = state;
+    f->time = saved->time;
+    f->next_event = saved->next_event;
+    memcpy(f->before, saved->inputs, inputs_size(f));
+    memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
+    AnyCall *call = f->call[SET_STATE];
+    TRY_STATUS(noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, saved->state)));
+    return f->integrator ? restart_exchange(f) : fmi2OK;
+}
+
+fmi2Status facade_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    Facade *f = c;
+    Saved *saved = *state;
+    fmi2Status status = fmi2OK;
+    if (saved) {
+        status = call_on(f, FREE_STATE, &saved->state);
+        free(saved);
+    }
+    *state = NULL;
+    return status;
+}

@@ -1,0 +1,54 @@
+"""Ctrl-C ends the process soon and leaves no folder behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+RUN = """
+import sys, cosim
+system = cosim.System()
+for i in range(50):
+    system.add(f"x{i}", sys.argv[1], {"u": 1.0})
+with system.prepare(step=1e-6, stop=100.0, record=["x0.y"]) as simulation:
+    print("ready", flush=True)
+    while True:
+        simulation.run()
+"""
+COMPILE = """
+import toolchain
+lines = "".join(f"int f{i}(int x) {{ return x * {i}; }}\\n" for i in range(20_000))
+print("ready", flush=True)
+toolchain.shared_library("slow", {"slow.c": lines}, flags=("-Wno-missing-prototypes",))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs SIGINT")
+@pytest.mark.parametrize("program", [RUN, COMPILE], ids=["a run", "a compilation"])
+def test_nothing_is_left_behind(make, tmp_path, program):
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    cache = tmp_path / "cache"
+    environment = {"TMPDIR": str(temporary), "STICKSLIP_CACHE": str(cache)}
+    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, str(make("integrator"))],
+        env=os.environ | environment | {"PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=20)
+    assert "KeyboardInterrupt" in said
+    assert not list(temporary.iterdir())
+    assert not list(cache.rglob(".*"))
