@@ -23,10 +23,12 @@ from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
 from cosim.result import Result
 from cosim.scaling import Link, Scaling
+from cosim.scenario import Scenario
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
 from cosim.ssp import read_ssp, variants, write_ssp
 from cosim.system import System
+from cosim.tables import read_tables
 from cosim.units import Unit
 from cosim.variables import Variable
 
@@ -43,6 +45,7 @@ __all__ = [
     "ParameterError",
     "Result",
     "Scaling",
+    "Scenario",
     "Signal",
     "SignalError",
     "Simulation",
@@ -56,6 +59,7 @@ __all__ = [
     "Unit",
     "Variable",
     "read_ssp",
+    "read_tables",
     "variants",
     "write_ssp",
 ]

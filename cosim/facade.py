@@ -38,6 +38,10 @@ class Facade:
     inputs : those that are fed, in the order in which the kernel sets them
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
+
+    Attributes
+    ----------
+    is_thin : whether it keeps nothing from one step to the next that the FMU does not
     """
 
     def __init__(
@@ -50,6 +54,7 @@ class Facade:
         arrays: Mapping[str, Variable],
     ) -> None:
         self._arrays = arrays
+        self.is_thin = not (fmu.interface == "model_exchange" or fmu.event_mode or fmu.has_arrays)
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
         self._starts: tuple[list[Batch], list[Batch]] = ([], [])

@@ -56,6 +56,7 @@ class Fmu:
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
     once_per_process : whether there can be one instance only
+    serializes : whether its state can be put into a file
     restores_state, interpolates_inputs, varies_step : whether it declares these abilities
 
     Raises
@@ -80,6 +81,7 @@ class Fmu:
         self.identifier: str = chosen.modelIdentifier or ""
         self.event_mode = self.interface == "co_simulation" and _flag(chosen, "hasEventMode")
         self.once_per_process = _flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
+        self.serializes = _flag(chosen, "canSerializeFMUstate")
         self.needs_tool = _flag(chosen, "needsExecutionTool")
         self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
         self.n_states = int(description.numberOfContinuousStates or 0)

@@ -61,6 +61,11 @@ class Library:
         """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
         return self.address("fmi2SetRealInputDerivatives")
 
+    def function(self, name: str) -> Any:
+        """Return a function for use from Python; it returns an FMI status."""
+        self.address(name)
+        return self._library[name]
+
     def address(self, name: str) -> int:
         """Return the address of a function.
 

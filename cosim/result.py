@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import toolchain
 from cosim.names import suggestion
+from cosim.tables import write_parquet
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -89,6 +90,17 @@ class Result:
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
         return toolchain.write_whole(Path(path), self.frame().to_csv(lineterminator="\n"))
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> Path:
+        """Write ``time`` (s) and the signals; units are in the metadata of the columns.
+
+        Raises
+        ------
+        CosimError
+            When pyarrow is not installed.
+        """
+        write_parquet(Path(path), self.frame(), self.units)
+        return Path(path)
 
     @cached_property
     def _columns(self) -> dict[str, int]:

@@ -98,10 +98,12 @@ class Table:
     ----------
     time : (n,) s, never falling
     values : (n,) in the unit of the input
+    held : whether each value holds until the next time instead
     """
 
     time: Array
     values: Array
+    held: bool = False
 
     def __post_init__(self) -> None:
         for name in ("time", "values"):
@@ -151,6 +153,8 @@ class Table:
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
+        if self.held:
+            return self.hold(t)
         if len(self.time) == 1:
             return np.full(np.shape(t), self.values[0])
         right = np.clip(np.searchsorted(self.time, t), 1, len(self.time) - 1)
@@ -189,7 +193,7 @@ def sample_inputs(
             signal = inputs[name]
             if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
                 signal = signal.hold(time)
-            table[:, i] = _sampled(name, signal, time)
+            table[:, i] = sampled(name, signal, time)
         else:
             start = starts.get(targets[0], system.variable(targets[0]).start)
             number = float(start) if isinstance(start, int | float) else 0.0
@@ -197,7 +201,14 @@ def sample_inputs(
     return table
 
 
-def _sampled(name: str, signal: Input, time: Array) -> Array:
+def sampled(name: str, signal: Input, time: Array) -> Array:
+    """Return an input over time, (n,) or a single value for all times.
+
+    Raises
+    ------
+    SignalError
+        When it has the wrong shape, is not finite or holds no numbers.
+    """
     if hasattr(signal, "sample"):
         signal = signal.sample(time)
     elif callable(signal):

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from cosim import kernel
+from cosim.checkpoint import Checkpoint
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling, Method
-from cosim.ending import ending, kept_rows
-from cosim.errors import SimulationError
+from cosim.disturbances import disturb
+from cosim.ending import Ending, ending, kept_rows
+from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import group
+from cosim.memory import Memory
 from cosim.once import claim, give_up
+from cosim.pace import Pace
 from cosim.result import Array, Result
+from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
+from cosim.state import StateAccess
 from cosim.variables import Value
 from cosim.wiring import wire
 
@@ -62,6 +71,7 @@ class Simulation:
     spec : Specification
     time : (n_steps + 1,) float64, s
     order : names of the components as they step
+    pace : how well the last run kept real time, None when it did not have to
     """
 
     def __init__(self, spec: Specification) -> None:
@@ -72,6 +82,8 @@ class Simulation:
         groups = group(system, coupling)
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        self.pace: Pace | None = None
+        self._halted: Memory | None = None
         self.order = [name for members in groups for name in members.components]
         self._layout = Layout.of(system, spec.record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
@@ -99,6 +111,11 @@ class Simulation:
         self,
         parameters: Mapping[str, object] | None = None,
         inputs: Mapping[str, Input] | None = None,
+        *,
+        scenario: Scenario | None = None,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
 
@@ -108,6 +125,12 @@ class Simulation:
         inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
             number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
             of its first target
+        scenario : what happens to signals on the way
+        until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
+            left out
+        real_time : simulated s per s; as fast as can be if left out. ``pace`` tells how well the
+            clock was kept
+        progress : is called with the time reached (s) now and then
 
         Raises
         ------
@@ -124,33 +147,177 @@ class Simulation:
             values[name] = system.checked(name, value)
             check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
+        self._disturb(scenario, external)
+        self._begin(values)
+        memory = Memory(self._run, external, self._block)
+        return self._step(memory, 0, self._place(until), real_time, progress)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the state that the last run halted in to a file, for ``resume``; return the path.
+
+        Raises
+        ------
+        SimulationError
+            When no run was halted by ``until``, or an FMU cannot give its state away, or there is
+            more state than the FMUs': Model Exchange, event mode, arrays, a coupling that is not
+            plain.
+        """
+        if self._halted is None:
+            raise SimulationError("there is no state to save: halt a run with run(until=...)")
+        components = self.spec.system.components
+        if mute := [name for name, fmu in components.items() if not fmu.serializes]:
+            raise SimulationError(
+                f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
+                " (canSerializeFMUstate)"
+            )
+        if self._run.coupling:
+            raise SimulationError(
+                "the state cannot be saved: with a coupling other than the plain ones it takes"
+                " more than one point in time"
+            )
+        if hidden := [name for name, facade in self._facades.items() if not facade.is_thin]:
+            raise SimulationError(
+                f"the state cannot be saved: {', '.join(hidden)} with Model Exchange, event mode or"
+                " arrays has more than the FMU's own"
+            )
+        states = {name: self._state_of(name).save() for name in self.order}
+        row = self._halted.row(self._run.done)
+        return Checkpoint(self._identity(), self._run.done, row, states).write(path)
+
+    def resume(
+        self,
+        path: str | os.PathLike[str],
+        inputs: Mapping[str, Input] | None = None,
+        *,
+        scenario: Scenario | None = None,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Result:
+        """Go on from a saved state; return what follows, the time of the state included.
+
+        Arguments are those of ``run``; start values are in the state.
+
+        Raises
+        ------
+        SimulationError
+            Also when the state is of another system, step, start, coupling or record.
+        """
+        checkpoint = Checkpoint.read(path)
+        if checkpoint.identity != self._identity():
+            raise SimulationError(
+                f"{path} was saved by another system, or with another step, start, coupling or"
+                " record"
+            )
+        last = self._place(until)
+        if last <= checkpoint.step:
+            reached = self.spec.start + checkpoint.step * self.spec.step
+            raise ExperimentError(
+                f"{path} is at t = {reached:.9g} s already, there is no step left"
+            )
+        system = self.spec.system
+        external = sample_inputs(system, system.parameters, inputs or {}, self.time)
+        self._disturb(scenario, external)
+        self._begin(system.parameters)
+        memory = Memory(self._run, external, self._block)
+        self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
+        for name in self.order:
+            self._state_of(name).restore(checkpoint.states[name])
+        memory.begin(checkpoint.step, checkpoint.row)
+        return self._step(memory, checkpoint.step, last, real_time, progress)
+
+    def _disturb(self, scenario: Scenario | None, external: Array) -> None:
+        if scenario or self._run.disturbed:
+            self._disturbances = disturb(
+                scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
+            )
+
+    def _begin(self, values: Mapping[str, Value]) -> None:
+        """Make FMUs and start values ready for a new run."""
         if values.keys() != self._settings.names:
             self._attach(self._new_settings(values))
         self._settings.fill(values)
         self._instantiate()
+        self._halted = None
+        self._run.done = -1
 
-        run = self._run
-        record: Array = np.empty((len(self.time), run.n_selected))
-        if self._block is None:
-            run.rows = record.ctypes.data
-        else:
-            run.record = record.ctypes.data
-        run.external = external.ctypes.data if external.size else None
-        run.done = -1
+    def _step(
+        self,
+        memory: Memory,
+        first: int,
+        last: int,
+        real_time: float | None,
+        progress: Callable[[float], object] | None,
+    ) -> Result:
+        """Step to the last of the points in time, and look up on the way if asked to."""
+        if real_time is not None and not 0 < real_time < math.inf:
+            raise ExperimentError(f"real_time is {real_time}, expected a positive number")
+        self.pace = None if real_time is None else Pace(real_time)
+        look = last - first
+        if self.pace:
+            look = max(1, round(self.pace.interval / self.spec.step))
+            self.pace.begin(self.time[first])
+        elif progress:
+            look = max(1, look // 100)
+        for halt in [*range(first + look, last, look), last]:
+            if end := self._advance(halt, memory):
+                return self._ended(end, memory, first)
+            if self.pace:
+                self.pace.keep(self.time[halt])
+            if progress:
+                progress(float(self.time[halt]))
+        shown = slice(first, last + 1)
+        return Result(
+            self.time[shown], memory.record[shown], self._layout.recorded, self.spec.system
+        )
+
+    def _advance(self, halt: int, memory: Memory) -> Ending | None:
+        self._halted = None
+        self._run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
-            outcome = self._kernel.advance(run)
+            outcome = self._kernel.advance(self._run)
         if outcome == kernel.FAILED:
-            name = self.order[run.failed]
-            end = ending(run, self._slots[name], self._facades.get(name), self._libraries[name])
+            name = self.order[self._run.failed]
+            facade = self._facades.get(name)
+            end = ending(self._run, self._slots[name], facade, self._libraries[name])
             if end is None:
                 raise self._failure()
-            rows = record if self._block is None else self._block
-            kept = kept_rows(run, record, rows, self._slots[name], end)
-            time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
-            stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
-            return Result(time, kept, self._layout.recorded, system, stopped)
-        return Result(self.time, record, self._layout.recorded, system)
+            return end
+        if outcome == kernel.HALTED:
+            self._halted = memory
+        return None
+
+    def _ended(self, end: Ending, memory: Memory, first: int) -> Result:
+        """Return what there is of a run from a step on that an FMU ended."""
+        run = self._run
+        name = self.order[run.failed]
+        kept = kept_rows(run, memory.record, memory.rows, self._slots[name], end)
+        time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
+        stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
+        return Result(time[first:], kept[first:], self._layout.recorded, self.spec.system, stopped)
+
+    def _place(self, until: float | None) -> int:
+        """Return the number of the step that ends at a time."""
+        if until is None:
+            return len(self.time) - 1
+        n = round((until - self.spec.start) / self.spec.step)
+        if not 0 < n < len(self.time) or abs(self.time[n] - until) > 1e-9 * self.spec.step * n:
+            raise ExperimentError(f"until = {until} s is none of the points in time of the run")
+        return n
+
+    def _state_of(self, name: str) -> StateAccess:
+        facade = self._facades.get(name)
+        instance = facade.c.instance if facade else self._slots[name].instance
+        version = self.spec.system.components[name].version
+        return StateAccess(name, version, self._libraries[name], instance)
+
+    def _identity(self) -> str:
+        spec = self.spec
+        tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
+        columns = list(self._layout.columns)
+        coupling = Coupling.of(spec.coupling)
+        return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, columns))
 
     @property
     def accuracy(self) -> int:
@@ -167,6 +334,7 @@ class Simulation:
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        self._halted = None
         self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)

@@ -18,8 +18,11 @@ from ctypes import (
 )
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import fmpy
+import numpy as np
+from numpy.typing import NDArray
 
 import toolchain
 
@@ -40,6 +43,12 @@ class Log(Structure):
     """The gravest message of a component."""
 
     _fields_ = (("callbacks", c_void_p * 5), ("severity", c_int32), ("message", c_char * 1024))
+
+
+class Disturbance(Structure):
+    """What a scenario does to one signal."""
+
+    _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
 
 
 class Component(Structure):
@@ -64,6 +73,8 @@ class Component(Structure):
         ("n_settings", c_size_t),
         ("settings", POINTER(Setting)),
         ("log", POINTER(Log)),
+        ("n_disturbances", c_size_t),
+        ("disturbances", POINTER(Disturbance)),
     )
 
 
@@ -98,13 +109,15 @@ class Run(Structure):
         ("initial", c_void_p),
         ("coupling", c_void_p),
         ("unsolved", c_void_p),
+        ("disturbed", c_int64),
+        ("halt", c_int64),
     )
 
 
 # Two neighbours copied as one would wait until both have arrived in memory.
 _FLAGS = ("-fno-slp-vectorize",)
 
-FINISHED, PAUSED, FAILED = range(3)
+FINISHED, PAUSED, FAILED, HALTED = range(4)
 
 SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
 
@@ -124,6 +137,11 @@ STATUS = {
     110: "came to no end of events at one time or within one step",
     111: "could not integrate",
 }
+
+
+def doubles(values: NDArray[np.float64]) -> Any:
+    """Return the address of an array, as long as which is kept it can be used."""
+    return values.ctypes.data_as(POINTER(c_double))
 
 
 @cache

@@ -2,6 +2,7 @@
  * all agree. */
 #include "calls.h"
 #include "coupling.h"
+#include "disturbance.h"
 #include <string.h>
 
 /* Rows 0 and 1 are the same point in time. */
@@ -16,6 +17,7 @@ static bool sweep(Run *run, Loop *loop) {
         if (!(set_inputs(run, c, run->rows) && get_outputs(run, c, c->n_linked, run->rows))) {
             return false;
         }
+        disturb(run, c, run->rows, 0);
         memcpy(values + run->width, values, c->n_linked * sizeof *values);
     }
     return true;

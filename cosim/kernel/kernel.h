@@ -59,6 +59,14 @@ typedef struct {
     const void *values;         /* n, of the type that set takes */
 } Setting;
 
+/* What a scenario does to one signal: value = keep * value + add; where keep is not a number, the
+ * value stays what it was a step before. */
+typedef struct {
+    int64_t column;
+    const double *keep; /* n_steps + 1 */
+    const double *add;  /* n_steps + 1 */
+} Disturbance;
+
 /* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
 typedef struct {
     fmi2CallbackFunctions callbacks;
@@ -93,9 +101,11 @@ typedef struct {
     size_t n_settings;
     const Setting *settings;
     Log *log;
+    size_t n_disturbances;
+    const Disturbance *disturbances;
 } Component;
 
-enum Outcome { FINISHED, PAUSED, FAILED };
+enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
 enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102, NOT_SOLVED = 103 };
@@ -125,6 +135,8 @@ typedef struct {
     struct Loop *initial;      /* what must agree before the first step, or NULL; see coupling.h */
     struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
     struct Loop *unsolved;
+    int64_t disturbed; /* not 0: some components have disturbances */
+    int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */
@@ -133,7 +145,8 @@ EXPORT void instantiate(Component *c, const char *name, const char *token, const
 EXPORT void release(Component *c);
 void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
 
-/* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals. */
+/* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
+ * HALTED when step halt is reached: with another halt, it goes on from there. */
 EXPORT enum Outcome advance(Run *run);
 
 #endif

@@ -1,5 +1,6 @@
 #include "calls.h"
 #include "coupling.h"
+#include "disturbed.h"
 #include "steps.h"
 #include <math.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 static bool get_initial(Run *run, const Component *c) {
     double *values = run->rows + c->column;
     TRY(get_outputs(run, c, c->n_linked, run->rows));
+    disturb(run, c, run->rows, 0);
     memcpy(values + run->width, values, c->n_linked * sizeof *values);
     return true;
 }
@@ -33,7 +35,10 @@ static bool initialise(Run *run) {
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
     TRY(!run->initial || solve_initial(run));
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
-    FOR_EACH_COMPONENT(c) { TRY(get_outputs(run, c, c->n_outputs, run->rows)); }
+    FOR_EACH_COMPONENT(c) {
+        TRY(get_outputs(run, c, c->n_outputs, run->rows));
+        disturb(run, c, run->rows, 0);
+    }
     return true;
 }
 
@@ -107,7 +112,9 @@ static bool step_block(Run *run, int64_t end) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
-    const bool stepped = run->coupling ? couple_until(run, end) : step_until(run, end);
+    const bool stepped = UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
+                         : run->coupling          ? couple_until(run, end)
+                                                  : step_until(run, end);
     TRY(stepped || trace_back(run, first + 1));
     return close_rows(run, first + 1, end);
 }
@@ -124,14 +131,17 @@ enum Outcome advance(Run *run) {
         run->done = 0;
     }
     const time_t second = time(NULL);
-    while (run->done < run->n_steps) {
-        const int64_t left = run->n_steps - run->done;
+    while (run->done < run->halt) {
+        const int64_t left = run->halt - run->done;
         if (!step_block(run, run->done + (left < run->block ? left : run->block))) {
             return FAILED;
         }
         if (time(NULL) != second) {
             return PAUSED;
         }
+    }
+    if (run->done < run->n_steps) {
+        return HALTED;
     }
     FOR_EACH_COMPONENT(c) {
         if (!terminate(run, c)) {

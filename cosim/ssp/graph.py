@@ -153,7 +153,10 @@ class Graph:
         self._expect(inner, node.children, f"there is no component {inner!r}", element)
         child = node.children[inner]
         if child.dictionary is not None:
-            return self._dictionary(child, element), name
+            path = self._dictionary(child, element)
+            entries = self.nodes[path[:-2]].dictionaries[path[-2]]
+            self._expect(name, entries, f"the dictionary has no entry {name!r}", element)
+            return path, name
         known = [*child.connectors, *(self.fmus[child.path].variables if child.fmu else ())]
         self._expect(name, known, f"{component(child.path)} has no connector {name!r}", element)
         return child.path, name

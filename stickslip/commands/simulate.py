@@ -25,8 +25,23 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--input",
         type=Path,
-        metavar="FILE.csv",
+        metavar="FILE.csv|FILE.parquet",
         help="a column time [s] and one per input, linear in between; a packed input otherwise",
+    )
+    parser.add_argument(
+        "--hold",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="COLUMN",
+        help="columns of --input whose values hold until the next time",
+    )
+    parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
+    parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
+    parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from a saved state")
+    parser.add_argument(
+        "--real-time", type=float, metavar="FACTOR", help="simulated s per s, instead of full speed"
     )
     parser.add_argument(
         "--record",
@@ -35,7 +50,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="NAME",
         help="names or patterns (drive.*); all outputs and inputs by default",
     )
-    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="write every sample there")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write every sample there"
+    )
     parser.set_defaults(run=run)
 
 
@@ -43,9 +60,9 @@ def run(options: argparse.Namespace) -> None:
     """Run, write the samples if asked to, and print the range and end of each signal."""
     if options.out:
         claim_folder(options.out.parent)
-    system, experiment, inputs = _open(options.file)
+    system, experiment, inputs = _open(options.file, options.variant)
     if options.input:
-        inputs = cosim.Table.all_from_csv(options.input)
+        inputs = cosim.read_tables(options.input, options.hold)
     experiment = replace(
         experiment,
         stop=experiment.stop if options.stop is None else options.stop,
@@ -60,21 +77,34 @@ def run(options: argparse.Namespace) -> None:
     with system.prepare(
         start=experiment.start or 0.0, stop=experiment.stop, step=experiment.step, record=record
     ) as simulation:
-        result = simulation.run(inputs=inputs)
+        how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
+        if options.resume:
+            result = simulation.resume(options.resume, **how)
+        else:
+            result = simulation.run(**how)
+        if options.save:
+            simulation.save(options.save)
+        pace = simulation.pace
     if options.out:
-        result.to_csv(options.out)
+        write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv
+        write(options.out)
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
     for name in result:
         signal, unit = result[name], result.units[name] or ""
         print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
+    if pace:
+        print(
+            f"real time: late {pace.overruns} of {pace.looks} times by more than"
+            f" {pace.interval} s, at most {max(0.0, pace.worst):.3g} s"
+        )
 
 
 def _open(
-    path: Path,
+    path: Path, variant: str | None
 ) -> tuple[cosim.System, cosim.DefaultExperiment, Mapping[str, cosim.Table]]:
     """Return the system in a file, the times it proposes and the input packed with it."""
     if path.suffix == ".ssp":
-        return *cosim.read_ssp(path), packed_input(path)
+        return *cosim.read_ssp(path, variant), packed_input(path)
     if path.suffix != ".fmu":
         raise UsageError(f"{path}: expected a file .ssp or .fmu")
     fmu = cosim.Fmu(path)

@@ -316,6 +316,16 @@ def test_a_signal_dictionary_is_a_bus_across_systems(pack, tmp_path):
     assert (again.connections, again.inputs) == (system.connections, system.inputs)
 
 
+def test_a_change_that_would_break_the_package_is_refused(pack, tmp_path):
+    """An outer binding names the component that is gone."""
+    body = bind(("a.k", 2)) + elements(component("a"), component("b"))
+    system, _ = cosim.read_ssp(pack(one(body)))
+    del system.components["a"], system.parameters["a.k"]
+    with pytest.raises(cosim.SspError, match=r"would be broken: .*no parameter 'a\.k'"):
+        cosim.write_ssp(system, tmp_path / "b.ssp")
+    assert not (tmp_path / "b.ssp").exists()
+
+
 def test_variants_are_listed_and_chosen_by_name_or_file(pack, tmp_path):
     other = structure(elements(component("b")), name="other")
     package = pack({**one(elements(component("a"))), "light.ssd": other})
@@ -400,6 +410,13 @@ BOOLEAN = (
             elements('<ssd:SignalDictionaryReference name="r" dictionary="D"/>', component("a"))
             + connections(("a.y", "r.z")),
             "no signal dictionary 'D'",
+        ),
+        (
+            DICTIONARY.replace('endConnector="force"', 'endConnector="farce"').replace(
+                ' source="resources/d.ssb"/>',
+                f">{ENTRIES.partition('?>')[2]}</ssd:SignalDictionary>",
+            ),
+            "no entry 'farce'; did you mean 'force'",
         ),
     ],
 )

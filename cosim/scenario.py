@@ -1,0 +1,116 @@
+"""What happens to signals during a run: replaced, noisy, stuck. Prepared as tables, run in C."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from cosim.errors import SignalError
+from cosim.signals import Array, Input, sampled
+
+
+class Event(Protocol):
+    """One thing that happens to a signal."""
+
+    def apply(self, time: Array, keep: Array, add: Array) -> None:
+        """Change value = keep * value + add, both (n,), where it happens; keep is NaN if stuck."""
+
+
+@dataclass(frozen=True)
+class _Span:
+    begin: float
+    end: float
+
+    def covers(self, time: Array) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        # a time that is meant to be a point of the run may miss it by a rounding error
+        slack = 1e-9 * max(1e-300, float(time[-1] - time[0])) / max(1, len(time) - 1)
+        return (time >= self.begin - slack) & (time < self.end - slack)
+
+
+@dataclass(frozen=True)
+class _Override(_Span):
+    name: str
+    value: Input
+
+    def apply(self, time: Array, keep: Array, add: Array) -> None:
+        here = self.covers(time)
+        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
+        keep[here], add[here] = 0.0, values[here]
+
+
+@dataclass(frozen=True)
+class _Noise(_Span):
+    deviation: float
+    seed: int
+
+    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002
+        here = self.covers(time)
+        noise = np.random.default_rng(self.seed).standard_normal(len(time))
+        add[here] += self.deviation * noise[here]
+
+
+@dataclass(frozen=True)
+class _Stuck(_Span):
+    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002
+        keep[self.covers(time)] = math.nan
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What happens to outputs of components and to exposed inputs, on their way to receivers.
+
+    Each method returns a new scenario with one thing more. On one signal they act in this order. A
+    span holds from ``begin`` up to, not including, ``end`` (s). What is recorded is what the
+    receivers see.
+
+    >>> dropout = Scenario().stick("drive.x_enc", begin=1.0, end=1.1).set("v_cmd", 0.0, at=2.0)
+    """
+
+    events: tuple[tuple[str, Event], ...] = ()
+
+    def set(self, name: str, value: float, at: float) -> Scenario:
+        """Give a signal a value from a time on."""
+        return self.override(name, value, at)
+
+    def override(
+        self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
+    ) -> Scenario:
+        """Let another signal take the place of one: a number, Signal, function or array."""
+        return self._with(name, _Override(begin, end, name, value))
+
+    def add_noise(
+        self,
+        name: str,
+        deviation: float,
+        seed: int,
+        begin: float = -math.inf,
+        end: float = math.inf,
+    ) -> Scenario:
+        """Add white Gaussian noise of a standard deviation, in the unit of the signal."""
+        return self._with(name, _Noise(begin, end, deviation, seed))
+
+    def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
+        """Let a signal keep the value that it had a step before ``begin``."""
+        return self._with(name, _Stuck(begin, end))
+
+    def tables(self, time: Array) -> dict[str, tuple[Array, Array]]:
+        """Return name -> keep and add, each (n,), of value = keep * value + add.
+
+        Raises
+        ------
+        SignalError
+            When a value is not finite.
+        """
+        tables: dict[str, tuple[Array, Array]] = {}
+        for name, event in self.events:
+            keep, add = tables.setdefault(name, (np.ones(len(time)), np.zeros(len(time))))
+            event.apply(time, keep, add)
+            if not np.isfinite(add).all():
+                raise SignalError(f"scenario: {name} would not be finite")
+        return tables
+
+    def _with(self, name: str, event: Event) -> Scenario:
+        return replace(self, events=(*self.events, (name, event)))

@@ -1,0 +1,50 @@
+"""Reads a changed package back before it is handed out."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path as File
+
+from cosim.errors import CosimError, SspError
+from cosim.ssp.members import Members
+from cosim.ssp.package import Package
+from cosim.ssp.read import read_package
+from cosim.system import System
+
+
+def verify(members: Members, structure: str, system: System) -> None:
+    """Check that the members of a package say what a system is.
+
+    Raises
+    ------
+    SspError
+        When they do not, and where; for example when a binding still names a component that was
+        removed.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = File(name)
+        for member, data in members.items():
+            file = folder / member
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(data)
+        try:
+            again = read_package(Package(folder / structure, folder, structure))[0]
+        except CosimError as fault:
+            raise SspError(f"the changed package would be broken: {fault}") from fault
+    for part in ("connections", "inputs", "outputs"):
+        if (found := getattr(again, part)) != getattr(system, part):
+            raise SspError(f"the changed package would have the {part} {found}")
+    for target, source in system.sources().items():
+        wanted, found = system.scaling(source, target), again.scaling(source, target)
+        if not (
+            math.isclose(wanted.factor, found.factor, rel_tol=1e-12)
+            and math.isclose(wanted.offset, found.offset, rel_tol=1e-12, abs_tol=1e-300)
+        ):
+            raise SspError(f"the changed package would scale {target} by {found}, not {wanted}")
+    for parameter, value in system.parameters.items():
+        if again.parameters.get(parameter) != value:
+            raise SspError(
+                f"the changed package would give {parameter} ="
+                f" {again.parameters.get(parameter)!r}, not {value!r}"
+            )

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim import Scenario
+
+STEP, N = 0.1, 20
+
+
+@pytest.fixture(params=["gauss_seidel", "jacobi"])
+def simulation(make, request):
+    """x -> gain -> integrator, with a few signals recorded or all."""
+    system = cosim.System("line")
+    system.add("sensor", make("gain"))
+    system.add("plant", make("integrator", 3), {"k": 0.0})
+    system.expose("x", "sensor.u")
+    system.connect("sensor.y", "plant.u")
+    with system.prepare(step=STEP, stop=N * STEP, coupling=request.param) as simulation:
+        yield simulation
+
+
+def run(simulation, scenario, x=np.sin):
+    return simulation.run(inputs={"x": x}, scenario=scenario)
+
+
+def test_no_scenario_changes_no_bit_and_none_stays_behind(simulation):
+    plain = simulation.run(inputs={"x": np.sin})
+    run(simulation, Scenario().set("sensor.y", 1.0, at=0.0))
+    np.testing.assert_array_equal(run(simulation, Scenario()).values, plain.values)
+
+
+def test_receivers_see_a_signal_that_was_replaced(simulation):
+    result = run(simulation, Scenario().override("sensor.y", np.cos, begin=0.5, end=1.0))
+    t = result.time
+    spell = (np.arange(N + 1) >= 5) & (np.arange(N + 1) < 10)
+    np.testing.assert_array_equal(result["sensor.y"][spell], np.cos(t)[spell])
+    # replacing an internal signal is feeding the receiver with it from outside
+    seen = simulation.run(inputs={"x": np.sin})["sensor.y"].copy()
+    seen[spell] = np.cos(t)[spell]
+    again = run(simulation, Scenario().override("sensor.y", seen))
+    np.testing.assert_array_equal(again["plant.y"], result["plant.y"])
+
+
+@pytest.mark.parametrize("name", ["x", "sensor.y"])
+def test_a_stuck_signal_keeps_the_value_before(simulation, name):
+    free = simulation.run(inputs={"x": np.sin})[name]
+    stuck = run(simulation, Scenario().stick(name, begin=0.5, end=1.0))[name]
+    np.testing.assert_array_equal(stuck[5:10], free[4])
+    np.testing.assert_array_equal(stuck[:5], free[:5])
+    np.testing.assert_array_equal(stuck[10:], free[10:])
+
+
+@pytest.mark.parametrize("name", ["x", "sensor.y"])
+def test_noise_repeats_with_its_seed_and_has_its_deviation(make, name):
+    system = cosim.System("one")
+    system.add("sensor", make("gain"))
+    system.expose("x", "sensor.u")
+    with system.prepare(step=0.001, stop=10.0) as simulation:
+        noisy = Scenario().add_noise(name, 0.5, seed=1)
+        one, two = (simulation.run(scenario=noisy)[name].copy() for _ in range(2))
+        other = simulation.run(scenario=Scenario().add_noise(name, 0.5, seed=2))[name]
+    np.testing.assert_array_equal(one, two)
+    assert not np.array_equal(one, other)
+    assert one.std() == pytest.approx(0.5, rel=0.05)
+    assert abs(np.corrcoef(one[1:], one[:-1])[0, 1]) < 0.05
+
+
+def test_events_on_one_signal_act_in_their_order(simulation):
+    scenario = Scenario().set("x", 1.0, at=0.0).add_noise("x", 0.1, 3).set("x", 2.0, at=1.0)
+    x = run(simulation, scenario)["x"]
+    assert x[:10].std() > 0
+    assert set(x[10:]) == {2.0}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "message"),
+    [
+        (Scenario().set("sensor.z", 1.0, at=0.0), "no signal of the run"),
+        (Scenario().override("x", np.nan), "not finite"),
+        (Scenario().override("x", np.zeros(3)), "shape"),
+    ],
+)
+def test_scenarios_that_cannot_be(simulation, scenario, message):
+    with pytest.raises(cosim.SignalError, match=message):
+        run(simulation, scenario)
+
+
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+def test_unrolled_steps_give_way_to_a_scenario_and_come_back(make, coupling):
+    system = cosim.System("ring")
+    system.add("sensor", make("gain"), {"k": -0.5})
+    system.add("plant", make("integrator", 3), {"k": 1.0})
+    system.connect("sensor.y", "plant.u")
+    system.connect("plant.y", "sensor.u")
+    scenario = Scenario().add_noise("sensor.y", 0.1, seed=1).stick("plant.y", 0.5, 0.9)
+    values = []
+    for compiled in (False, True):
+        how = {"coupling": coupling, "compiled": compiled}
+        with system.prepare(step=STEP, stop=N * STEP, **how) as simulation:
+            runs = [simulation.run(scenario=s).values for s in (None, scenario, None)]
+        np.testing.assert_array_equal(runs[0], runs[2])
+        assert not np.array_equal(runs[0], runs[1])
+        values.append(runs)
+    np.testing.assert_array_equal(values[0], values[1])
+
+
+def test_from_the_beginning_receivers_see_the_disturbed_value(make):
+    system = cosim.System("late")
+    for name in ("a", "b"):
+        system.add(name, make("gain"), {"k": 2.0})
+    system.connect("a.y", "b.u")
+    system.expose("x", "a.u")
+    for coupling in ("gauss_seidel", "jacobi"):
+        with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+            result = run(simulation, Scenario().set("a.y", 3.0, at=0.0))
+        assert set(result["b.y"]) == {6.0}
+
+
+def test_outputs_are_not_disturbed_where_the_coupling_is_not_plain(make):
+    system = cosim.System("slow")
+    system.add("a", make("gain"))
+    system.expose("x", "a.u")
+    coupling = cosim.Coupling(every={"a": 2})
+    with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
+        with pytest.raises(cosim.ExperimentError, match=r"a\.y: outputs .* plain coupling"):
+            run(simulation, Scenario().set("a.y", 1.0, at=0.0))
+        again = run(simulation, Scenario().set("x", 1.0, at=0.0))["a.y"]
+        np.testing.assert_array_equal(again, run(simulation, None, x=1.0)["a.y"])

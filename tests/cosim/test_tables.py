@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cosim
+
+FRAME = pd.DataFrame({"time": [0.0, 1.0, 1.0, 2.0], "v": [0.0, 1.0, 5.0, 6.0], "w": [1, 2, 3, 4]})
+T = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])
+
+
+def test_a_held_table_keeps_each_value_until_the_next_time():
+    table = cosim.Table(FRAME["time"], FRAME["v"], held=True)
+    assert table.sample(T).tolist() == [0.0, 0.0, 5.0, 5.0, 6.0]
+
+
+@pytest.mark.parametrize("kind", ["frame", "index", "csv", "parquet"])
+def test_all_sources_give_the_same_signals(tmp_path, kind):
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
+    source = tmp_path / f"in.{kind}"
+    if kind == "csv":
+        FRAME.to_csv(source, index=False)
+    elif kind == "parquet":
+        FRAME.to_parquet(source)
+    else:
+        source = FRAME.set_index("time") if kind == "index" else FRAME
+    tables = cosim.read_tables(source, held=["w"])
+    assert tables["v"].sample(T).tolist() == [0.0, 0.5, 5.0, 5.5, 6.0]
+    assert tables["w"].sample(T).tolist() == [1.0, 1.0, 3.0, 3.0, 4.0]
+    assert all(table.held for table in cosim.read_tables(source, held=True).values())
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (pd.DataFrame({"v": [1.0]}), "'time' among them"),
+        (pd.DataFrame({"time": [0.0], "v": ["x"]}), "no number"),
+        (pd.DataFrame({"time": [1.0, 0.0], "v": [0.0, 0.0]}), "time falls"),
+        (pd.DataFrame({"time": [0.0, 1.0], "v": [0.0, np.nan]}), "not finite"),
+    ],
+)
+def test_frames_that_cannot_be(frame, message):
+    with pytest.raises(cosim.SignalError, match=message):
+        cosim.read_tables(frame)
+
+
+def test_a_column_that_is_not_there_cannot_be_held():
+    with pytest.raises(cosim.SignalError, match="cannot hold x"):
+        cosim.read_tables(FRAME, held=["x"])
+
+
+def test_a_damaged_parquet_file_is_told(tmp_path):
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "in.parquet"
+    path.write_text("no parquet")
+    with pytest.raises(cosim.SignalError, match=r"in\.parquet: cannot be read"):
+        cosim.read_tables(path)
+
+
+def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(cosim.SignalError, match=r"pip install 'stickslip\[parquet\]'"):
+        cosim.read_tables(tmp_path / "in.parquet")
+
+
+def test_results_in_parquet_keep_every_bit_and_the_units(make, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    system = cosim.System("one")
+    system.add("a", make("gain"))
+    system.expose("x", "a.u")
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        result = simulation.run(inputs={"x": np.sin})
+    path = result.to_parquet(tmp_path / "out.parquet")
+    schema = parquet.read_schema(path)
+    assert schema.field("a.y").metadata == {b"unit": b"N"}
+    assert schema.field("time").metadata == {b"unit": b"s"}
+    again = cosim.read_tables(path)
+    np.testing.assert_array_equal(again["a.y"].values, result["a.y"])
+    assert [p.name for p in tmp_path.iterdir()] == ["out.parquet"]

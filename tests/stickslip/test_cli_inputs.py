@@ -1,0 +1,66 @@
+"""``stickslip simulate`` with inputs and results in other forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cosim
+import models
+from stickslip.cli import main
+
+TIMES = ["--stop", "0.02", "--step", "0.001"]
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory):
+    return models.build_fmu("stage", tmp_path_factory.mktemp("fmus"))
+
+
+def simulate(*arguments):
+    return main(["simulate", *map(str, arguments), *TIMES])
+
+
+@pytest.fixture
+def force(tmp_path, stage):
+    """Write an input that jumps, and return its name and the file."""
+    (name,) = (v.name for v in cosim.Fmu(stage).variables.values() if v.causality == "input")
+    frame = pd.DataFrame({"time": [0.0, 0.01, 0.02], name: [0.0, 20.0, 40.0]})
+    path = tmp_path / "in.parquet"
+    frame.to_parquet(path)
+    return name, path
+
+
+def test_parquet_goes_in_and_comes_out(stage, force, tmp_path):
+    name, path = force
+    simulate(stage, "--input", path, "--out", tmp_path / "linear.parquet")
+    simulate(stage, "--input", path, "--hold", name, "--out", tmp_path / "held.csv")
+    linear = pd.read_parquet(tmp_path / "linear.parquet")[name]
+    held = pd.read_csv(tmp_path / "held.csv")[name]
+    assert linear[5] == pytest.approx(10.0)
+    assert np.unique(held).tolist() == [0.0, 20.0, 40.0]
+
+
+def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
+    _, path = force
+    state = tmp_path / "half.state"
+    simulate(stage, "--input", path, "--out", tmp_path / "whole.csv")
+    simulate(stage, "--input", path, "--until", "0.01", "--save", state)
+    simulate(stage, "--input", path, "--resume", state, "--out", tmp_path / "rest.csv")
+    whole, rest = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("whole", "rest"))
+    pd.testing.assert_frame_equal(whole[10:].reset_index(drop=True), rest, check_exact=True)
+
+
+def test_real_time_is_reported(stage, capsys):
+    simulate(stage, "--real-time", "10")
+    assert "real time: late" in capsys.readouterr().out
+
+
+def test_a_variant_is_chosen(stage, tmp_path, capsys):
+    system = cosim.System("loop")
+    system.add("stage", stage)
+    package = cosim.write_ssp(system, tmp_path / "a.ssp")
+    simulate(package, "--variant", "loop")
+    assert simulate(package, "--variant", "lop") != 0
+    assert "no variant 'lop'; did you mean 'loop'" in capsys.readouterr().err

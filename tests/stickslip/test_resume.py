@@ -1,0 +1,85 @@
+"""Saving a system's state and going on from it, with FMUs that can serialise theirs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+import models
+from cosim.control import Axis, LoopSpecification, design_velocity_loop
+from stickslip.loop import paper_loop
+from stickslip.parameters import LUGRE, PAPER
+
+STEP, HALF, STOP = 5e-4, 0.1, 0.25
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def system(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    for name in models.model_names():
+        models.build_fmu(name, folder, fmi=request.param)
+    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"]), LoopSpecification(60.0, 60.0))
+    return paper_loop(folder, loop, {name: PAPER[name] for name in LUGRE})
+
+
+def command(t):
+    return 0.02 * np.sin(40 * t)
+
+
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+@pytest.mark.parametrize("record", [None, ["drive.x_enc", "controller.u"]])
+def test_a_resumed_run_equals_the_uninterrupted_one_bit_for_bit(system, tmp_path, coupling, record):
+    spec = {"step": STEP, "stop": STOP, "coupling": coupling, "record": record}
+    inputs = {"v_cmd": command}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(inputs=inputs)
+        first = simulation.run(inputs=inputs, until=HALF)
+        path = simulation.save(tmp_path / "half.state")
+    with system.prepare(**spec) as another:
+        rest = another.resume(path, inputs)
+        again = another.resume(path, inputs, until=2 * HALF)
+        second = another.resume(another.save(tmp_path / "more.state"), inputs)
+    n = len(first.time)
+    assert (first.time[-1], rest.time[0], rest.time[-1]) == (HALF, HALF, STOP)
+    np.testing.assert_array_equal(first.values, whole.values[:n])
+    np.testing.assert_array_equal(rest.values, whole.values[n - 1 :])
+    np.testing.assert_array_equal(again.values, rest.values[: len(again.time)])
+    np.testing.assert_array_equal(second.values[-1], whole.values[-1])
+
+
+def test_a_state_of_another_run_is_refused(system, tmp_path):
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        with pytest.raises(cosim.SimulationError, match="no state to save"):
+            simulation.save(tmp_path / "a.state")
+        simulation.run(until=HALF)
+        path = simulation.save(tmp_path / "a.state")
+    with (
+        system.prepare(step=2 * STEP, stop=STOP) as other,
+        pytest.raises(cosim.SimulationError, match="another step"),
+    ):
+        other.resume(path)
+    with (
+        system.prepare(step=STEP, stop=HALF) as shorter,
+        pytest.raises(cosim.ExperimentError, match="no step left"),
+    ):
+        shorter.resume(path)
+    path.write_bytes(b"PK damaged")
+    with (
+        system.prepare(step=STEP, stop=STOP) as same,
+        pytest.raises(cosim.SimulationError, match=r"a\.state: no saved state"),
+    ):
+        same.resume(path)
+
+
+def test_a_coupling_that_remembers_more_than_one_point_is_halted_but_not_saved(system, tmp_path):
+    coupling = cosim.Coupling(degree=1)
+    inputs = {"v_cmd": command}
+    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
+        whole = simulation.run(inputs=inputs)
+        half = simulation.run(inputs=inputs, until=HALF)
+        np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
+        with pytest.raises(cosim.SimulationError, match="more than one point in time"):
+            simulation.save(tmp_path / "a.state")
+        paced = simulation.run(inputs=inputs, progress=lambda _: None)
+    np.testing.assert_array_equal(paced.values, whole.values)
