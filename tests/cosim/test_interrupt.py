@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+# A process that a shell started in the background inherits that SIGINT is ignored.
+LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 RUN = """
 import sys, cosim
 system = cosim.System()
@@ -38,7 +40,7 @@ def test_nothing_is_left_behind(make, tmp_path, program):
     environment = {"TMPDIR": str(temporary), "STICKSLIP_CACHE": str(cache)}
     path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
     process = subprocess.Popen(
-        [sys.executable, "-c", program, str(make("integrator"))],
+        [sys.executable, "-c", LISTEN + program, str(make("integrator"))],
         env=os.environ | environment | {"PYTHONPATH": path},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -48,7 +50,10 @@ def test_nothing_is_left_behind(make, tmp_path, program):
         assert process.stdout.readline() == "ready\n"
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=20)
+        try:
+            _, said = process.communicate(timeout=20)
+        finally:
+            process.kill()
     assert "KeyboardInterrupt" in said
     assert not list(temporary.iterdir())
     assert not list(cache.rglob(".*"))
