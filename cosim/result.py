@@ -61,10 +61,11 @@ class Result:
             return None
         variable = self._system.variable(name)
         prefix = name.removesuffix(variable.name)
-        columns = [self._columns.get(prefix + element.name) for element in variable.elements()]
-        if None in columns:
+        elements = [prefix + element.name for element in variable.elements()]
+        if not all(name in self for name in elements):
             return None
-        return self.values[:, columns].reshape(-1, *variable.dimensions)  # type: ignore[index]
+        columns = [self._columns[name] for name in elements]
+        return self.values[:, columns].reshape(-1, *variable.dimensions)
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns

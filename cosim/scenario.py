@@ -46,7 +46,7 @@ class _Noise(_Span):
     deviation: float
     seed: int
 
-    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002
+    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002 - one face
         here = self.covers(time)
         noise = np.random.default_rng(self.seed).standard_normal(len(time))
         add[here] += self.deviation * noise[here]
@@ -54,7 +54,7 @@ class _Noise(_Span):
 
 @dataclass(frozen=True)
 class _Stuck(_Span):
-    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002
+    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002 - one face
         keep[self.covers(time)] = math.nan
 
 

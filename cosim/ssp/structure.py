@@ -80,11 +80,6 @@ class Node:
     children: dict[str, Node] = field(default_factory=dict)
     dictionaries: dict[str, Entries] = field(default_factory=dict)
 
-    @property
-    def is_system(self) -> bool:
-        """Whether there are elements inside."""
-        return self.fmu is None and self.dictionary is None
-
     def walk(self) -> Iterator[Node]:
         """Yield this element and all inside, parents first."""
         yield self

@@ -51,7 +51,7 @@ def test_missing_dependencies_mean_all_inputs(make, tmp_path):
 
 def test_pickles_as_its_path(make):
     fmu = cosim.Fmu(make("gain"))
-    twin = pickle.loads(pickle.dumps(fmu))  # noqa: S301
+    twin = pickle.loads(pickle.dumps(fmu))  # noqa: S301 - our own bytes
     assert twin.path == fmu.path
     assert twin.variables == fmu.variables
 

@@ -111,7 +111,7 @@ def test_an_input_left_out_keeps_its_start_value(make):
 
 def test_specification_pickles_and_prepares_the_same(oscillator):
     simulation = oscillator.prepare(step=1e-2, stop=1.0)
-    twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301
+    twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301 - our own bytes
     np.testing.assert_array_equal(simulation.run().values, twin.run().values)
 
 

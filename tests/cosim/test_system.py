@@ -111,7 +111,7 @@ def test_pickles(system):
     system.connect("drive.y", "controller.u")
     system.expose("force", "drive.u")
     system.set("drive.k", 2.0)
-    twin = pickle.loads(pickle.dumps(system))  # noqa: S301
+    twin = pickle.loads(pickle.dumps(system))  # noqa: S301 - our own bytes
     assert (twin.connections, twin.inputs) == (system.connections, system.inputs)
     assert twin.parameters == {"drive.k": 2.0}
 

@@ -39,7 +39,7 @@ def test_an_interface_it_does_not_have(export):
 def test_interfaces_are_listed_and_pickled(export):
     fmu = cosim.Fmu(export("stair", 2, "ME CS"), interface="model_exchange")
     assert fmu.interfaces == ("co_simulation", "model_exchange")
-    assert pickle.loads(pickle.dumps(fmu)).interface == "model_exchange"  # noqa: S301
+    assert pickle.loads(pickle.dumps(fmu)).interface == "model_exchange"  # noqa: S301 - our own bytes
     assert cosim.Fmu(export("stair", 2, "ME CS")).interface == "co_simulation"
     assert cosim.Fmu(export("stair", 2, "ME")).interface == "model_exchange"
 
