@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from cosim.container import write_fmu
 from cosim.coupling import Adaptive, Coupling
 from cosim.errors import (
     ConnectionFault,
@@ -61,5 +62,6 @@ __all__ = [
     "read_ssp",
     "read_tables",
     "variants",
+    "write_fmu",
     "write_ssp",
 ]

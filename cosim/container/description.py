@@ -26,7 +26,8 @@ _CAUSALITY = {
 }
 _VARIABILITY = {"PARAMETER": "fixed", "TUNABLE": "tunable"}
 _INITIAL = {"PARAMETER": "exact", "TUNABLE": "exact", "OUTPUT": "calculated"}
-_STRUCTURED = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*", re.ASCII)
+_NAME = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?"
+_STRUCTURED = re.compile(rf"{_NAME}(\.{_NAME})*", re.ASCII)
 
 
 def model_description(
@@ -112,7 +113,7 @@ def _add_variables(root: ET.Element, version: int, shown: Sequence[Shown]) -> No
             "initial": _INITIAL.get(v.role),
         }
         convert = {"REAL": float, "INTEGER": int, "BOOLEAN": bool}[v.type]
-        typed = {"start": None if v.start is None else convert(v.start)}  # type: ignore[arg-type]
+        typed = {"start": None if v.start is None else convert(v.start)}
         if v.type != "BOOLEAN":
             typed |= {"min": _as(convert, v.minimum), "max": _as(convert, v.maximum)}
         if v.type == "REAL":
@@ -128,7 +129,7 @@ def _as(convert: type, value: float | None) -> object:
 
 
 def _add_structure(root: ET.Element, version: int, shown: Sequence[Shown]) -> None:
-    """Outputs are those of the last step: they depend on no input at the same time."""
+    """Append the outputs: those of the last step, which depend on no input of the present time."""
     structure = _child(root, "ModelStructure")
     places = [place for place, v in enumerate(shown) if v.role == "OUTPUT"]
     if version == 3:

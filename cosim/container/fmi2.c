@@ -1,5 +1,5 @@
-/* FMI 2.0 for Co-Simulation: names and types of the standard over container.h. What is missing here,
- * faces.py adds: it refuses. */
+/* FMI 2.0 for Co-Simulation: names and types of the standard over container.h. faces.py adds what
+ * is missing: it refuses. */
 #include <fmi2Functions.h>
 
 #include "container.h"

@@ -1,5 +1,5 @@
-/* FMI 3.0 for Co-Simulation: names and types of the standard over container.h. What is missing here,
- * faces.py adds: it refuses. */
+/* FMI 3.0 for Co-Simulation: names and types of the standard over container.h. faces.py adds what
+ * is missing: it refuses. */
 #include <fmi3Functions.h>
 
 #include "container.h"
@@ -16,12 +16,13 @@ static void tell(const Container *container, Status status, const char *message)
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
-fmi3Instance fmi3InstantiateCoSimulation(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-    fmi3Boolean logging, fmi3Boolean event_mode, fmi3Boolean early_return,
-    const fmi3ValueReference intermediate[], size_t n_intermediate,
-    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3IntermediateUpdateCallback update) {
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                         fmi3Boolean visible, fmi3Boolean logging,
+                                         fmi3Boolean event_mode, fmi3Boolean early_return,
+                                         const fmi3ValueReference intermediate[],
+                                         size_t n_intermediate, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log,
+                                         fmi3IntermediateUpdateCallback update) {
     const Logger logger = {tell, (void (*)(void))log, environment};
     (void)visible, (void)logging; /* errors only, and those always */
     (void)event_mode, (void)early_return, (void)intermediate, (void)n_intermediate, (void)update;
@@ -37,11 +38,12 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
     return NULL;
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
-    fmi3UnlockPreemptionCallback unlock) {
+fmi3Instance
+fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
+                                  fmi3Boolean visible, fmi3Boolean logging,
+                                  fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                  fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
+                                  fmi3UnlockPreemptionCallback unlock) {
     (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)environment;
     (void)log, (void)update, (void)lock, (void)unlock;
     return NULL;

@@ -1,4 +1,4 @@
-/* The inside of a container, for container.c and state.c. */
+/* The inside of a container. */
 #ifndef COSIM_INSIDE_H
 #define COSIM_INSIDE_H
 
@@ -25,6 +25,9 @@ struct Container {
 /* Pass a message on; returns the status. */
 Status report(const Container *x, Status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* In initialisation: carry outputs to the inputs that they feed, until nothing changes. */
+Status settle(Container *x);
 
 /* A call on a component failed: no more steps. */
 Status part_failed(Container *x, int part, const char *call, int status);

@@ -110,7 +110,9 @@ def _start(system: System, place: Mapping[str, int], name: str, value: Value) ->
             f"{' array' if variable.dimensions or variable.array else ''};"
             " export the component with this value"
         )
-    return f"{{{place[component_of(name)]}, {TYPES[variable.type]}, {variable.reference}, {float(value)!r}}}"  # type: ignore[arg-type]
+    number = float(value)  # type: ignore[arg-type]  # of a scalar, by the test above
+    part = place[component_of(name)]
+    return f"{{{part}, {TYPES[variable.type]}, {variable.reference}, {number!r}}}"
 
 
 def _variable(system: System, place: Mapping[str, int], layout: Layout, v: Shown) -> str:

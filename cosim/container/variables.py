@@ -158,4 +158,3 @@ def _matching(
             raise error(f"{pattern!r} fits nothing that a container can show{near}")
         chosen |= dict.fromkeys(found)
     return list(chosen)
-

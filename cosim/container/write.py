@@ -23,7 +23,7 @@ from cosim.experiment import DefaultExperiment
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
-from cosim.loops import group
+from cosim.loops import algebraic_loop, group
 from cosim.ssp.members import zipped
 from cosim.wiring import wire
 
@@ -72,12 +72,12 @@ def write_fmu(
     if not step > 0:
         raise ExperimentError(f"step is {step} s, expected a positive number")
     targets = list(platforms or [toolchain.host_platform()])
-    groups = group(system, Coupling(method=coupling))
-    if looped := [name for g in groups if g.iterated for name in g.components]:
+    if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(
-            f"{system.name}: {', '.join(looped)} form an algebraic loop, which a container does not"
-            " solve; choose coupling 'jacobi', which delays each connection by one step"
+            f"{system.name}: algebraic loop {' -> '.join(loop)}, which a container does not solve;"
+            " break it with a component that does not pass its input on at once"
         )
+    groups = group(system, Coupling(method=coupling))
     order = [name for g in groups for name in g.components]
     shown = shown_variables(system, outputs, parameters)
     layout = Layout.of(system, [v.source for v in shown if v.role == "OUTPUT"])
@@ -174,4 +174,3 @@ def _digest(texts: Iterable[str]) -> str:
     for text in texts:
         digest.update(f"{len(text)}\0{text}".encode())
     return digest.hexdigest()[:32]
-
