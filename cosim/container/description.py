@@ -6,7 +6,7 @@ Source: FMI 2.0.4 section 2.2, FMI 3.0.2 section 2.4.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.etree import ElementTree as ET
 
 from cosim.container.variables import Shown
@@ -65,7 +65,10 @@ def model_description(
         _child(root, "CoSimulation", modelIdentifier=identifier, **flags, **flags_3)
     else:
         _child(root, "CoSimulation", modelIdentifier=identifier, **flags)
-    _add_units(root, shown)
+    # Old releases of the FMI Library want a start value for time, which FMI 2.0 forbids; but there
+    # it may be left out.
+    listed = {place: v for place, v in enumerate(shown) if version == 3 or v.role != "TIME"}
+    _add_units(root, listed.values())
     categories = _child(root, "LogCategories")
     _child(categories, "Category", name="logStatusError", description="Calls that failed, and why")
     _child(
@@ -75,8 +78,8 @@ def model_description(
         stopTime=experiment.stop,
         stepSize=experiment.step,
     )
-    _add_variables(root, version, shown)
-    _add_structure(root, version, shown)
+    _add_variables(root, version, listed)
+    _add_structure(root, version, listed)
     ET.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
 
@@ -90,7 +93,7 @@ def _text(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _add_units(root: ET.Element, shown: Sequence[Shown]) -> None:
+def _add_units(root: ET.Element, shown: Iterable[Shown]) -> None:
     definitions = _child(root, "UnitDefinitions")
     for unit in {v.unit.name: v.unit for v in shown if v.unit}.values():
         element = _child(definitions, "Unit", name=unit.name)
@@ -100,9 +103,9 @@ def _add_units(root: ET.Element, shown: Sequence[Shown]) -> None:
             _child(element, "BaseUnit", **{k: n for k, n in exponents.items() if n}, **numbers)
 
 
-def _add_variables(root: ET.Element, version: int, shown: Sequence[Shown]) -> None:
+def _add_variables(root: ET.Element, version: int, listed: Mapping[int, Shown]) -> None:
     variables = _child(root, "ModelVariables")
-    for reference, v in enumerate(shown):
+    for reference, v in listed.items():
         usual = "continuous" if v.type == "REAL" else "discrete"
         common = {
             "name": v.name,
@@ -128,18 +131,19 @@ def _as(convert: type, value: float | None) -> object:
     return None if value is None else convert(value)
 
 
-def _add_structure(root: ET.Element, version: int, shown: Sequence[Shown]) -> None:
+def _add_structure(root: ET.Element, version: int, listed: Mapping[int, Shown]) -> None:
     """Append the outputs: those of the last step, which depend on no input of the present time."""
     structure = _child(root, "ModelStructure")
-    places = [place for place, v in enumerate(shown) if v.role == "OUTPUT"]
+    places = [place for place, v in listed.items() if v.role == "OUTPUT"]
     if version == 3:
         for tag in ("Output", "InitialUnknown"):
             for place in places:
                 depends = "" if tag == "Output" else None
                 _child(structure, tag, valueReference=place, dependencies=depends)
     elif places:
+        indices = [i for i, v in enumerate(listed.values(), 1) if v.role == "OUTPUT"]
         for tag in ("Outputs", "InitialUnknowns"):
             group = _child(structure, tag)
-            for place in places:
+            for index in indices:
                 depends = "" if tag == "Outputs" else None
-                _child(group, "Unknown", index=place + 1, dependencies=depends)
+                _child(group, "Unknown", index=index, dependencies=depends)
