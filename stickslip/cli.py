@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import cosim
 import ga
@@ -64,11 +64,19 @@ def _parser() -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in COMMANDS:
         command.add_to(subparsers)
-    for subparser in subparsers.choices.values():
-        subparser.add_argument(
+    _take_debug(subparsers)
+    return parser
+
+
+def _take_debug(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Let ``--debug`` stand behind every command too."""
+    for parser in subparsers.choices.values():
+        parser.add_argument(
             "--debug", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS
         )
-    return parser
+        for action in parser._actions:  # noqa: SLF001 - argparse has no public way to them
+            if isinstance(action.choices, dict):  # commands of its own
+                _take_debug(action)
 
 
 def _line(error: BaseException) -> str:
