@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import itertools
+import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -36,10 +39,15 @@ def run(options: argparse.Namespace) -> None:
     names = options.models or models.model_names()
     for name in names:
         models.load_model(name)  # an unknown name must not leave half of the files
-    for name in names:
-        for version in versions:
-            folder = options.out / f"fmi{version}" if len(versions) > 1 else options.out
-            print(models.build_fmu(name, folder, fmi=version, platforms=platforms))
+    folders = {v: options.out / f"fmi{v}" if len(versions) > 1 else options.out for v in versions}
+
+    def build(job: tuple[str, models.FmiVersion]) -> Path:
+        name, version = job
+        return models.build_fmu(name, folders[version], fmi=version, platforms=platforms)
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for path in pool.map(build, itertools.product(names, versions)):
+            print(path)
 
 
 def _platforms(names: list[str]) -> list[Platform]:
