@@ -19,9 +19,11 @@
 #define SUFFIX ".so"
 #endif
 #ifdef __aarch64__
-#undef FOLDER2
-#define FOLDER2 "aarch64-" SYSTEM
 #define FOLDER3 "aarch64-" SYSTEM
+#ifdef __linux__ /* FMI 2.0 has no name for it; macOS has universal libraries */
+#undef FOLDER2
+#define FOLDER2 FOLDER3
+#endif
 #else
 #define FOLDER3 "x86_64-" SYSTEM
 #endif

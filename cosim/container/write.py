@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -111,18 +111,23 @@ def write_fmu(
     token = _digest([described(""), header, *sources.values()])
     sources["system.h"] = f'#define TOKEN "{token}"\n{header}\n'
     members = {"modelDescription.xml": described(token).encode()}
-    for target in targets:
-        library = toolchain.shared_library(
-            identifier,
-            sources,
-            platform=target,
-            flags=["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])],
-        )
-        folder = target.fmi2 if fmi == 2 else target.tuple
-        members[f"binaries/{folder}/{library.name}"] = library.read_bytes()
+    members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
     return toolchain.write_whole(Path(path), zipped(members))
+
+
+def _binaries(
+    name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[toolchain.Platform]
+) -> dict[str, bytes]:
+    """Return the libraries by path in the FMU."""
+    parts: dict[str, list[bytes]] = {}
+    for target in targets:
+        flags = ["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])]
+        library = toolchain.shared_library(name, sources, platform=target, flags=flags)
+        folder = target.fmi2 if fmi == 2 else target.tuple
+        parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+    return {path: toolchain.universal(libraries) for path, libraries in parts.items()}
 
 
 def _folders(system: System) -> dict[str, str]:
@@ -144,8 +149,8 @@ def _component(
         place = target.fmi2 if fmu.version == 2 else target.tuple
         if not (fmu.folder / "binaries" / place / (fmu.binary.stem + target.suffix)).is_file():
             raise FmuError(
-                f"{fmu.path}: no binary for {target.tuple} (binaries/{place}), which the container"
-                " is to run on; build it for that platform, or leave the platform out"
+                f"{system.name}: {name} ({fmu.path.name}) has no binary for {target.tuple}"
+                f" (binaries/{place}); build it for that platform, or leave the platform out"
             )
         kept.append(f"binaries/{place}/**/*")
     files = sorted(file for pattern in kept for file in fmu.folder.glob(pattern) if file.is_file())

@@ -8,15 +8,29 @@ from typing import Any
 
 import models
 from models.firmware import write_compensator
+from stickslip.commands import export_system
 from stickslip.errors import UsageError
 from stickslip.learned import read_learned
 
 
 def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     """Declare the command and what it exports."""
-    parser = subparsers.add_parser("export", help="export the tuned compensator")
-    exports = parser.add_subparsers(metavar="WHAT", required=True)
+    parser = subparsers.add_parser("export", help="export the tuned compensator or a whole loop")
+    exports = parser.add_subparsers(dest="what", metavar="compensator|FILE.ssp", required=True)
+    exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
     _add_compensator(exports)
+    export_system.add_to(exports)
+
+
+class _Parsers(dict[str, argparse.ArgumentParser]):
+    """Parsers by what they export: a file stands for the one of its kind."""
+
+    def __contains__(self, name: object) -> bool:
+        is_file = str(name).endswith(".ssp") and name != export_system.NAME
+        return super().__contains__(name) or is_file
+
+    def __missing__(self, name: str) -> argparse.ArgumentParser:
+        return self[export_system.NAME]
 
 
 def _add_compensator(exports: argparse._SubParsersAction[Any]) -> None:

@@ -17,5 +17,6 @@ structure.add_parameter_set("starts", starts)
 simulation = EcosSimulation(step_size=float(step), structure=structure)
 simulation.init(parameter_set="starts")
 simulation.step(int(steps))
-print(json.dumps([simulation.get_real(f"fmu::{name}") for name in json.loads(outputs)]))
+values = [simulation.get_real(f"fmu::{name}") for name in json.loads(outputs)]
+sys.stdout.write(json.dumps(values) + "\n")
 simulation.terminate()
