@@ -142,6 +142,11 @@ class Variable:
         return self.type not in _FLOATS or self.variability != "continuous"
 
     @property
+    def is_mapped(self) -> bool:
+        """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
+        return self.type not in _FLOATS | _NOT_NUMBERS
+
+    @property
     def kind(self) -> str:
         """Its type under the name of FMI 3.0; only equal kinds can be connected."""
         return _TWINS.get(self.type, self.type)
