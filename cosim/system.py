@@ -187,7 +187,7 @@ class System:
             near = suggestion(component, self.components)
             raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
         fmu = self.components[component]
-        found = fmu.find(variable, self._lengths(component, fmu))
+        found = fmu.find(variable, self.lengths(component))
         if found is None:
             near = suggestion(variable, fmu.variables)
             raise error(
@@ -195,6 +195,12 @@ class System:
                 f" {variable!r}{near}"
             )
         return found
+
+    def lengths(self, component: str) -> dict[str, int]:
+        """Return the structural parameters of a component that were set, by variable."""
+        names = ((n, f"{component}.{n}") for n in self.components[component].structural)
+        values = ((name, self.parameters.get(key)) for name, key in names)
+        return {name: value for name, value in values if isinstance(value, int)}
 
     def unit(self, name: str) -> str | None:
         """Return the unit of an exposed input or of ``component.variable``."""
@@ -273,12 +279,6 @@ class System:
         twin.parameters = dict(self.parameters)
         twin.origin = self.origin
         return twin
-
-    def _lengths(self, component: str, fmu: Fmu) -> dict[str, int]:
-        """Return the structural parameters that were set."""
-        names = ((name, f"{component}.{name}") for name in fmu.structural)
-        values = ((name, self.parameters.get(key)) for name, key in names)
-        return {name: value for name, value in values if isinstance(value, int)}
 
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]

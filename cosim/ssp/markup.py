@@ -77,6 +77,14 @@ def number(element: Any, name: str, default: float) -> float:
     return value
 
 
+def integer(text: str, element: Any) -> int:
+    """Return an integer that an element holds as text."""
+    try:
+        return int(text)
+    except ValueError:
+        raise SspError(f"{place(element)}: {text!r} is no integer") from None
+
+
 def truth(element: Any, name: str) -> bool:
     """Return an attribute that is true or false, false where it is missing."""
     return element.get(name, "false").strip() in {"true", "1"}
