@@ -269,9 +269,12 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
         return IDENTITY
     scaling = unit.to(other)
     if scaling is None:
+        undefined = [
+            f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None
+        ]
         raise SspError(
             f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
-            f" {unit.name!r} cannot be converted to {other.name!r}"
+            f" {unit.name!r} cannot be converted to {other.name!r}{''.join(undefined)}"
         )
     return scaling
 

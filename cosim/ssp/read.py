@@ -97,11 +97,19 @@ def read_experiment(root: Any) -> DefaultExperiment:
         f"/{{{OSP}}}Algorithm/{{{OSP}}}FixedStepAlgorithm",
         NAMESPACES,
     )
-    return DefaultExperiment(
+    times = DefaultExperiment(
         _time(element, "startTime"),
         _time(element, "stopTime"),
         None if step is None else _time(step, "baseStepSize"),
     )
+    if times.stop is not None and times.stop <= (times.start or 0.0):
+        raise SspError(
+            f"{place(element)}: stopTime is {times.stop} s, expected a time after startTime ="
+            f" {times.start or 0.0} s"
+        )
+    if times.step is not None and times.step <= 0:
+        raise SspError(f"{place(step)}: baseStepSize is {times.step} s, expected a positive one")
+    return times
 
 
 def _connect(system: System, graph: Graph) -> None:

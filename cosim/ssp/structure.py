@@ -122,6 +122,11 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
             f"{place(element)}: component {component(path)!r} is of the type {kind!r};"
             " only FMUs and SSP systems can be run"
         )
+    if element.get("source") is None:  # SSP 2.0 allows it
+        raise SspError(
+            f"{place(element)}: component {component(path)!r} has no source, so there is nothing to"
+            " run; give it an FMU"
+        )
     node.fmu = document.locate(element)
     return node
 
@@ -129,7 +134,15 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
 def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     file, top = document.locate(element), document.top
     if element.get("type") == NESTED[1]:
-        top = unpack(file, "ssps", SspError)
+        try:
+            top = unpack(file, "ssps", SspError)
+        except SspError as fault:
+            raise SspError(f"{place(element)}: {fault}") from fault
+        if not (top / STRUCTURE).is_file():
+            raise SspError(
+                f"{place(element)}: {element.get('source')!r} has no {STRUCTURE}; it is no system"
+                " structure package"
+            )
         file = top / STRUCTURE
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
