@@ -23,7 +23,7 @@ from cosim.errors import (
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
 from cosim.result import Result
-from cosim.scaling import Link, Scaling
+from cosim.scaling import Link, Scaling, ValueMap
 from cosim.scenario import Scenario
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
@@ -58,6 +58,7 @@ __all__ = [
     "Table",
     "Trapezoid",
     "Unit",
+    "ValueMap",
     "Variable",
     "read_ssp",
     "read_tables",

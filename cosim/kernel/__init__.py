@@ -51,6 +51,12 @@ class Disturbance(Structure):
     _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
 
 
+class Map(Structure):
+    """Pairs of values of one input."""
+
+    _fields_ = (("n", c_size_t), ("pairs", POINTER(c_double)))
+
+
 class Component(Structure):
     """One instance and its place in the rows."""
 
@@ -68,6 +74,7 @@ class Component(Structure):
         ("input_offsets", POINTER(c_int64)),
         ("gathered", POINTER(c_double)),
         ("scales", POINTER(c_double)),
+        ("maps", POINTER(Map)),
         ("n_linked", c_size_t),
         ("used", c_int64),
         ("n_settings", c_size_t),

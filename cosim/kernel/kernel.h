@@ -68,6 +68,12 @@ typedef struct {
     const double *add;  /* n_steps + 1 */
 } Disturbance;
 
+/* Pairs x, y of values that an input maps: x becomes y, any other value stays. */
+typedef struct {
+    size_t n;            /* 0: the input is not mapped */
+    const double *pairs; /* n pairs */
+} Map;
+
 /* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
 typedef struct {
     fmi2CallbackFunctions callbacks;
@@ -97,6 +103,7 @@ typedef struct {
     const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
+    const Map *maps;      /* n_inputs; NULL where nothing is mapped */
     size_t n_linked;      /* the first outputs: those that other components read */
     int64_t used;         /* not 0: must be reset before the next run */
     size_t n_settings;
