@@ -19,7 +19,7 @@ from cosim.coupling import Coupling, Method
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
-from cosim.experiment import count_steps
+from cosim.experiment import check_tolerance, count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -54,6 +54,7 @@ class Specification:
     coupling: Coupling | Method = "gauss_seidel"
     constant_step: bool = False
     compiled: bool = False
+    tolerance: float | None = None
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""
@@ -78,6 +79,7 @@ class Simulation:
         system = spec.system
         coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
+        check_tolerance(spec.tolerance)
         jacobi = coupling.method == "jacobi"
         groups = group(system, coupling)
         self.spec = spec
@@ -88,7 +90,12 @@ class Simulation:
         self._layout = Layout.of(system, spec.record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
-            system, self._layout, self.order, self._libraries, jacobi=jacobi
+            system,
+            self._layout,
+            self.order,
+            self._libraries,
+            jacobi=jacobi,
+            tolerance=spec.tolerance,
         )
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(

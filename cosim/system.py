@@ -241,6 +241,7 @@ class System:
         coupling: Coupling | Method = "gauss_seidel",
         constant_step: bool = False,
         compiled: bool = False,
+        tolerance: float | None = None,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -257,6 +258,9 @@ class System:
             point and step size add up exactly
         compiled : whether to compile the steps of this system into C of their own: under a second
             once, then up to a quarter less for cheap FMUs. The values are the same
+        tolerance : relative, of the solver of Model Exchange and of those within FMUs.
+            By default each FMU has the one that it proposes; where it proposes none, Model Exchange
+            takes 1e-5 (as FMPy does) and Co-Simulation is told none
 
         Raises
         ------
@@ -264,7 +268,9 @@ class System:
         """
         names = None if record is None else tuple(record)
         return Simulation(
-            Specification(self.copy(), step, stop, start, names, coupling, constant_step, compiled)
+            Specification(
+                self.copy(), step, stop, start, names, coupling, constant_step, compiled, tolerance
+            )
         )
 
     def copy(self) -> System:

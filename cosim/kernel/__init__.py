@@ -33,6 +33,7 @@ class Setting(Structure):
     _fields_ = (
         ("set", c_void_p),
         ("call", c_char_p),
+        ("late", c_int64),
         ("n", c_size_t),
         ("references", POINTER(c_uint32)),
         ("values", c_void_p),
@@ -82,6 +83,7 @@ class Component(Structure):
         ("log", POINTER(Log)),
         ("n_disturbances", c_size_t),
         ("disturbances", POINTER(Disturbance)),
+        ("tolerance", c_double),
     )
 
 

@@ -55,6 +55,7 @@ typedef struct {
         fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
     } set;
     const char *call;
+    int64_t late; /* in Initialization Mode, as inputs are; else before it */
     size_t n;
     const uint32_t *references; /* n */
     const void *values;         /* n, of the type that set takes */
@@ -111,6 +112,7 @@ typedef struct {
     Log *log;
     size_t n_disturbances;
     const Disturbance *disturbances;
+    double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
