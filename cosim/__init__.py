@@ -21,6 +21,7 @@ from cosim.errors import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.record import Deviation, Record
 from cosim.result import Result
 from cosim.scaling import Link, Scaling
 from cosim.scenario import Scenario
@@ -38,11 +39,13 @@ __all__ = [
     "CosimError",
     "Coupling",
     "DefaultExperiment",
+    "Deviation",
     "ExperimentError",
     "Fmu",
     "FmuError",
     "Link",
     "ParameterError",
+    "Record",
     "Result",
     "Scaling",
     "Scenario",
