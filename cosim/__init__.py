@@ -22,6 +22,7 @@ from cosim.errors import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.record import Deviation, Record
 from cosim.result import Result
 from cosim.scaling import Link, Scaling, ValueMap
 from cosim.scenario import Scenario
@@ -39,11 +40,13 @@ __all__ = [
     "CosimError",
     "Coupling",
     "DefaultExperiment",
+    "Deviation",
     "ExperimentError",
     "Fmu",
     "FmuError",
     "Link",
     "ParameterError",
+    "Record",
     "Result",
     "Scaling",
     "Scenario",

@@ -74,7 +74,6 @@ def wire(
         if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
             facades[name] = facade
             facade.dress(slot)
-    selected = [columns[name] for name in layout.recorded]
     run = kernel.Run(
         components=components,
         n_components=len(order),
@@ -82,8 +81,6 @@ def wire(
         n_external=len(system.inputs),
         width=width,
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
-        selected=(ctypes.c_int64 * len(selected))(*selected),
-        n_selected=len(selected),
     )
     return run, facades
 
