@@ -24,6 +24,7 @@ from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import algebraic_loop, group
+from cosim.record import Record
 from cosim.ssp.members import zipped
 from cosim.wiring import wire
 
@@ -80,9 +81,10 @@ def write_fmu(
     groups = group(system, Coupling(method=coupling))
     order = [name for g in groups for name in g.components]
     shown = shown_variables(system, outputs, parameters)
-    layout = Layout.of(system, [v.source for v in shown if v.role == "OUTPUT"])
+    layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
     libraries = {name: Library(fmu) for name, fmu in system.components.items()}
-    run, facades = wire(system, layout, order, libraries, jacobi=coupling == "jacobi")
+    jacobi = coupling == "jacobi"
+    run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
     if facades:
         raise FmuError(
             f"{system.name}: {', '.join(facades)} cannot go into a container: only Co-Simulation"
