@@ -124,7 +124,7 @@ Container *container_new(const char *name, const char *token, const char *resour
         .n_external = N_INPUTS,
         .rows = x->rows,
         .width = WIDTH,
-        .record = x->rows, /* not NULL: the rows are a window */
+        .used_again = true,
     };
     bool alive = token && strcmp(token, TOKEN) == 0 && resources;
     if (!alive) {

@@ -47,15 +47,15 @@ Status container_plan(Container *x, double start_time, bool stop_defined, double
 
 static bool enter(Container *x, Component *c) {
     Run *run = &x->run;
-    const bool stops = x->stop_defined;
+    const bool stops = x->stop_defined, told = c->tolerance > 0.0;
     if (c->version == 3) {
         return passed(run, c, "fmi3EnterInitializationMode",
-                      (int)c->call.fmi3.EnterInitializationMode(c->instance, false, 0.0, run->start,
-                                                                stops, run->stop));
+                      (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
+                                                                run->start, stops, run->stop));
     }
     return passed(run, c, "fmi2SetupExperiment",
-                  (int)c->call.fmi2.SetupExperiment(c->instance, fmi2False, 0.0, run->start, stops,
-                                                    run->stop)) &&
+                  (int)c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance, run->start,
+                                                    stops, run->stop)) &&
            passed(run, c, "fmi2EnterInitializationMode",
                   (int)c->call.fmi2.EnterInitializationMode(c->instance));
 }

@@ -98,6 +98,7 @@ def _wiring(i: int, part: kernel.Component) -> str:
         "input_offsets": f"from{i}" if part.inputs == kernel.SCATTERED else "NULL",
         "scales": f"scale{i}" if part.scales else "NULL",
         "n_linked": part.n_linked,
+        "tolerance": repr(part.tolerance),
     }
     return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
