@@ -158,9 +158,10 @@ class Simulation:
         Raises
         ------
         SimulationError
-            When no run was halted by ``until``, or an FMU cannot give its state away, or there is
-            more state than the FMUs': Model Exchange, event mode, arrays, a coupling that is not
-            plain.
+            When no run was halted by ``until``, or an FMU cannot give its state away.
+
+        A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
+        starts anew, so that the two agree within its tolerance.
         """
         if self._halted is None:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
@@ -170,19 +171,12 @@ class Simulation:
                 f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
                 " (canSerializeFMUstate)"
             )
-        if self._run.coupling:
-            raise SimulationError(
-                "the state cannot be saved: with a coupling other than the plain ones it takes"
-                " more than one point in time"
-            )
-        if hidden := [name for name, facade in self._facades.items() if not facade.is_thin]:
-            raise SimulationError(
-                f"the state cannot be saved: {', '.join(hidden)} with Model Exchange, event mode or"
-                " arrays has more than the FMU's own"
-            )
         states = {name: self._state_of(name).save() for name in self.order}
         row = self._halted.row(self._run.done)
-        return Checkpoint(self._identity(), self._run.done, row, states).write(path)
+        memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
+        for owner, facade in self._facades.items():
+            memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
+        return Checkpoint(self._identity(), self._run.done, row, states, memory).write(path)
 
     def resume(
         self,
@@ -223,6 +217,8 @@ class Simulation:
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])
+            self._recall(name, checkpoint)
+        self._coupled.recall(checkpoint.memory_of(""))
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, last, real_time, progress)
 
@@ -312,9 +308,15 @@ class Simulation:
         version = self.spec.system.components[name].version
         return StateAccess(name, version, self._libraries[name], instance)
 
+    def _recall(self, name: str, checkpoint: Checkpoint) -> None:
+        facade = self._facades.get(name)
+        if facade and facade.recall(checkpoint.memory_of(name)) > 1:
+            raise SimulationError(f"{name}: {(facade.c.called or b'').decode()} failed on resuming")
+
     def _identity(self) -> str:
         spec = self.spec
-        tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
+        fmus = ((name, spec.system.components[name]) for name in self.order)
+        tokens = [(name, fmu.token, fmu.interface) for name, fmu in fmus]
         columns = list(self._layout.columns)
         coupling = Coupling.of(spec.coupling)
         return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, columns))

@@ -145,6 +145,9 @@ void end_exchange(Facade *f);
 
 EXPORT const char *facade_calls(void);
 
+/* After the FMU was brought into a saved state, and the facade's own fields with it. */
+EXPORT fmi2Status facade_go_on(Facade *f);
+
 /* Under these names the kernel's table of FMI 2.0 calls finds them. */
 EXPORT fmi2InstantiateTYPE facade_Instantiate;
 EXPORT fmi2FreeInstanceTYPE facade_FreeInstance;
