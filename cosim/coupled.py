@@ -89,6 +89,7 @@ class Coupled:
             degree=self._coupling.degree,
             past=(ctypes.c_double * (tables.MAX_PAST * width))(),
             next=(ctypes.c_double * width)(),
+            given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
             min_step=adaptive.min_step if adaptive else 0.0,
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),

@@ -40,6 +40,7 @@ def recall(table: Any, width: int, memory: Mapping[str, Array]) -> None:
 def _places(table: Any, width: int) -> dict[str, Array]:
     """Return the kernel's own memory, by name."""
     rooms = {"past": (table.past, MAX_PAST * width), "next": (table.next, width)}
+    rooms["given"] = (table.given, 2 * width)
     loops = (table.loops[i] for i in range(table.n_loops))
     rooms |= {f"inverse{i}": (loop.inverse, loop.n**2) for i, loop in enumerate(loops)}
     places = {name: as_array(room, (n,)) for name, (room, n) in rooms.items() if n}

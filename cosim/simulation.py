@@ -32,6 +32,7 @@ from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
+from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
 from cosim.wiring import wire
 
@@ -147,7 +148,7 @@ class Simulation:
             values[name] = system.checked(name, value)
             check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        self._disturb(scenario, external, values)
         self._begin(values)
         memory = Memory(self._run, external, self._block)
         return self._step(memory, 0, self._place(until), real_time, progress)
@@ -211,7 +212,7 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        self._disturb(scenario, external, system.parameters)
         self._begin(system.parameters)
         memory = Memory(self._run, external, self._block)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -222,11 +223,18 @@ class Simulation:
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, last, real_time, progress)
 
-    def _disturb(self, scenario: Scenario | None, external: Array) -> None:
-        if scenario or self._run.disturbed:
-            self._disturbances = disturb(
-                scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
-            )
+    def _disturb(
+        self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]
+    ) -> None:
+        run, system = self._run, self.spec.system
+        if not (scenario or run.disturbed or run.n_changes):
+            return
+        tables = scenario.tables(self.time) if scenario else {}
+        self._disturbances, changed = split(tables, self._layout, system)
+        disturb(self._disturbances, self._layout, run, self._slots, external)
+        self._changes = tune(changed, values, system, self._libraries, self._facades)
+        run.changes = in_order(self._changes, self.order)
+        run.n_changes, run.next_change = len(self._changes), 0
 
     def _begin(self, values: Mapping[str, Value]) -> None:
         """Make FMUs and start values ready for a new run."""

@@ -145,6 +145,10 @@ void end_exchange(Facade *f);
 
 EXPORT const char *facade_calls(void);
 
+/* Set tunable parameters between two steps, as an event where the FMU knows events. */
+EXPORT fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                              const void *group);
+
 /* After the FMU was brought into a saved state, and the facade's own fields with it. */
 EXPORT fmi2Status facade_go_on(Facade *f);
 
