@@ -177,7 +177,9 @@ class Simulation:
         memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
         for owner, facade in self._facades.items():
             memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
-        return Checkpoint(self._identity(), self._run.done, row, states, memory).write(path)
+        starts = {n: float(v) for n, v in self._starts.items() if isinstance(v, int | float)}
+        identity, done = self._identity(), self._run.done
+        return Checkpoint(identity, done, row, states, starts, memory).write(path)
 
     def resume(
         self,
@@ -212,7 +214,7 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario, external, system.parameters)
+        self._disturb(scenario, external, {**system.parameters, **checkpoint.starts})
         self._begin(system.parameters)
         memory = Memory(self._run, external, self._block)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -227,6 +229,7 @@ class Simulation:
         self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]
     ) -> None:
         run, system = self._run, self.spec.system
+        self._starts = values
         if not (scenario or run.disturbed or run.n_changes):
             return
         tables = scenario.tables(self.time) if scenario else {}

@@ -80,10 +80,10 @@ def test_changes_go_on_in_a_resumed_run(export, tmp_path):
     system = cosim.System()
     system.add("a", export("ball", 3, "CS events", flags))
     for at in (0.3, 1.0, 1.2):
-        scenario = Scenario().set("a.e", 0.3, at)
+        scenario = Scenario().override("a.e", 0.3, at, 1.6)  # then back to what the run began with
         with system.prepare(step=STEP, stop=N * STEP) as simulation:
-            whole = simulation.run(scenario=scenario)
-            simulation.run(scenario=scenario, until=1.0)
+            whole = simulation.run({"a.e": 0.9}, scenario=scenario)
+            simulation.run({"a.e": 0.9}, scenario=scenario, until=1.0)
             path = simulation.save(tmp_path / "a.state")
             rest = simulation.resume(path, scenario=scenario)
         np.testing.assert_array_equal(rest.values, whole.values[10:])
