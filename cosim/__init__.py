@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from cosim.container import write_fmu
 from cosim.coupling import Adaptive, Coupling
 from cosim.errors import (
     ConnectionFault,
@@ -21,6 +22,7 @@ from cosim.errors import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.record import Deviation, Record
 from cosim.result import Result
 from cosim.scaling import Link, Scaling, ValueMap
 from cosim.scenario import Scenario
@@ -38,11 +40,13 @@ __all__ = [
     "CosimError",
     "Coupling",
     "DefaultExperiment",
+    "Deviation",
     "ExperimentError",
     "Fmu",
     "FmuError",
     "Link",
     "ParameterError",
+    "Record",
     "Result",
     "Scaling",
     "Scenario",
@@ -62,5 +66,6 @@ __all__ = [
     "read_ssp",
     "read_tables",
     "variants",
+    "write_fmu",
     "write_ssp",
 ]

@@ -10,6 +10,7 @@ from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
+from cosim.record import Record
 from cosim.scaling import PLAIN, Link, Transform, ValueMap
 from cosim.simulation import Simulation, Specification
 from cosim.units import Unit
@@ -237,18 +238,18 @@ class System:
         step: float,
         stop: float,
         start: float = 0.0,
-        record: Sequence[str] | None = None,
+        record: Record | str | Sequence[str] | None = None,
         coupling: Coupling | Method = "gauss_seidel",
         constant_step: bool = False,
         compiled: bool = False,
+        tolerance: float | None = None,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
         Parameters
         ----------
         step, stop, start : communication step and interval, s
-        record : names or patterns (``drive.*``) of what to keep; every output and exposed input by
-            default. A pattern stands for outputs and exposed inputs, a name for any real variable
+        record : a Record of what to keep, or its names; every output and exposed input by default
         coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
             order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
             delays every connection by one step; ``iterative`` repeats steps until all agree
@@ -257,14 +258,19 @@ class System:
             point and step size add up exactly
         compiled : whether to compile the steps of this system into C of their own: under a second
             once, then up to a quarter less for cheap FMUs. The values are the same
+        tolerance : relative, of the solver of Model Exchange and of those within FMUs.
+            By default each FMU has the one that it proposes; where it proposes none, Model Exchange
+            takes 1e-5 (as FMPy does) and Co-Simulation is told none
 
         Raises
         ------
         ExperimentError, ConnectionFault, FmuError
         """
-        names = None if record is None else tuple(record)
+        kept = record if record is None or isinstance(record, Record) else Record(record).wanted
         return Simulation(
-            Specification(self.copy(), step, stop, start, names, coupling, constant_step, compiled)
+            Specification(
+                self.copy(), step, stop, start, kept, coupling, constant_step, compiled, tolerance
+            )
         )
 
     def copy(self) -> System:

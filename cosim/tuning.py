@@ -73,7 +73,11 @@ class Change:
             address = ctypes.cast(function, ctypes.c_void_p).value or 0
             values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
         setting = kernel.Setting(
-            address, batch.call.encode(), len(batch.references), batch.references, values
+            set=address,
+            call=batch.call.encode(),
+            n=len(batch.references),
+            references=batch.references,
+            values=values,
         )
         return kernel.Change(self.step, component, setting)
 

@@ -30,10 +30,12 @@ def wire(
     libraries: Mapping[str, Library],
     *,
     jacobi: bool,
+    tolerance: float | None,
 ) -> tuple[kernel.Run, dict[str, Facade]]:
     """Return a run that lacks its times, its memory and the instances of the FMUs.
 
-    With it come the facades of the components that need one.
+    With it come the facades of the components that need one. ``tolerance`` is the relative one of
+    all solvers; where None, each FMU has the one that it proposes.
     """
     facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
@@ -41,9 +43,12 @@ def wire(
     inputs = fed_inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
-        slot.version = system.components[name].version
+        fmu = system.components[name]
+        slot.version = fmu.version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
         slot.log = ctypes.pointer(kernel.Log())
+        if fmu.interface == "co_simulation":
+            slot.tolerance = tolerance or fmu.experiment.tolerance or 0.0
 
         outputs = layout.outputs[name]
         slot.n_linked = layout.linked[name]
@@ -66,10 +71,9 @@ def wire(
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
         targets = [(target, offset >= width) for offset, target in inputs[name]]
-        if facade := _facade(system, name, libraries[name], outputs, targets):
+        if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
             facades[name] = facade
             facade.dress(slot)
-    selected = [columns[name] for name in layout.recorded]
     run = kernel.Run(
         components=components,
         n_components=len(order),
@@ -77,8 +81,6 @@ def wire(
         n_external=len(system.inputs),
         width=width,
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
-        selected=(ctypes.c_int64 * len(selected))(*selected),
-        n_selected=len(selected),
     )
     return run, facades
 
@@ -105,6 +107,7 @@ def _facade(
     library: Library,
     outputs: Sequence[str],
     targets: Sequence[tuple[str, bool]],
+    tolerance: float | None,
 ) -> Facade | None:
     """Return a facade for a component that the kernel does not take as it is."""
     fmu = system.components[name]
@@ -114,7 +117,7 @@ def _facade(
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
     arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
-    return Facade(fmu, library, read, fed, ahead, arrays)
+    return Facade(fmu, library, read, fed, ahead, arrays, tolerance)
 
 
 def fed_inputs(

@@ -117,25 +117,29 @@ INLINE bool set_values(Run *run, const Component *c, const Setting *s) {
     return passed(run, c, s->call, status);
 }
 
-INLINE bool set_start_values(Run *run, const Component *c) {
+INLINE bool set_start_values(Run *run, const Component *c, bool late) {
     for (size_t i = 0; i < c->n_settings; i++) {
-        TRY(set_values(run, c, &c->settings[i]));
+        const Setting *s = &c->settings[i];
+        TRY((s->late != 0) != late || set_values(run, c, s));
     }
     return true;
 }
 
 INLINE bool enter_initialization(Run *run, const Component *c) {
+    const bool told = c->tolerance > 0.0;
     if (LIKELY(c->version == 2)) {
-        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, fmi2False, 0.0,
+        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance,
                                                                run->start, fmi2True, run->stop);
-        return passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c) &&
-               passed(run, c, "fmi2EnterInitializationMode",
-                      (int)c->call.fmi2.EnterInitializationMode(c->instance));
+        TRY(passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c, false) &&
+            passed(run, c, "fmi2EnterInitializationMode",
+                   (int)c->call.fmi2.EnterInitializationMode(c->instance)));
+    } else {
+        TRY(set_start_values(run, c, false) &&
+            passed(run, c, "fmi3EnterInitializationMode",
+                   (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
+                                                             run->start, true, run->stop)));
     }
-    return set_start_values(run, c) &&
-           passed(run, c, "fmi3EnterInitializationMode",
-                  (int)c->call.fmi3.EnterInitializationMode(c->instance, false, 0.0, run->start,
-                                                            true, run->stop));
+    return set_start_values(run, c, true);
 }
 
 INLINE bool exit_initialization(Run *run, const Component *c) {

@@ -2,7 +2,6 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbance.h"
-#include "walk.h"
 #include <string.h>
 
 /* The share of a step in which inputs of FMUs that do not interpolate are at their end already, so
@@ -229,8 +228,8 @@ bool couple_until(Run *run, int64_t end) {
         const int64_t next = run->done + 1;
         const double t = run->start + (double)run->done * run->step;
         const double t_next = run->start + (double)next * run->step;
-        double *row = run->rows + (run->record ? next - run->block_start : next) * run->width;
-        if (!step_coupled(run, row, t, run->constant_step ? run->step : t_next - t)) {
+        const double h = run->constant_step ? run->step : t_next - t;
+        if (!step_coupled(run, row_of(run, next), t, h)) {
             return false;
         }
     }
