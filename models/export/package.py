@@ -75,7 +75,20 @@ def build_fmu(
     OSError
         When the file cannot be written.
     """
-    model = load_model(name).with_start(start or {})
+    return pack_fmu(load_model(name).with_start(start or {}), folder, fmi=fmi, platforms=platforms)
+
+
+def pack_fmu(
+    model: Model,
+    folder: Path | str,
+    *,
+    fmi: FmiVersion = 2,
+    platforms: Iterable[Platform] | None = None,
+) -> Path:
+    """Write ``folder/NAME.fmu`` of any model, whose C lies in ``model.folder``; return its path.
+
+    The rest is as for ``build_fmu``.
+    """
     token = _token(model, fmi)
     files = _sources(model, fmi) | {"table.h": table_header(model, token)} | _fmi_headers()
     members: dict[str, bytes] = {
@@ -83,10 +96,12 @@ def build_fmu(
     }
     for platform in platforms or [host_platform()]:
         # A fixed interface has parameters that not every model needs.
-        library = shared_library(name, files, platform=platform, flags=["-Wno-unused-parameter"])
+        library = shared_library(
+            model.name, files, platform=platform, flags=["-Wno-unused-parameter"]
+        )
         binaries = platform.fmi2 if fmi == 2 else platform.tuple
         members[f"binaries/{binaries}/{library.name}"] = library.read_bytes()
-    return write_whole(Path(folder) / f"{name}.fmu", _archive(members))
+    return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
 def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:
@@ -96,7 +111,7 @@ def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:
         for path in sorted((_MODELS / room).glob("*.[ch]")):
             files[f"{room}/{path.name}"] = _text(path)
     return files | {
-        "model.c": _text(model.folder / "model.c"),
+        **{path.name: _text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.c": table_source(model),
     }

@@ -14,9 +14,12 @@ from stickslip.learned import read_learned
 
 def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     """Declare the command and what it exports."""
-    parser = subparsers.add_parser("export", help="export the tuned compensator")
+    parser = subparsers.add_parser(
+        "export", help="the tuned compensator, or a linear system, for other tools"
+    )
     exports = parser.add_subparsers(metavar="WHAT", required=True)
     _add_compensator(exports)
+    _add_lti(exports)
 
 
 def _add_compensator(exports: argparse._SubParsersAction[Any]) -> None:
@@ -33,6 +36,22 @@ def _add_compensator(exports: argparse._SubParsersAction[Any]) -> None:
     )
     _add_fmu_options(parser)
     parser.set_defaults(run=_export_compensator)
+
+
+def _add_lti(exports: argparse._SubParsersAction[Any]) -> None:
+    parser = exports.add_parser("lti", help="a state space or transfer function as an FMU")
+    parser.add_argument(
+        "file", type=Path, metavar="FILE.toml|FILE.json", help="see models/lti/README.md"
+    )
+    parser.add_argument("--step", type=float, metavar="S", help="that the FMU proposes")
+    parser.add_argument("--stop", type=float, metavar="S", help="that the FMU proposes")
+    parser.add_argument(
+        "--held",
+        action="store_true",
+        help="outputs with direct gain hold the last sample, for controllers in discrete time",
+    )
+    _add_fmu_options(parser)
+    parser.set_defaults(run=_export_lti)
 
 
 def _add_fmu_options(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +72,21 @@ def _export_compensator(options: argparse.Namespace) -> None:
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
+
+
+def _export_lti(options: argparse.Namespace) -> None:
+    """Write the system as an FMU and print its path."""
+    described = models.read_lti(options.file)
+    print(
+        models.export_lti(
+            described.system,
+            options.out,
+            step=described.step if options.step is None else options.step,
+            stop=described.stop if options.stop is None else options.stop,
+            held=options.held,
+            fmi=_version(options),
+        )
+    )
 
 
 def _version(options: argparse.Namespace) -> models.FmiVersion:
