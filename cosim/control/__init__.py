@@ -6,6 +6,7 @@ LinearisationError(CosimError)   an FMU or system has not the states, inputs or 
 
 from cosim.control.errors import LinearisationError
 from cosim.control.linearise import linearise, nonlinear_system
+from cosim.control.sweep import MeasuredResponse, measure_response
 from cosim.control.velocity_loop import (
     Axis,
     ControlError,
@@ -20,9 +21,11 @@ __all__ = [
     "ControlError",
     "LinearisationError",
     "LoopSpecification",
+    "MeasuredResponse",
     "VelocityLoop",
     "close_velocity_loop",
     "design_velocity_loop",
     "linearise",
+    "measure_response",
     "nonlinear_system",
 ]
