@@ -8,7 +8,7 @@ from typing import Any
 import control
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator, ScalarFormatter
+from matplotlib.ticker import MultipleLocator, StrMethodFormatter
 from numpy.typing import NDArray
 
 from cosim.control import MeasuredResponse
@@ -55,7 +55,7 @@ def draw_bode(
         if distortion:
             axes[2].set(ylabel="Distortion [%]")
             axes[2].set_ylim(bottom=0.0)
-        axes[-1].xaxis.set_major_formatter(ScalarFormatter())
+        axes[-1].xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axes[-1].set(xlabel="Frequency [Hz]", xlim=(line[0], line[-1]))
         for one in axes:
             one.grid(visible=True)
