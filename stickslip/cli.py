@@ -13,10 +13,10 @@ import ga
 import models
 import toolchain
 from cosim.control import ControlError
-from stickslip.commands import build, design, export, identify, reproduce, simulate, validate
+from stickslip.commands import build, check, design, export, identify, reproduce, simulate, validate
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, design, identify, validate, export)
+COMMANDS = (reproduce, build, simulate, check, design, identify, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
     options = _parser().parse_args(arguments)
     try:
-        options.run(options)
+        status = options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("stickslip: interrupted", file=sys.stderr)
         return 130
-    return 0
+    return status or 0
 
 
 class _Parser(argparse.ArgumentParser):

@@ -44,6 +44,20 @@ def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):
     assert "m/s" in capsys.readouterr().out
 
 
+def test_simulate_keeps_every_nth_point_or_the_last(stage, tmp_path, capsys):
+    def rows(*more):
+        out = tmp_path / "out.csv"
+        arguments = ["simulate", stage, "--step", 0.01, "--stop", 0.1, "--out", out, *more]
+        assert main([str(a) for a in arguments]) == 0
+        assert "stage.v" in capsys.readouterr().out
+        return pd.read_csv(out)
+
+    whole = rows()
+    pd.testing.assert_frame_equal(rows("--every", 4), whole[::4].reset_index(drop=True))
+    pd.testing.assert_frame_equal(rows("--last"), whole[-1:].reset_index(drop=True))
+    assert "every = 0" in complaint(capsys, "simulate", stage, "--every", "0")
+
+
 def test_design_prints_what_was_asked_for(tmp_path, capsys):
     assert (
         main(["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]) == 0
