@@ -14,6 +14,7 @@ import fmpy
 import toolchain
 from cosim import kernel
 from cosim.container.description import model_description
+from cosim.container.documentation import index
 from cosim.container.faces import refusals
 from cosim.container.tables import system_header
 from cosim.container.variables import shown_variables
@@ -112,7 +113,10 @@ def write_fmu(
     sources = _sources(fmi) | {"steps.h": unroll(run) or _read(Path(kernel.__file__), "steps.h")}
     token = _digest([described(""), header, *sources.values()])
     sources["system.h"] = f'#define TOKEN "{token}"\n{header}\n'
-    members = {"modelDescription.xml": described(token).encode()}
+    members = {
+        "modelDescription.xml": described(token).encode(),
+        "documentation/index.html": index(system, order, step, jacobi=jacobi).encode(),
+    }
     members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
@@ -146,7 +150,7 @@ def _component(
 ) -> dict[str, bytes]:
     """Return the files of an FMU that a container needs."""
     fmu = system.components[name]
-    kept = ["modelDescription.xml", "resources/**/*"]
+    kept = ["modelDescription.xml", "resources/**/*", "documentation/licenses/**/*"]
     for target in targets:
         place = target.fmi2 if fmu.version == 2 else target.tuple
         if not (fmu.folder / "binaries" / place / (fmu.binary.stem + target.suffix)).is_file():

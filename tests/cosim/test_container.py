@@ -77,6 +77,14 @@ def test_shows_what_is_chosen(loop, version, tmp_path):
     assert {v.name: v.start for v in shown}["feedback.k"] == "-3.0"
 
 
+def test_its_page_tells_what_is_inside(loop, version, tmp_path):
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
+    with zipfile.ZipFile(path) as archive:
+        page = archive.read("documentation/index.html").decode()
+    for text in ("<h1>a loop</h1>", "0.01 s", "<td>plant.y</td><td>feedback.u</td>", "FMI 3.0"):
+        assert text in page
+
+
 def test_outputs_of_the_system_come_first(loop, version, tmp_path):
     loop.expose_output("force", "limit.y")
     path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)

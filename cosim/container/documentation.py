@@ -1,0 +1,56 @@
+"""documentation/index.html of a container: what is inside, and who feeds whom."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}
+table {{ border-collapse: collapse; }}
+td, th {{ border: 1px solid #ccc; padding: 0.2em 0.6em; text-align: left; }}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+<p>A system of coupled FMUs in one. Communication steps must be multiples of {step:g} s, the step of
+all components.</p>
+<h2>Components, in the order in which they step</h2>
+{components}
+<h2>Connections{delay}</h2>
+{connections}
+<h2>Licence</h2>
+<p>The components lie in <code>resources/</code> as they came, each under the licence that it states
+itself.</p>
+</body>
+</html>
+"""
+
+
+def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) -> str:
+    """Return the page."""
+    fmus = [(name, system.components[name]) for name in order]
+    components = [(name, fmu.name, f"FMI {fmu.version}.0", fmu.token) for name, fmu in fmus]
+    feeds = [(source, target) for target, source in system.sources().items()]
+    return _PAGE.format(
+        title=escape(system.name),
+        step=step,
+        components=_table(("component", "model", "standard", "token"), components),
+        connections=_table(("from", "to"), feeds),
+        delay=", each late by one step" if jacobi else "",
+    )
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [f"<tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>"]
+    lines += [f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows]
+    return "<table>" + "\n".join(lines) + "</table>"
