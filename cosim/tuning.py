@@ -1,7 +1,7 @@
 """Changes of tunable parameters during a run, as a scenario wants them.
 
-Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.2.8 (tunable: between communication points; where
-events are known, in event mode).
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7 (variability ``tunable``: between communication
+points, and where events are known, in event mode).
 """
 
 from __future__ import annotations
