@@ -68,6 +68,7 @@ class Coupled:
                     f"every: {name} steps {every} at a time, which does not divide the"
                     f" {run.n_steps} steps of the run"
                 )
+        self._run = run
         n, connections = len(self._place), self._system.connections
         late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
         if late:
@@ -107,7 +108,9 @@ class Coupled:
 
     def memory(self) -> dict[str, Array]:
         """Return what is remembered from one step to the next, by name."""
-        return remembered(self._table, len(self._names)) if hasattr(self, "_table") else {}
+        if not hasattr(self, "_table"):
+            return {}
+        return remembered(self._table, len(self._names), disturbed=bool(self._run.disturbed))
 
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Go on with what ``memory`` returned; the first point in time is past."""

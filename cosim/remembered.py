@@ -14,14 +14,17 @@ from cosim.result import Array
 _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 
 
-def remembered(table: Any, width: int) -> dict[str, Array]:
+def remembered(table: Any, width: int, *, disturbed: bool) -> dict[str, Array]:
     """Return copies of the past points, the Jacobians and the counts of a ``kernel.Coupling``.
 
     Parameters
     ----------
     width : number of signals
+    disturbed : whether a scenario changes some
     """
     memory = {name: place.copy() for name, place in _places(table, width).items()}
+    if not disturbed:  # what is given is what is received
+        memory["given"] = np.append(memory["past"][:width], memory["next"])
     memory["counts"] = np.array([getattr(table, name) for name in _COUNTS])
     memory["known"] = np.array([table.loops[i].known for i in range(table.n_loops)])
     return memory

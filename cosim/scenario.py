@@ -58,9 +58,11 @@ class Scenario:
 
     Each method returns a new scenario with one thing more. On one name they act in this order. A
     span holds from ``begin`` up to, not including, ``end`` (s). What is recorded is what the
-    receivers see. It acts at communication points, whatever the coupling. Parameters must be
-    tunable; they change at a point in time, before the step from there, and where an FMU knows
-    events, by one.
+    receivers see. A connection can be named by the input at its end, too, where its source feeds
+    nothing else. It acts at communication points, whatever the coupling.
+
+    Parameters must be tunable; they change at a point in time, before the step from there, and
+    where an FMU knows events, by one.
 
     >>> dropout = Scenario().stick("drive.x_enc", begin=1.0, end=1.1).set("v_cmd", 0.0, at=2.0)
     """

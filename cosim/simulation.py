@@ -344,7 +344,8 @@ class Simulation:
         tokens = [(name, fmu.token, fmu.interface) for name, fmu in fmus]
         signals = list(self._layout.columns), self._layout.summed
         coupling = Coupling.of(spec.coupling)
-        return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, signals))
+        how = spec.start, spec.step, coupling, spec.constant_step, spec.tolerance
+        return repr((*how, tokens, signals))
 
     @property
     def accuracy(self) -> int:

@@ -1,7 +1,7 @@
 """Changes of tunable parameters during a run, as a scenario wants them.
 
-Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.2.8 (tunable: between communication points; where
-events are known, in event mode).
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7 (variability ``tunable``: between communication
+points, and where events are known, in event mode).
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from cosim.facade import Facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of, suggestion
+from cosim.scaling import Scaling
 from cosim.scenario import Tables
+from cosim.signals import Array
 from cosim.variables import Value
 
 if TYPE_CHECKING:
@@ -30,12 +32,24 @@ if TYPE_CHECKING:
 def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
     """Return what happens to signals, and what to parameters.
 
+    An input that is fed stands for what feeds it, where that feeds nothing else.
+
     Raises
     ------
     SignalError
         When a name is neither a signal that is read or recorded nor a tunable parameter.
     """
-    others = {name: table for name, table in tables.items() if name not in layout.columns}
+    sources = system.sources() if tables.keys() - layout.columns.keys() else {}
+    signals: dict[str, tuple[Array, Array]] = {}
+    for name, table in tables.items():
+        if name in sources or name in layout.columns:
+            source = sources.get(name, name)
+            if source in signals:
+                raise SignalError(
+                    f"scenario: {name} is {source}, which occurs already; name it once"
+                )
+            signals[source] = table if source == name else _at_source(name, table, sources, system)
+    others = {name: t for name, t in tables.items() if name not in (layout.columns | sources)}
     for name in others:
         try:
             variable = system.variable(name, SignalError)
@@ -52,7 +66,23 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
                 f"scenario: {name} is a {variable.variability} parameter ({kind}); only tunable"
                 " ones that are a number or Boolean change during a run; set it before"
             )
-    return {name: table for name, table in tables.items() if name not in others}, others
+    return signals, others
+
+
+def _at_source(
+    name: str, table: tuple[Array, Array], sources: Mapping[str, str], system: System
+) -> tuple[Array, Array]:
+    """Return what happens to an input as if it happened to what feeds it."""
+    source = sources[name]
+    if receivers := [target for target in sources if sources[target] == source and target != name]:
+        raise SignalError(
+            f"scenario: {name} is fed by {source}, which feeds {', '.join(receivers)} too and is"
+            f" disturbed as a whole: name {source}"
+        )
+    line, (keep, add) = system.scaling(source, name), table
+    if not isinstance(line, Scaling) or line.factor == 0:
+        raise SignalError(f"scenario: the values of {name} are mapped; name {source}")
+    return keep, (np.nan_to_num(keep) * line.offset + add - line.offset) / line.factor
 
 
 class Change:

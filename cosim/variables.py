@@ -20,6 +20,7 @@ from ctypes import (
     c_uint64,
 )
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -285,7 +286,13 @@ def _enumeration(variable: Any) -> dict[str, Any]:
     kind = variable.declaredType
     if variable.type != "Enumeration" or kind is None:
         return {}
-    return {"enumeration": kind.name, "items": tuple((i.name, int(i.value)) for i in kind.items)}
+    return {"enumeration": kind.name, "items": _items(kind)}
+
+
+@lru_cache(maxsize=64)
+def _items(kind: Any) -> tuple[tuple[str, int], ...]:
+    """Return the items of a type of FMPy: one tuple for all its variables."""
+    return tuple((item.name, int(item.value)) for item in kind.items)
 
 
 def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cosim
-from cosim import Scenario
+from cosim import Link, Scaling, Scenario
 
 STEP, N = 0.1, 20
 
@@ -116,3 +116,42 @@ def test_from_the_beginning_receivers_see_the_disturbed_value(make):
         with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
             result = run(simulation, Scenario().set("a.y", 3.0, at=0.0))
         assert set(result["b.y"]) == {6.0}
+
+
+def fed(make, *receivers):
+    system = cosim.System("connections")
+    system.add("sensor", make("gain", y="mN"))
+    system.expose("x", "sensor.u")
+    for name in receivers:
+        system.add(name, make("gain"))
+        system.connect("sensor.y", f"{name}.u", Link(Scaling(1.0, 0.5)))
+    return system
+
+
+def test_a_connection_is_named_by_its_input_in_the_unit_of_that(make):
+    with fed(make, "plant").prepare(step=STEP, stop=N * STEP) as simulation:
+        scenario = Scenario().set("plant.u", 3.0, at=0.5)
+        result = run(simulation, scenario)
+        free = run(simulation, None)
+        np.testing.assert_allclose(result["plant.y"][5:], 3.0, rtol=1e-15)
+        np.testing.assert_array_equal(result["plant.y"][:5], free["plant.y"][:5])
+        noisy = run(simulation, Scenario().add_noise("plant.u", 0.1, 4))
+        noise = 0.1 * np.random.default_rng(4).standard_normal(N + 1)
+        np.testing.assert_allclose(noisy["plant.y"], free["plant.y"] + noise, rtol=1e-12)
+        stuck = run(simulation, Scenario().stick("plant.u", 0.5))["plant.y"]
+        np.testing.assert_array_equal(stuck[5:], free["plant.y"][4])
+
+
+@pytest.mark.parametrize(
+    ("scenario", "message"),
+    [
+        (Scenario().set("one.u", 1.0, 0.5), r"sensor\.y, which feeds two\.u too.*name sensor\.y"),
+        (Scenario().set("sensor.u", 1.0, 0.5).set("x", 1.0, 0.5), "x, which occurs already"),
+    ],
+)
+def test_one_of_several_receivers_is_not_disturbed_alone(make, scenario, message):
+    with (
+        fed(make, "one", "two").prepare(step=STEP, stop=N * STEP) as simulation,
+        pytest.raises(cosim.SignalError, match=message),
+    ):
+        run(simulation, scenario)

@@ -97,6 +97,18 @@ def test_a_run_with_a_scenario_is_resumed_bit_for_bit(system, tmp_path, coupling
     np.testing.assert_array_equal(rest.values, whole.values[30:])
 
 
+@each_coupling
+def test_a_scenario_may_begin_in_a_resumed_run(system, tmp_path, coupling):
+    scenario = Scenario().set("left.y1", 2.0, at=33 * STEP).stick("right.y1", 35 * STEP)
+    spec = {"step": STEP, "stop": N * STEP, "coupling": coupling}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(scenario=scenario)
+        simulation.run(until=30 * STEP)
+        path = simulation.save(tmp_path / "a.state")
+        rest = simulation.resume(path, scenario=scenario)
+    np.testing.assert_array_equal(rest.values, whole.values[30:])
+
+
 def test_adaptive_steps_do_not_shrink_at_a_jump_of_a_scenario(system):
     coupling = Coupling("gauss_seidel", degree=2, adaptive=Adaptive(1e-4))
     scenario = Scenario().set("left.y1", 5.0, at=20 * STEP).set("right.y1", 0.0, at=20 * STEP)
