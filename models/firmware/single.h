@@ -18,10 +18,10 @@ static float elementary_exp(float x) {
         x = 88.0f;
     const int n = (int)(x * 1.44269504f + (x < 0.0f ? -0.5f : 0.5f));
     const float r = (x - (float)n * 0.693359375f) + (float)n * 2.12194440e-4f;
-    float sum = 0.0f;
-    for (int k = 8; k >= 1; k--)
-        sum = (1.0f + sum) * (r / (float)k);
-    return (1.0f + sum) * power_of_two(n);
+    const float r2 = r * r;
+    const float a = (1.0f + r) + r2 * (1.0f / 2 + r * (1.0f / 6));
+    const float b = (1.0f / 24 + r * (1.0f / 120)) + r2 * (1.0f / 720 + r * (1.0f / 5040));
+    return (a + r2 * r2 * b) * power_of_two(n);
 }
 
 /* ln(x) for x >= 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e; at 0 very low. */

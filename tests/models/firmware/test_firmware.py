@@ -91,6 +91,27 @@ def test_c_in_float_is_within_its_rounding(exported, forces, settings):
     assert np.abs(force - expected).max() > 0.0  # float was compiled indeed
 
 
+def test_exp_and_log_in_float_are_within_two_bits():
+    """Their header claims a relative error below 2e-7; a bit of a float is 6e-8 to 1.2e-7."""
+    visible = '__attribute__((visibility("default"))) '
+    export = "__declspec(dllexport) " if sys.platform == "win32" else visible
+    source = '#include "single.h"\n' + "\n".join(
+        f"{export}float probe_{name}(float x);\n"
+        f"{export}float probe_{name}(float x) {{ return elementary_{name}(x); }}"
+        for name in ("exp", "log")
+    )
+    header = Path(models.__file__).with_name("firmware") / "single.h"
+    files = {"probe.c": source, "single.h": header.read_text()}
+    library = ctypes.CDLL(str(toolchain.shared_library("single", files)))
+    for name, x in (("exp", np.linspace(-87, 88, 3000)), ("log", np.geomspace(1e-37, 1e38, 3000))):
+        function = getattr(library, f"probe_{name}")
+        function.restype = ctypes.c_float
+        x = x.astype(np.float32)
+        found = [function(ctypes.c_float(value)) for value in x]
+        np.testing.assert_allclose(found, getattr(np, name)(x.astype(float)), rtol=2e-7)
+    assert library.probe_exp(ctypes.c_float(-88.0)) == 0.0
+
+
 @pytest.mark.parametrize("flags", [(), ("-DCOMPENSATOR_FLOAT", "-Wdouble-promotion")], ids=str)
 def test_strict_compilers_of_c99_have_nothing_to_say(exported, flags, tmp_path):
     compiler = [sys.executable, "-m", "ziglang", "cc"]
