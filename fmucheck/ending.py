@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
 
-MISUSES = {
-    "unknown-reference-accepted",
-    "bad-step-accepted",
+TELLING = {
+    "unknown-reference",
+    "bad-step",
     "step-before-initialisation",
-    "freeing-nothing-crashes",
+    "freeing-nothing",
+    "needs-a-logger",
 }
-"""Rules that call what no importer may call."""
+"""Rules that try what an FMU must withstand: when it does not, that is their finding."""
 
 MOST_TEXT = 1_000_000  # bytes on standard output and error
 
@@ -27,8 +28,8 @@ class Ending:
     ----------
     during : interface and rule that was being tried
     status : exit status, minus the signal where one ended it; ``None`` when it was ended from here
-    text : what was written to standard output and error, the beginning of it
-    reason : crash, exit, hang, flood, printed or unable
+    text : what was printed, the beginning of it; or what failed, or why it was not run
+    reason : crash, exit, hang, flood, printed, failed or unable
     """
 
     interface: str
@@ -47,25 +48,23 @@ class Ending:
 @rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="run it under a debugger with these calls")
 def crash(ending: Ending) -> Claims:
     """The binary crashes its process."""
-    if ending.reason == "crash" and ending.during not in MISUSES:
-        yield ending.place, f"the process died of {_name(ending.status)}"
+    if ending.reason == "crash":
+        yield ending.place, f"the process died of {signal_name(ending.status)}"
 
 
-@rule(
-    Severity.WARNING, fmi2="2.1.3", fmi3="2.2.4", advice="check arguments and state, return Error"
-)
-def misuse_is_fatal(ending: Ending) -> Claims:
-    """The binary crashes or hangs when it is called in a way that it should refuse."""
-    if ending.reason in ("crash", "hang") and ending.during in MISUSES:
-        how = "hangs" if ending.reason == "hang" else f"dies of {_name(ending.status)}"
-        yield ending.place, f"the process {how}"
-
-
-def _name(status: int | None) -> str:
+def signal_name(status: int | None) -> str:
+    """Return what ended a process."""
     try:
         return signal.Signals(-(status or 0)).name
     except ValueError:
         return f"status {status}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="make the call work, or declare less")
+def call_fails(ending: Ending) -> Claims:
+    """A call fails that must succeed for what the description declares."""
+    if ending.reason == "failed":
+        yield ending.place, ending.text
 
 
 @rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="return Error or Fatal instead of exit")
@@ -84,7 +83,7 @@ def ends_the_process(ending: Ending) -> Claims:
 )
 def hang(ending: Ending) -> Claims:
     """The binary does not return in the time allowed."""
-    if ending.reason == "hang" and ending.during not in MISUSES:
+    if ending.reason == "hang":
         yield ending.place, f"did not return in {ending.seconds:g} s"
 
 

@@ -20,6 +20,8 @@ from fmucheck.running.fmi2 import Instance2
 from fmucheck.running.fmi3 import Instance3
 from fmucheck.running.instance import Instance, Values
 
+Settings = list[tuple[str, object]]
+"""Settings of a process by name."""
 MOST_READ = 500  # variables read at every step
 
 
@@ -31,18 +33,18 @@ class Bench:
     ----------
     changes : other values of parameters, with which it still runs; ``None`` until tried
     seen : for each mode and unknown the knowns it moves with; ``None`` until tried
+    before : settings of the process before the library was loaded
     first : what an earlier process found out, for rules that compare two processes
-    results : what a later process is to know
-    still : inputs stay at their start values, because the FMU fails when they move
+    results : what is found out, for a later process
     """
 
     description: Description
     interface: Interface
     library: Path
     resources: Path
+    before: Settings
     first: dict[str, str] = field(default_factory=dict)
     results: dict[str, str] = field(default_factory=dict)
-    still: bool = False
     changes: list[tuple[Variable, Values]] | None = None
     seen: dict[tuple[str, int], set[int]] | None = None
     _open: list[Instance] = field(default_factory=list)
@@ -51,6 +53,11 @@ class Bench:
     def binary(self) -> Binary:
         """The loaded library."""
         return Binary(self.library, self.description.version)
+
+    @property
+    def still(self) -> bool:
+        """Whether inputs stay at their start values, because the FMU fails when they move."""
+        return "still" in self.results
 
     @property
     def is_exchange(self) -> bool:

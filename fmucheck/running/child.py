@@ -18,53 +18,68 @@ from fmucheck.description.model import Description
 from fmucheck.running.bench import Bench
 from fmucheck.running.calls import CallFailed
 from fmucheck.running.loading import GATES
+from fmucheck.running.process import settings
 
 MEMORY = 4 * 1024**3
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a child is to do; ``tried`` are the rules that other children have tried before."""
+    """What a child is to do.
+
+    Attributes
+    ----------
+    libraries : interface -> its binary
+    first : interface -> what an earlier process found out
+    tried : interfaces and rules that other children have tried before
+    """
 
     stage: str
     description: Description
-    interface: str
-    library: Path
+    libraries: dict[str, Path]
     resources: Path
-    first: dict[str, str]
-    tried: frozenset[str]
+    first: dict[str, dict[str, str]]
+    tried: frozenset[tuple[str, str]] = frozenset()
 
 
 def main(job_file: str, report_file: str) -> None:
-    """Try every rule of the job's stage that was not tried yet."""
+    """Try every rule of the job's stage that was not tried yet, on every interface."""
+    before = settings()
     _limit()
     job: Job = pickle.loads(Path(job_file).read_bytes())  # noqa: S301 (written by the parent)
-    interface = job.description.interface(job.interface)
-    if interface is None:
-        return
-    bench = Bench(job.description, interface, job.library, job.resources, job.first)
-    bench.still = "still" in job.first
     with Path(report_file).open("a", encoding="utf-8") as report:
-        for rule in fmucheck.rules.stage(job.stage):
-            applies = job.description.version in rule.sections
-            if not applies or rule.id in job.tried:
-                continue
-            _tell(report, begin=rule.id)
-            claims = _claims(bench, rule)
-            _tell(report, claims=claims, results=bench.results)
-            if rule.id in GATES and claims:
-                break
+        for interface in job.description.interfaces:
+            if library := job.libraries.get(interface.kind):
+                first = job.first.get(interface.kind, {})
+                bench = Bench(
+                    job.description, interface, library, job.resources, before, first, dict(first)
+                )
+                _try(job, bench, report)
         _tell(report, end=True)
 
 
-def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> list[tuple[str, str]]:
-    """Return what a rule finds; a call that fails on the way is a finding, too."""
+def _try(job: Job, bench: Bench, report: IO[str]) -> None:
+    kind = bench.interface.kind
+    for rule in fmucheck.rules.stage(job.stage):
+        applies = job.description.version in rule.sections
+        if applies and (kind, rule.id) not in job.tried:
+            _tell(report, begin=[kind, rule.id])
+            claims, failed = _claims(bench, rule)
+            _tell(report, claims=claims, failed=failed, results=bench.results)
+            if rule.id in GATES and (claims or failed):
+                return
+
+
+def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> tuple[list[tuple[str, str]], str]:
+    """Return what a rule finds, and which call failed on the way."""
+    claims: list[tuple[str, str]] = []
+    failed = ""
     try:
-        claims = list(rule.check(bench))
-    except CallFailed as failed:
-        claims = [(bench.interface.kind, str(failed))]
+        claims += rule.check(bench)
+    except CallFailed as fault:
+        failed = str(fault)
     bench.close()
-    return claims
+    return claims, failed
 
 
 def _tell(report: IO[str], **what: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -50,6 +51,11 @@ def _unknowns(bench: Bench, groups: tuple[str, ...]) -> list[Unknown]:
     return [u for u in chosen if u.variable and u.variable in bench.observed]
 
 
+def _stepped(bench: Bench) -> tuple[str, ...]:
+    """Return the groups that are looked at between steps."""
+    return ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
+
+
 def _movable(v: Variable) -> bool:
     return v.kind not in ("String", "Binary", "Clock") and v.clocks is None
 
@@ -59,10 +65,14 @@ def _initial(bench: Bench) -> Iterator[Seen]:
     unknowns = [u.variable for u in _unknowns(bench, ("InitialUnknown",)) if u.variable]
     exact = [v for v in bench.description.variables if _movable(v) and v.variability != "constant"]
     knowns = [v for v in exact if v.initial == "exact" and v.causality != "structuralParameter"]
-    for known in [*bench.inputs, *knowns][:_MOST] if unknowns else ():
+    everything = [*bench.inputs, *knowns][:_MOST] if unknowns else []
+    for known, shift in itertools.product(everything, (False, True)):
         instance = bench.new()
         try:
             instance.enter_initialisation(bench.start_time)
+            for v in bench.inputs if shift else ():  # what is multiplied by 0 shows nothing
+                if values := bench.other(v, 0.3):
+                    instance.set(v, values)
             run = new_run(bench, instance)
             if repr(instance.get(unknowns)) == repr(instance.get(unknowns)):
                 yield _probe(bench, run, known, unknowns, "initialisation")
@@ -73,8 +83,7 @@ def _initial(bench: Bench) -> Iterator[Seen]:
 
 def _stepping(bench: Bench) -> Iterator[Seen]:
     """Yield what is seen between steps."""
-    groups = ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
-    unknowns = [u.variable for u in _unknowns(bench, groups) if u.variable]
+    unknowns = [u.variable for u in _unknowns(bench, _stepped(bench)) if u.variable]
     inputs = [v for v in bench.inputs if not bench.is_exchange or v.variability == "continuous"]
     states = [v for v in bench.description.states if not v.dimensions] if bench.is_exchange else []
     for known in [*inputs, *states][:_MOST] if unknowns else ():
@@ -108,7 +117,7 @@ def _mode(unknown: Unknown) -> str:
 def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:
     """Yield unknown, knowns declared, knowns seen and knowns tried, as indices."""
     seen = _seen(bench)
-    for unknown in _unknowns(bench, ("Output", "ContinuousStateDerivative", "InitialUnknown")):
+    for unknown in _unknowns(bench, (*_stepped(bench), "InitialUnknown")):
         if unknown.dependencies is not None and unknown.variable:
             mode = _mode(unknown)
             declared = {v.index for _, v in unknown.dependencies if v}

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import fmucheck.rules
 from fmucheck.binaries.folders import target
-from fmucheck.ending import MOST_TEXT, Ending
+from fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
 from fmucheck.finding import Finding
 from fmucheck.fmu import Fmu
 from fmucheck.running.child import Job
@@ -50,6 +50,7 @@ def findings_of_runs(fmu: Fmu, blocked: set[str], timeout: float = TIMEOUT) -> I
     blocked : rules whose findings make running pointless
     timeout : s that one rule may take
     """
+    libraries = {}
     for interface in fmu.description.interfaces:
         name = host_binary(fmu, interface.identifier)
         why = f"because of {', '.join(sorted(blocked))}" if blocked else ""
@@ -60,54 +61,62 @@ def findings_of_runs(fmu: Fmu, blocked: set[str], timeout: float = TIMEOUT) -> I
         if why or name is None:
             ending = Ending(interface.kind, "", "unable", text=f"was not run: {why}")
             yield from _ended(ending, fmu)
-            continue
-        job = Job(
-            stage="running",
-            description=fmu.description,
-            interface=interface.kind,
-            library=fmu.folder / name,
-            resources=fmu.folder / "resources",
-            first={},
-            tried=frozenset(),
-        )
-        results: dict[str, str] = {}
+        else:
+            libraries[interface.kind] = fmu.folder / name
+    if libraries:
+        job = Job("running", fmu.description, libraries, fmu.folder / "resources", {})
+        results: dict[str, dict[str, str]] = {}
         yield from _tried(job, fmu, timeout, results)
         yield from _tried(replace(job, stage="rerunning", first=results), fmu, timeout, {})
 
 
 def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
+    if ending.during in TELLING and ending.reason in ("crash", "hang"):
+        fatal = f"dies of {signal_name(ending.status)}"
+        how = f"does not return in {ending.seconds:g} s" if ending.reason == "hang" else fatal
+        claim = ending.interface, f"the process {how}"
+        yield fmucheck.rules.RULES[ending.during].finding(claim, fmu.description.version)
+        return
     for rule in fmucheck.rules.stage("ending"):
         yield from rule.findings(ending, fmu.description.version)
 
 
-def _tried(job: Job, fmu: Fmu, timeout: float, results: dict[str, str]) -> Iterator[Finding]:
-    """Yield what a stage finds, in as many children as it takes."""
+def _tried(
+    job: Job, fmu: Fmu, timeout: float, results: dict[str, dict[str, str]]
+) -> Iterator[Finding]:
+    """Yield what a stage finds, in as many children as it takes; fill in what they found out."""
     printed = False
     for _ in range(_MOST_CHILDREN):
         child = _Child(job, fmu.folder)
         ending = child.watch(timeout)
         results |= child.results
-        for rule, claims in child.claims.items():
+        for (interface, rule), claims in child.claims.items():
             for claim in claims:
                 yield fmucheck.rules.RULES[rule].finding(claim, fmu.description.version)
-        if child.text.strip() and not printed and not ending:
-            printed = True
-            yield from _ended(Ending(job.interface, "", "printed", text=child.text), fmu)
+            if text := child.failed.get((interface, rule)):
+                yield from _ended(Ending(interface, rule, "failed", text=text), fmu)
         if ending is None:
+            if child.text.strip() and not printed:
+                yield from _ended(Ending("standard output", "", "printed", text=child.text), fmu)
             return
+        printed = True
         yield from _ended(ending, fmu)
-        tried = job.tried | {*child.claims, ending.during}
-        if ending.during in GATES or not ending.during:
+        if not ending.during:
             return
-        job = replace(job, tried=tried, first=job.first | child.results)
+        tried = job.tried | {*child.claims, (ending.interface, ending.during)}
+        libraries = dict(job.libraries)
+        if ending.during in GATES:
+            del libraries[ending.interface]
+        job = replace(job, libraries=libraries, tried=tried, first=job.first | child.results)
 
 
 @dataclass
 class _Child:
     job: Job
     folder: Path
-    claims: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
-    results: dict[str, str] = field(default_factory=dict)
+    claims: dict[tuple[str, str], list[tuple[str, str]]] = field(default_factory=dict)
+    failed: dict[tuple[str, str], str] = field(default_factory=dict)
+    results: dict[str, dict[str, str]] = field(default_factory=dict)
     text: str = ""
 
     def watch(self, timeout: float) -> Ending | None:
@@ -134,13 +143,13 @@ class _Child:
                 _end(process)
         with output.open("rb") as stream:
             self.text = stream.read(2000).decode("utf-8", "replace")
-        during, done = self._read(report)
+        interface, during, done = self._read(report)
         if done and reason == "exit":
             return None
         status = process.returncode if reason == "exit" else None
         if reason == "exit" and (status or 0) < 0:
             reason = "crash"
-        return Ending(self.job.interface, during, reason, status, self.text, timeout)
+        return Ending(interface, during, reason, status, self.text, timeout)
 
     def _wait(
         self, process: subprocess.Popen[bytes], report: Path, output: Path, timeout: float
@@ -159,21 +168,23 @@ class _Child:
             if output.stat().st_size > MOST_TEXT:
                 return "flood"
 
-    def _read(self, report: Path) -> tuple[str, bool]:
-        """Take over what the child told; return what it was trying, and whether it came through."""
-        during, done = "", False
+    def _read(self, report: Path) -> tuple[str, str, bool]:
+        """Take over what the child told; return what it was trying, and if it came through."""
+        interface, during, done = "", "", False
         for line in report.read_text(encoding="utf-8").splitlines():
             try:
                 told = json.loads(line)
             except ValueError:
                 continue  # the child died while it wrote
             if "begin" in told:
-                during = told["begin"]
+                interface, during = told["begin"]
             elif "claims" in told:
-                self.claims[during] = [(place, message) for place, message in told["claims"]]
-                self.results = told["results"]
+                claims = [(place, message) for place, message in told["claims"]]
+                self.claims[interface, during] = claims
+                self.failed[interface, during] = told["failed"]
+                self.results[interface] = told["results"]
             done = done or "end" in told
-        return during, done
+        return interface, during, done
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -11,7 +11,7 @@ from ctypes import Structure, c_int, c_size_t
 
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
+from fmucheck.running.bench import Bench, Settings
 from fmucheck.running.exchange import finished
 
 _CYCLES = 200
@@ -82,16 +82,16 @@ def memory_callbacks_used(bench: Bench) -> Claims:
 @rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2.1", advice="leave settings of the process alone")
 def changes_the_process(bench: Bench) -> Claims:
     """It changes the working folder, the locale or the rounding mode of the process."""
-    before = _settings()
     finished(bench)
-    for (name, old), (_, new) in zip(before, _settings(), strict=True):
+    for (name, old), (_, new) in zip(bench.before, settings(), strict=True):
         if old != new:
             yield name, f"was {old}, is {new}"
 
 
-def _settings() -> list[tuple[str, object]]:
+def settings() -> Settings:
+    """Return what a library must not change."""
     library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-    found: list[tuple[str, object]] = [("working folder", os.getcwd())]  # noqa: PTH109
+    found: Settings = [("working folder", os.getcwd())]  # noqa: PTH109
     found.append(("locale", locale.setlocale(locale.LC_ALL)))
     if hasattr(library, "fegetround"):
         library.fegetround.restype = c_int

@@ -36,8 +36,8 @@ def _access(instance: Instance, verb: str, reference: int) -> int:
 
 
 @rule(Severity.WARNING, fmi2="2.1.7", fmi3="2.2.7", advice="check the reference and return Error")
-def unknown_reference_accepted(bench: Bench) -> Claims:
-    """A value reference that no variable has can be got or set."""
+def unknown_reference(bench: Bench) -> Claims:
+    """A value reference that no variable has is accepted, or fatal."""
     for verb in ("Get", "Set"):
         run = new_run(bench)
         run.begin()
@@ -48,8 +48,8 @@ def unknown_reference_accepted(bench: Bench) -> Claims:
 
 
 @rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="return Error unless the step is above 0")
-def bad_step_accepted(bench: Bench) -> Claims:
-    """A communication step of size 0 or negative is accepted."""
+def bad_step(bench: Bench) -> Claims:
+    """A communication step of size 0 or below is accepted, or fatal."""
     if bench.interface.kind != "CoSimulation":
         return
     for size in (0.0, -bench.step_size):
@@ -69,7 +69,7 @@ def bad_step_accepted(bench: Bench) -> Claims:
     advice="return Error in states where it is illegal",
 )
 def step_before_initialisation(bench: Bench) -> Claims:
-    """A step is accepted before the FMU is initialised."""
+    """A step before the FMU is initialised is accepted, or fatal."""
     if bench.interface.kind != "CoSimulation":
         return
     instance = bench.new()
@@ -82,7 +82,7 @@ def step_before_initialisation(bench: Bench) -> Claims:
 @rule(
     Severity.WARNING, fmi2="2.1.5", fmi3="2.3.1", advice="return at once when the pointer is NULL"
 )
-def freeing_nothing_crashes(bench: Bench) -> Claims:
-    """FreeInstance does not ignore a null pointer; seen as a crash while this is tried."""
+def freeing_nothing(bench: Bench) -> Claims:
+    """FreeInstance of a null pointer is fatal instead of ignored."""
     bench.binary.function("FreeInstance", None)(c_void_p())
     return ()

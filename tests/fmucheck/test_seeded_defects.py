@@ -1,0 +1,45 @@
+"""Every seeded defect is found by the rule that is meant for it."""
+
+import warnings
+
+import pytest
+
+import fmucheck
+from benchmarks.defects import binaries, descriptions, files
+from benchmarks.defects.reference import members, pack
+
+RUNS = ("running", "rerunning", "ending")  # stages that load the binary
+TIMEOUT = 2.0  # s, for those that hang
+BINARIES = {
+    name: [seed for seed in binaries.SEEDS if seed.what == name]
+    for name in dict.fromkeys(seed.what for seed in binaries.SEEDS)
+}
+# Each defect of a binary in one version of the standard, in turn; the benchmark takes both.
+TURNS = [seeds[place % len(seeds)] for place, seeds in enumerate(BINARIES.values())]
+SEEDS = [*descriptions.SEEDS, *files.SEEDS, *TURNS]
+
+
+def judge(path, rule=None):
+    run = rule is None or fmucheck.RULES[rule].stage in RUNS
+    return fmucheck.check(path, run=run, timeout=TIMEOUT)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_sound_fmu_is_found_sound(tmp_path, version):
+    report = judge(pack(tmp_path / "reference.fmu", members(version)))
+    assert list(report) == []
+
+
+@pytest.mark.parametrize("seed", SEEDS, ids=lambda seed: seed.name)
+def test_seeded_defect_is_found(tmp_path, seed):
+    with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name
+        path = seed.make(tmp_path)
+    report = judge(path, seed.rule)
+    assert seed.rule in report.rules
+    assert [p.name for p in tmp_path.iterdir()] == ["reference.fmu"]
+
+
+def test_every_rule_has_a_seed():
+    elsewhere = {"not-named-fmu", "unsigned-for-arm-mac"}  # test_check.py, test_libraries.py
+    every = {s.rule for s in [*descriptions.SEEDS, *files.SEEDS, *binaries.SEEDS]}
+    assert set(fmucheck.RULES) - every == elsewhere
