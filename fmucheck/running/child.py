@@ -17,7 +17,7 @@ import fmucheck.rules
 from fmucheck.description.model import Description
 from fmucheck.running.bench import Bench
 from fmucheck.running.calls import CallFailed
-from fmucheck.running.loading import GATES
+from fmucheck.running.loading import GATES, LOADING
 from fmucheck.running.process import settings
 
 MEMORY = 4 * 1024**3
@@ -62,6 +62,8 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
     kind = bench.interface.kind
     for rule in fmucheck.rules.stage(job.stage):
         applies = job.description.version in rule.sections
+        if kind == "ScheduledExecution":
+            applies = applies and rule.id in LOADING
         if applies and (kind, rule.id) not in job.tried:
             _tell(report, begin=[kind, rule.id])
             claims, failed = _claims(bench, rule)

@@ -10,6 +10,9 @@ from fmucheck.running.bench import Bench
 from fmucheck.running.calls import CallFailed, status_name
 from fmucheck.running.exchange import finished
 
+LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
+"""All that is tried of Scheduled Execution."""
+
 GATES = ("does-not-load", "refuses-its-token", "does-not-run")
 """When one of these finds something, the rules after it are not tried."""
 
@@ -48,8 +51,7 @@ def wrong_types_platform(bench: Bench) -> Claims:
 @rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="build binary and description together")
 def refuses_its_token(bench: Bench) -> Claims:
     """It gives no instance for the token in its own description."""
-    callbacks = bench.instantiate()
-    if callbacks is None:
+    if bench.instantiate() is None:
         yield bench.library.name, f"no instance for token {bench.description.token}"
 
 
@@ -68,8 +70,6 @@ def accepts_any_token(bench: Bench) -> Claims:
 @rule(Severity.ERROR, fmi2="4.2", fmi3="2.3", advice="see what it logs; mend the model")
 def does_not_run(bench: Bench) -> Claims:
     """It fails in a plain run: start values, the default step, inputs moved a little."""
-    if bench.interface.kind == "ScheduledExecution":
-        return
     try:
         finished(bench)
     except CallFailed as moved:
@@ -99,8 +99,6 @@ def fails_when_inputs_move(bench: Bench) -> Claims:
 @rule(Severity.WARNING, fmi2="2.1.3", fmi3="2.2.4", advice="return OK when nothing is wrong")
 def warns_in_a_plain_run(bench: Bench) -> Claims:
     """Calls of a plain run return Warning."""
-    if bench.interface.kind == "ScheduledExecution":
-        return
     instance = finished(bench).instance
     for name in dict.fromkeys(instance.warned):
         yield f"{bench.binary.prefix}{name}", f"returned {status_name(1)}"
@@ -109,8 +107,6 @@ def warns_in_a_plain_run(bench: Bench) -> Claims:
 @rule(Severity.ERROR, fmi2="2.1.6", fmi3="2.3", advice="return OK")
 def does_not_terminate(bench: Bench) -> Claims:
     """Terminate fails after a plain run."""
-    if bench.interface.kind == "ScheduledExecution":
-        return
     run = finished(bench)
     status = 0 if run.ended else run.instance.status("Terminate")
     if status > 1:

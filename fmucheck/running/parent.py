@@ -61,8 +61,11 @@ def findings_of_runs(fmu: Fmu, blocked: set[str], timeout: float = TIMEOUT) -> I
         if why or name is None:
             ending = Ending(interface.kind, "", "unable", text=f"was not run: {why}")
             yield from _ended(ending, fmu)
-        else:
-            libraries[interface.kind] = fmu.folder / name
+            continue
+        libraries[interface.kind] = fmu.folder / name
+        if interface.kind == "ScheduledExecution":
+            ending = Ending(interface.kind, "", "unable", text="was only loaded and instantiated")
+            yield from _ended(ending, fmu)
     if libraries:
         job = Job("running", fmu.description, libraries, fmu.folder / "resources", {})
         results: dict[str, dict[str, str]] = {}

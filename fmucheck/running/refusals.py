@@ -50,7 +50,7 @@ def unknown_reference(bench: Bench) -> Claims:
 @rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="return Error unless the step is above 0")
 def bad_step(bench: Bench) -> Claims:
     """A communication step of size 0 or below is accepted, or fatal."""
-    if bench.interface.kind != "CoSimulation":
+    if bench.is_exchange:
         return
     for size in (0.0, -bench.step_size):
         run = new_run(bench)
@@ -70,7 +70,7 @@ def bad_step(bench: Bench) -> Claims:
 )
 def step_before_initialisation(bench: Bench) -> Claims:
     """A step before the FMU is initialised is accepted, or fatal."""
-    if bench.interface.kind != "CoSimulation":
+    if bench.is_exchange:
         return
     instance = bench.new()
     if _step(instance, bench.start_time, bench.step_size) in (0, 1):
