@@ -18,7 +18,7 @@ from cosim.coupled import Coupled
 from cosim.coupling import Coupling, Method
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, last_outputs
-from cosim.errors import ExperimentError, SimulationError
+from cosim.errors import ExperimentError, ParameterError, SimulationError
 from cosim.experiment import count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
@@ -33,7 +33,7 @@ from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
-from cosim.variables import Value
+from cosim.variables import Value, Variable
 from cosim.wiring import wire
 
 if TYPE_CHECKING:
@@ -84,7 +84,8 @@ class Simulation:
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
-        self._halted = False
+        self._variables: dict[str, Variable] = {}  # those that runs have set
+        self._halted = self._ready = False
         self.order = [name for members in groups for name in members.components]
         record = Record.of(spec.record)
         self._layout = Layout.of(system, record)
@@ -92,15 +93,14 @@ class Simulation:
         self._run, self._facades = wire(
             system, self._layout, self.order, self._libraries, jacobi=jacobi
         )
+        self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
+        self._memory = Memory(self._run, self._layout, record, self.time)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
         )
-        self._run.constant_step = spec.constant_step
-        self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         self._coupled.attach(self._run)
-        self._memory = Memory(self._run, self._layout, record, self.time)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -139,12 +139,8 @@ class Simulation:
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
-        system = self.spec.system
-        values: dict[str, Value] = dict(system.parameters)
-        for name, value in (parameters or {}).items():
-            values[name] = system.checked(name, value)
-            check_length(system, name, values[name])
-        external = sample_inputs(system, values, inputs or {}, self.time)
+        values = self._values(parameters or {})
+        external = sample_inputs(self.spec.system, values, inputs or {}, self.time)
         self._disturb(scenario, external)
         self._begin(values, external)
         return self._step(0, self._place(until), real_time, progress)
@@ -222,6 +218,19 @@ class Simulation:
         self._memory.go_on(checkpoint.step, checkpoint.row)
         return self._step(checkpoint.step, last, real_time, progress)
 
+    def _values(self, parameters: Mapping[str, object]) -> dict[str, Value]:
+        """Return the start values of a run, checked."""
+        system = self.spec.system
+        values = dict(system.parameters)
+        for name, value in parameters.items():
+            if name not in self._variables:
+                self._variables[name] = system.variable(name, ParameterError)
+            variable = self._variables[name]
+            values[name] = variable.checked(value, name)
+            if variable.causality == "structuralParameter":
+                check_length(name, values[name], system.parameters.get(name, variable.start))
+        return values
+
     def _disturb(self, scenario: Scenario | None, external: Array) -> None:
         if scenario or self._run.disturbed:
             self._disturbances = disturb(
@@ -271,6 +280,7 @@ class Simulation:
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
             outcome = self._kernel.advance(self._run)
         if outcome == kernel.FAILED:
+            self._ready = False
             name = self.order[self._run.failed]
             facade = self._facades.get(name)
             end = ending(self._run, self._slots[name], facade, self._libraries[name])
@@ -293,7 +303,7 @@ class Simulation:
         if further:
             slot = self._slots[name]
             self._memory.append(slot.column, last_outputs(slot))
-        if not self._kernel.close_rows(run):
+        if not self._kernel.end_early(run, further):
             raise self._failure()
         time, values = self._memory.kept(first, run.done, ended=True)
         if further:
@@ -341,7 +351,7 @@ class Simulation:
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
-        self._halted = False
+        self._halted = self._ready = False
         self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)
@@ -371,6 +381,9 @@ class Simulation:
             settings.attach(name, slot)
 
     def _instantiate(self) -> None:
+        """Make sure that all FMUs have an instance; a run that failed may have lost some."""
+        if self._ready:
+            return
         for name, slot in self._slots.items():
             if not slot.instance:
                 self._coupled.lose(name)
@@ -383,6 +396,7 @@ class Simulation:
                     raise SimulationError(
                         f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
+        self._ready = True
 
     def _failure(self) -> SimulationError:
         run = self._run

@@ -20,6 +20,7 @@ from ctypes import (
     c_uint64,
 )
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -204,12 +205,7 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        has_start = self.causality in {
-            "parameter",
-            "structuralParameter",
-            "input",
-        } or self.initial in {"exact", "approx"}
-        if not has_start or self.variability == "constant":
+        if not self._has_start:
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
@@ -219,6 +215,12 @@ class Variable:
         if self.dimensions:
             return tuple(self._checked(item, label) for item in self._items(value, label))
         return self._checked(value, label)
+
+    @cached_property
+    def _has_start(self) -> bool:
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
 
     def _items(self, value: Any, label: str) -> list[Any]:
         items = value.split() if isinstance(value, str) else value

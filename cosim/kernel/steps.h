@@ -48,11 +48,80 @@ INLINE bool step_in_groups(Run *run, const double *now, double *next) {
     return true;
 }
 
-APART bool walk_one_by_one(Run *run, int64_t end) { return walk(run, end, step_one_by_one); }
-APART bool walk_in_groups(Run *run, int64_t end) { return walk(run, end, step_in_groups); }
+APART bool walk_one_by_one(Run *run, int64_t end) {
+    return walk(run, end, step_one_by_one, add_squares, run->width, run->constant_step);
+}
+APART bool walk_in_groups(Run *run, int64_t end) {
+    return walk(run, end, step_in_groups, add_squares, run->width, run->constant_step);
+}
+
+/* A few components of one version, all with inputs and outputs: straight code, where the compiler
+ * knows number and version. */
+INLINE bool step_in_turn(Run *run, const double *now, double *next, int n, int version) {
+    const Component *c = run->components;
+#pragma clang loop unroll(full)
+    for (int i = 0; i < n; i++, c++) {
+        TRY(set_some_inputs(run, c, version, now) && do_step(run, c, version) &&
+            get_some_outputs(run, c, version, c->n_outputs, next));
+    }
+    return true;
+}
+
+INLINE bool step_at_once(Run *run, const double *now, double *next, int n, int version) {
+    const Component *c = run->components;
+#pragma clang loop unroll(full)
+    for (int i = 0; i < n; i++) {
+        TRY(set_some_inputs(run, c + i, version, now));
+    }
+#pragma clang loop unroll(full)
+    for (int i = 0; i < n; i++) {
+        TRY(do_step(run, c + i, version));
+    }
+#pragma clang loop unroll(full)
+    for (int i = 0; i < n; i++) {
+        TRY(get_some_outputs(run, c + i, version, c[i].n_outputs, next));
+    }
+    return true;
+}
+
+#define FEW(X) X(1) X(2) X(3) X(4) X(5) X(6)
+#define STRAIGHT(how, n, version)                                                                  \
+    INLINE bool how##_##n##_##version(Run *run, const double *now, double *next) {                 \
+        return how(run, now, next, n, version);                                                    \
+    }                                                                                              \
+    APART bool walk_##how##_##n##_##version(Run *run, int64_t end) {                               \
+        return walk(run, end, how##_##n##_##version, add_squares, run->width, run->constant_step); \
+    }
+#define EACH_STRAIGHT(n)                                                                           \
+    STRAIGHT(step_in_turn, n, 2)                                                                   \
+    STRAIGHT(step_in_turn, n, 3) STRAIGHT(step_at_once, n, 2) STRAIGHT(step_at_once, n, 3)
+#define ENTRY(n)                                                                                   \
+    [n] = {{walk_step_in_turn_##n##_2, walk_step_in_turn_##n##_3},                                 \
+           {walk_step_at_once_##n##_2, walk_step_at_once_##n##_3}},
+
+FEW(EACH_STRAIGHT)
+
+/* NULL where these components need the loops above. */
+static bool (*find_straight(const Run *run))(Run *run, int64_t end) {
+    static bool (*const walks[][2][2])(Run *run, int64_t end) = {FEW(ENTRY)};
+    const int64_t n = run->n_components;
+    const int32_t version = n ? run->components->version : 0;
+    if (n == 0 || n >= (int64_t)(sizeof walks / sizeof *walks)) {
+        return NULL;
+    }
+    for (const Component *c = run->components; c != run->components + n; c++) {
+        if (c->version != version || c->inputs == NONE || c->n_outputs == 0) {
+            return NULL;
+        }
+    }
+    return walks[n][run->jacobi != 0][version == 3];
+}
 
 static bool step_until(Run *run, int64_t end) {
-    return run->jacobi ? walk_in_groups(run, end) : walk_one_by_one(run, end);
+    bool (*straight)(Run *, int64_t) = find_straight(run);
+    return straight      ? straight(run, end)
+           : run->jacobi ? walk_in_groups(run, end)
+                         : walk_one_by_one(run, end);
 }
 
 #endif
