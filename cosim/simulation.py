@@ -264,7 +264,9 @@ class Simulation:
             self.pace.begin(self.time[first])
         elif progress:
             look = max(1, look // 100)
-        for halt in [*range(first + look, last, look), last]:
+        halt = first
+        while halt < last:
+            halt = min(halt + look, last)
             if end := self._advance(halt):
                 return self._ended(end, first)
             if self.pace:

@@ -249,8 +249,8 @@ class System:
         constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
             default they are told the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
-        compiled : whether to compile the steps of this system into C of their own: under a second
-            once, then up to a quarter less for cheap FMUs. The values are the same
+        compiled : whether to compile the steps of this system into C of their own: about a second
+            once, then up to a sixth less for cheap FMUs. The values are the same
 
         Raises
         ------

@@ -246,6 +246,8 @@ class Variable:
         return result
 
     def _converted(self, value: Any) -> Scalar:
+        if self.type in _FLOATS:
+            return float(value)
         if self.type == "String":
             if not isinstance(value, str):
                 raise TypeError
@@ -254,8 +256,6 @@ class Variable:
             return bytes.fromhex(value) if isinstance(value, str) else bytes(memoryview(value))
         if self.type == "Boolean":
             return _WORDS[str(value).lower()]
-        if self.type in _FLOATS:
-            return float(value)
         result = int(value)
         if _C_TYPES[self.type](result).value != result or (
             not isinstance(value, str) and result != value

@@ -63,7 +63,7 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
     const fmi3Status status =
         c->call.fmi3.DoStep(c->instance, t, h, true, &said->event_handling_needed, &said->terminate,
                             &said->early, &said->last_successful_time);
-    if (UNLIKELY(said->terminate || said->early) && (unsigned)status <= fmi3Warning) {
+    if (UNLIKELY(said->terminate | said->early) && (unsigned)status <= fmi3Warning) {
         return fail(run, c, "fmi3DoStep", said->terminate ? TERMINATED : RETURNED_EARLY);
     }
     return passed(run, c, "fmi3DoStep", (int)status);

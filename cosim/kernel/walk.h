@@ -13,9 +13,12 @@ typedef void Add(Run *run, int64_t n, const double *row);
 
 INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, bool constant) {
     double *now = row_of(run, run->done);
+    run->h = run->step;
     for (int64_t n = run->done; n < end; now += width) {
         run->t = run->start + (double)n * run->step;
-        run->h = constant ? run->step : run->start + (double)(n + 1) * run->step - run->t;
+        if (!constant) {
+            run->h = run->start + (double)(n + 1) * run->step - run->t;
+        }
         TRY(step_all(run, now, now + width));
         add(run, ++n, now + width);
         run->done = n;
