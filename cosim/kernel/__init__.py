@@ -109,6 +109,7 @@ class Run(Structure):
     _fields_ = (
         ("components", POINTER(Component)),
         ("n_components", c_int64),
+        ("uniform", c_int64),
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),

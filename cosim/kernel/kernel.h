@@ -130,7 +130,8 @@ enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102, NOT_SOLV
 typedef struct {
     Component *components; /* in the order in which they step */
     int64_t n_components;
-    int64_t jacobi; /* not 0: all see the values of this point in time; else one after the other */
+    int64_t uniform; /* the FMI version of all components, if all have inputs and outputs; else 0 */
+    int64_t jacobi;  /* not 0: all see the values of this point in time; else one after the other */
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
     double start, stop, step; /* s */
