@@ -19,7 +19,7 @@ from cosim.coupling import Coupling, Method
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, last_outputs
 from cosim.errors import ExperimentError, ParameterError, SimulationError
-from cosim.experiment import count_steps
+from cosim.experiment import check_tolerance, count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -55,6 +55,7 @@ class Specification:
     coupling: Coupling | Method = "gauss_seidel"
     constant_step: bool = False
     compiled: bool = False
+    tolerance: float | None = None
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""
@@ -79,6 +80,7 @@ class Simulation:
         system = spec.system
         coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
+        check_tolerance(spec.tolerance)
         jacobi = coupling.method == "jacobi"
         groups = group(system, coupling)
         self.spec = spec
@@ -91,7 +93,12 @@ class Simulation:
         self._layout = Layout.of(system, record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
-            system, self._layout, self.order, self._libraries, jacobi=jacobi
+            system,
+            self._layout,
+            self.order,
+            self._libraries,
+            jacobi=jacobi,
+            tolerance=spec.tolerance,
         )
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
         self._memory = Memory(self._run, self._layout, record, self.time)

@@ -34,6 +34,7 @@ class Setting(Structure):
     _fields_ = (
         ("set", c_void_p),
         ("call", c_char_p),
+        ("late", c_int64),
         ("n", c_size_t),
         ("references", POINTER(c_uint32)),
         ("values", c_void_p),
@@ -50,6 +51,12 @@ class Disturbance(Structure):
     """What a scenario does to one signal."""
 
     _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
+
+
+class Map(Structure):
+    """Pairs of values of one input."""
+
+    _fields_ = (("n", c_size_t), ("pairs", POINTER(c_double)))
 
 
 class SumOfSquares(Structure):
@@ -82,6 +89,7 @@ class Component(Structure):
         ("input_offsets", POINTER(c_int64)),
         ("gathered", POINTER(c_double)),
         ("scales", POINTER(c_double)),
+        ("maps", POINTER(Map)),
         ("n_linked", c_size_t),
         ("used", c_int64),
         ("n_settings", c_size_t),
@@ -89,6 +97,7 @@ class Component(Structure):
         ("log", POINTER(Log)),
         ("n_disturbances", c_size_t),
         ("disturbances", POINTER(Disturbance)),
+        ("tolerance", c_double),
     )
 
 

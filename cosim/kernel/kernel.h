@@ -11,7 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef _WIN32
+#ifdef EXPORT /* a container exports the functions of the standard only */
+#elif defined _WIN32
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
@@ -54,6 +55,7 @@ typedef struct {
         fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
     } set;
     const char *call;
+    int64_t late; /* in Initialization Mode, as inputs are; else before it */
     size_t n;
     const uint32_t *references; /* n */
     const void *values;         /* n, of the type that set takes */
@@ -66,6 +68,12 @@ typedef struct {
     const double *keep; /* n_steps + 1 */
     const double *add;  /* n_steps + 1 */
 } Disturbance;
+
+/* Pairs x, y of values that an input maps: x becomes y, any other value stays. */
+typedef struct {
+    size_t n;            /* 0: the input is not mapped */
+    const double *pairs; /* n pairs */
+} Map;
 
 /* The sum of (signal - reference)^2 over the points in time from a step on, and before another; row
  * after row. */
@@ -106,6 +114,7 @@ typedef struct {
     const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
+    const Map *maps;      /* n_inputs; NULL where nothing is mapped */
     size_t n_linked;      /* the first outputs: those that other components read */
     int64_t used;         /* not 0: must be reset before the next run */
     size_t n_settings;
@@ -113,6 +122,7 @@ typedef struct {
     Log *log;
     size_t n_disturbances;
     const Disturbance *disturbances;
+    double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
 /* What FMI 3.0 FMUs say about their last step. They need to be asked for all of it, but not to be

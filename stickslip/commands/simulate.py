@@ -36,6 +36,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="COLUMN",
         help="columns of --input whose values hold until the next time",
     )
+    parser.add_argument(
+        "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
+    )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
     parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
@@ -79,7 +82,11 @@ def run(options: argparse.Namespace) -> None:
     names = options.record and [_qualified(system, name) for name in options.record]
     record = cosim.Record(names, options.every, "last" if options.last else "all")
     with system.prepare(
-        start=experiment.start or 0.0, stop=experiment.stop, step=experiment.step, record=record
+        start=experiment.start or 0.0,
+        stop=experiment.stop,
+        step=experiment.step,
+        record=record,
+        tolerance=options.tolerance,
     ) as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
