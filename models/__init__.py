@@ -3,16 +3,24 @@
 The errors are drawn in ``models/errors.py``.
 """
 
-from models.errors import DescriptionError, ModelError, StartValueError, UnknownModel
+from models.errors import DescriptionError, LtiError, ModelError, StartValueError, UnknownModel
 from models.export.package import FmiVersion, build_fmu, load_model, model_names
+from models.lti.file import LtiFile, read_lti
+from models.lti.package import export_lti
+from models.lti.system import LinearSystem
 
 __all__ = [
     "DescriptionError",
     "FmiVersion",
+    "LinearSystem",
+    "LtiError",
+    "LtiFile",
     "ModelError",
     "StartValueError",
     "UnknownModel",
     "build_fmu",
+    "export_lti",
     "load_model",
     "model_names",
+    "read_lti",
 ]

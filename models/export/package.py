@@ -78,14 +78,27 @@ def build_fmu(
     OSError
         When the file cannot be written.
     """
-    model = load_model(name).with_start(start or {})
+    return pack_fmu(load_model(name).with_start(start or {}), folder, fmi=fmi, platforms=platforms)
+
+
+def pack_fmu(
+    model: Model,
+    folder: Path | str,
+    *,
+    fmi: FmiVersion = 2,
+    platforms: Iterable[Platform] | None = None,
+) -> Path:
+    """Write ``folder/NAME.fmu`` of any model, whose C lies in ``model.folder``; return its path.
+
+    The rest is as for ``build_fmu``.
+    """
     token = _token(model, fmi)
     files = _sources(model, fmi) | {"table.h": table_header(model, token)} | _fmi_headers()
     members: dict[str, bytes] = {
         "modelDescription.xml": _DESCRIPTION[fmi](model, token).encode(),
     }
-    members |= _binaries(name, files, fmi, list(platforms or [host_platform()]))
-    return write_whole(Path(folder) / f"{name}.fmu", _archive(members))
+    members |= _binaries(model.name, files, fmi, list(platforms or [host_platform()]))
+    return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
 def _binaries(
@@ -114,7 +127,7 @@ def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:
         for path in sorted((_MODELS / room).glob("*.[ch]")):
             files[f"{room}/{path.name}"] = _text(path)
     return files | {
-        "model.c": _text(model.folder / "model.c"),
+        **{path.name: _text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.c": table_source(model),
     }

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree as ET
 
 from models.export.description import Model, Variable
-from models.export.units import UNITS
+from models.export.units import base_unit
 
 Attributes = dict[str, str]
+
+# A path of identifiers with indices (FMI 2.0.4, section 2.2.9).
+_NAME = r"[A-Za-z_]\w*(?:\[\d+(?:,\d+)*\])?"
+_STRUCTURED = re.compile(rf"{_NAME}(?:\.{_NAME})*", re.ASCII)
 
 LOG_CATEGORIES = {
     "logStatusError": "Calls that failed, and why",
@@ -53,17 +58,23 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "description": f"{model.title}. {model.description}",
             "license": "MIT",
             "generationTool": "stickslip",
-            "variableNamingConvention": "structured",
+            "variableNamingConvention": "structured" if _structured(model) else "flat",
             **attributes,
         },
     )
+
+
+def _structured(model: Model) -> bool:
+    return all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
 
 
 def add_units(parent: ET.Element, model: Model) -> None:
     """Append the UnitDefinitions of the units that the model uses."""
     definitions = child(parent, "UnitDefinitions")
     for unit in sorted({v.unit for v in model.variables if v.unit}):
-        child(child(definitions, "Unit", name=unit), "BaseUnit", **UNITS[unit])
+        definition, base = child(definitions, "Unit", name=unit), base_unit(unit)
+        if base is not None:
+            child(definition, "BaseUnit", **base)
 
 
 def add_log_categories(parent: ET.Element) -> None:
