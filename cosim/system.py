@@ -12,7 +12,8 @@ from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.record import Record
 from cosim.scaling import PLAIN, Link, Transform, ValueMap
-from cosim.simulation import Simulation, Specification
+from cosim.simulation import Simulation
+from cosim.specification import Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
 
