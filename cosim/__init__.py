@@ -27,7 +27,8 @@ from cosim.result import Result
 from cosim.scaling import Link, Scaling, ValueMap
 from cosim.scenario import Scenario
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
-from cosim.simulation import Simulation, Specification
+from cosim.simulation import Simulation
+from cosim.specification import Specification
 from cosim.ssp import read_ssp, variants, write_ssp
 from cosim.system import System
 from cosim.tables import read_tables

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
@@ -20,13 +20,17 @@ if TYPE_CHECKING:
 class Layout:
     """Columns of a row: exposed inputs, then per component its linked and its other outputs.
 
+    Where the rows are the record, components come in the order of the system, else in one that
+    costs least.
+
     Attributes
     ----------
     columns : name -> column
     outputs : component -> names of its columns, those that other components read first
     linked : component -> how many of its outputs other components read
-    recorded : the names to keep, in the order of their columns
+    recorded : the names to keep: exposed inputs, then by component in the order of the system
     summed : label -> deviation whose squares are summed up
+    whole : whether the rows are the record, all signals of all points in time
     """
 
     columns: dict[str, int]
@@ -34,6 +38,7 @@ class Layout:
     linked: dict[str, int]
     recorded: list[str]
     summed: dict[str, Deviation]
+    whole: bool
 
     @classmethod
     def of(cls, system: System, record: Record) -> Layout:
@@ -57,12 +62,32 @@ class Layout:
         for name in dict.fromkeys([*kept, *(name for d in summed.values() for name in d.names)]):
             if name not in system.inputs and name not in read:
                 outputs[component_of(name)].append(name)
-        names = [*system.inputs, *(name for group in outputs.values() for name in group)]
-        columns = {name: column for column, name in enumerate(names)}
-        return cls(columns, outputs, linked, sorted(kept, key=columns.__getitem__), summed)
+        usual = _columns(system, outputs, outputs)
+        recorded = sorted(kept, key=usual.__getitem__)
+        whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
+        columns = usual if whole else _columns(system, outputs, _neighbours(system))
+        return cls(columns, outputs, linked, recorded, summed, whole)
 
 
-def _select(system: System, record: Sequence[str] | None) -> list[str]:
+def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]) -> dict[str, int]:
+    names = [*system.inputs, *(name for component in order for name in outputs[component])]
+    return {name: column for column, name in enumerate(names)}
+
+
+def _neighbours(system: System) -> list[str]:
+    """Return the components so that those that feed the same one are neighbours.
+
+    What lies side by side in a row needs not be gathered.
+    """
+    feeders: dict[str, list[str]] = {component: [] for component in system.components}
+    for target, source in system.connections.items():
+        feeders[component_of(target)].append(component_of(source))
+    several = (found for found in feeders.values() if len(set(found)) > 1)
+    first = [component for found in several for component in found]
+    return list(dict.fromkeys([*first, *system.components]))
+
+
+def _select(system: System, record: Iterable[str] | None) -> list[str]:
     usual = [*system.inputs]
     for component, fmu in system.components.items():
         usual += [

@@ -36,20 +36,20 @@ class Memory:
     def __init__(self, run: kernel.Run, layout: Layout, record: Record, time: Array) -> None:
         self._run = run
         self._time = time
-        self._labels = list(layout.summed)
         self._only_last = record.keep == "last"
         self._columns = [layout.columns[name] for name in layout.recorded]
-        whole = len(self._columns) == run.width and record.every == 1 and not self._only_last
-        self._recorded = 0 if whole or self._only_last else len(self._columns)
+        self._recorded = 0 if layout.whole or self._only_last else len(self._columns)
         self._every = record.every
-        run.used_again = not whole
+        self._record: Array = np.empty((len(time[:: record.every]), 0))
+        run.used_again = not layout.whole
         run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
         run.n_selected = self._recorded
         run.every = record.every
         entries = [_entry(label, d, layout, time) for label, d in layout.summed.items()]
-        self._sums = (kernel.SumOfSquares * len(entries))(*entries)
-        run.sums, run.n_sums = self._sums, len(entries)
-        if not whole:
+        sums = (kernel.SumOfSquares * len(entries))(*entries)
+        run.sums, run.n_sums = sums, len(entries)
+        self._sums = dict(zip(layout.summed, sums, strict=True))
+        if not layout.whole:
             self._rows: Array = np.empty((run.block + 1, run.width))
             run.rows = self._rows.ctypes.data
 
@@ -66,8 +66,9 @@ class Memory:
         if not run.used_again:
             self._rows = np.empty((run.n_steps + 1, run.width))
             run.rows = self._rows.ctypes.data
-        self._record = np.empty((run.n_steps // self._every + 1, self._recorded))
-        run.record = self._record.ctypes.data if self._recorded else None
+        if self._recorded:
+            self._record = np.empty((len(self._time[:: self._every]), self._recorded))
+            run.record = self._record.ctypes.data
 
     def state(self) -> Array:
         """Return the signals at the end of the last step done, and the sums up to there."""
@@ -80,16 +81,13 @@ class Memory:
         self._row(step)[:] = state[: run.width]
         if step % self._every == 0:
             self._record[step // self._every] = self._row(step)[self._columns[: self._recorded]]
-        for entry, value in zip(self._sums, state[run.width :], strict=True):
+        for entry, value in zip(self._sums.values(), state[run.width :], strict=True):
             entry.sum = value
 
     def append(self, first: int, outputs: Array) -> None:
-        """Add a row that is the last but for some outputs, from a column on."""
-        run = self._run
-        last = self._row(run.done)
-        run.done += 1
-        row = self._row(run.done)
-        row[:] = last
+        """Write the row of the next step: the last but for some outputs, from a column on."""
+        row = self._row(self._run.done + 1)
+        row[:] = self._row(self._run.done)
         row[first : first + len(outputs)] = outputs
 
     def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
@@ -114,7 +112,7 @@ class Memory:
     @property
     def sums(self) -> dict[str, float]:
         """Return the sums of squares by label."""
-        return {label: entry.sum for label, entry in zip(self._labels, self._sums, strict=True)}
+        return {label: entry.sum for label, entry in self._sums.items()}
 
     def _row(self, step: int) -> Array:
         row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]

@@ -11,13 +11,13 @@ from cosim.errors import SimulationError
 from cosim.fmu import Fmu
 
 if TYPE_CHECKING:
-    from cosim.simulation import Simulation
+    from cosim.prepared import Prepared
 
 _lock = threading.Lock()
-_holders: WeakValueDictionary[tuple[Path, str], Simulation] = WeakValueDictionary()
+_holders: WeakValueDictionary[tuple[Path, str], Prepared] = WeakValueDictionary()
 
 
-def claim(fmu: Fmu, component: str, simulation: Simulation) -> None:
+def claim(fmu: Fmu, component: str, simulation: Prepared) -> None:
     """Take the only instance there can be of an FMU; others can be had freely.
 
     Raises
@@ -37,7 +37,7 @@ def claim(fmu: Fmu, component: str, simulation: Simulation) -> None:
         _holders[fmu.binary, component] = simulation
 
 
-def give_up(simulation: Simulation) -> None:
+def give_up(simulation: Prepared) -> None:
     """Give back what a simulation has claimed."""
     with _lock:
         for key in [key for key, holder in _holders.items() if holder is simulation]:

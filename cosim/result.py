@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,13 +41,13 @@ class Result:
         names: Sequence[str],
         system: System,
         stopped: str | None = None,
-        sum_of_squares: Mapping[str, float] | None = None,
+        sum_of_squares: dict[str, float] | None = None,
     ) -> None:
         self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
-        self.sum_of_squares = dict(sum_of_squares or {})
+        self.sum_of_squares = sum_of_squares or {}
         self._system = system
 
     def __getitem__(self, name: str) -> Array:

@@ -105,18 +105,14 @@ def _phase(variable: Variable) -> _Phase:
     return "late" if variable.causality == "input" else "early"
 
 
-def check_length(system: System, name: str, value: Value) -> None:
-    """Check that a value for one run does not change the dimensions of arrays.
+def check_length(name: str, value: Value, present: Value | None) -> None:
+    """Check that a structural parameter for one run does not change the dimensions of arrays.
 
     Raises
     ------
     ParameterError
     """
-    if not system.components[component_of(name)].structural:
-        return
-    variable = system.variable(name)
-    present = system.parameters.get(name, variable.start)
-    if variable.causality == "structuralParameter" and value != present:
+    if value != present:
         raise ParameterError(
             f"{name} = {value!r} would change the dimensions of arrays; set it in the system,"
             " before the simulation is prepared"

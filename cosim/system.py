@@ -12,7 +12,8 @@ from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.record import Record
 from cosim.scaling import PLAIN, Link, Transform, ValueMap
-from cosim.simulation import Simulation, Specification
+from cosim.simulation import Simulation
+from cosim.specification import Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
 
@@ -256,8 +257,8 @@ class System:
         constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
             default they are told the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
-        compiled : whether to compile the steps of this system into C of their own: under a second
-            once, then up to a quarter less for cheap FMUs. The values are the same
+        compiled : whether to compile the steps of this system into C of their own: about a second
+            once, then up to a sixth less for cheap FMUs. The values are the same
         tolerance : relative, of the solver of Model Exchange and of those within FMUs.
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
             takes 1e-5 (as FMPy does) and Co-Simulation is told none

@@ -20,7 +20,7 @@ from ctypes import (
     c_uint64,
 )
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -215,12 +215,7 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        has_start = self.causality in {
-            "parameter",
-            "structuralParameter",
-            "input",
-        } or self.initial in {"exact", "approx"}
-        if not has_start or self.variability == "constant":
+        if not self._has_start:
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
@@ -230,6 +225,12 @@ class Variable:
         if self.dimensions:
             return tuple(self._checked(item, label) for item in self._items(value, label))
         return self._checked(value, label)
+
+    @cached_property
+    def _has_start(self) -> bool:
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
 
     def _items(self, value: Any, label: str) -> list[Any]:
         items = value.split() if isinstance(value, str) else value
@@ -255,6 +256,8 @@ class Variable:
         return result
 
     def _converted(self, value: Any) -> Scalar:
+        if self.type in _FLOATS:
+            return float(value)
         if self.type == "String":
             if not isinstance(value, str):
                 raise TypeError
@@ -263,8 +266,6 @@ class Variable:
             return bytes.fromhex(value) if isinstance(value, str) else bytes(memoryview(value))
         if self.type == "Boolean":
             return _WORDS[str(value).lower()]
-        if self.type in _FLOATS:
-            return float(value)
         result = int(value)
         if _C_TYPES[self.type](result).value != result or (
             not isinstance(value, str) and result != value

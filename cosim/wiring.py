@@ -74,9 +74,11 @@ def wire(
         if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
             facades[name] = facade
             facade.dress(slot)
+    kinds = {(c.version, c.n_inputs > 0, c.n_outputs > 0) for c in components}
     run = kernel.Run(
         components=components,
         n_components=len(order),
+        uniform=next((v for v in (2, 3) if kinds == {(v, True, True)}), 0),
         jacobi=jacobi,
         n_external=len(system.inputs),
         width=width,

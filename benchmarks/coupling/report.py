@@ -5,7 +5,7 @@ from pathlib import Path
 
 from benchmarks.coupling import growth
 from benchmarks.coupling.figure import draw
-from benchmarks.coupling.steps import PLAIN, measure_candidate, measure_peers
+from benchmarks.coupling.steps import CANDIDATE_LOOP, PLAIN, measure_candidate, measure_peers
 from benchmarks.coupling.steps import measure as measure_steps
 
 OUT = Path("results/coupling")  # coupling.csv, coupling.md, coupling.png
@@ -23,7 +23,7 @@ def measure(folder: Path) -> dict[str, float]:
         drawn[version] = ratios
         rows += [(f"step, FMI {version}.0", name, r, "x plain") for name, r in ratios.items()]
         seconds = measure_candidate(folder, version)
-        loop = seconds["C loop with reset"]
+        loop = seconds[CANDIDATE_LOOP]
         for name, time in seconds.items():
             rows.append((f"candidate, FMI {version}.0", name, time / loop, "x C loop"))
     grown = {

@@ -8,6 +8,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
+import cosim
 from benchmarks.coupling import ring
 from benchmarks.coupling.loops import Loops, sources
 from benchmarks.coupling.peers import PEERS
@@ -16,6 +17,7 @@ from benchmarks.timing import interleaved
 N = 100_000  # steps
 CANDIDATE = 10_000
 PLAIN = "plain C loop over FMI pointers, all recorded"
+CANDIDATE_LOOP = "C loop with reset"
 
 
 def measure(folder: Path, version: int) -> dict[str, float]:
@@ -45,16 +47,31 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
     loops = Loops(version)
     gains = {"controller.K_p": 41.0, "controller.K_i": 910.0}
     system = ring.system(folder, version)
-    options = {"coupling": "jacobi", "record": ["mass.v"]}
+    error = cosim.Deviation("mass.v", 0.2, begin=ring.STEP)
+    records = {
+        "": cosim.Record(sum_of_squares={"cost": error}),
+        ", cost in NumPy": cosim.Record("mass.v"),
+    }
 
     def judge(simulation) -> float:
-        error = 0.2 - simulation.run(gains)["mass.v"][1:]
+        result = simulation.run(gains)
+        if result.sum_of_squares:
+            return result.sum_of_squares["cost"]
+        error = 0.2 - result["mass.v"][1:]
         return float(error @ error)
 
-    cases = {"C loop with reset": lambda: loops.candidate(CANDIDATE, *gains.values())}
-    for compiled in (False, True):
-        simulation = _prepare(system, CANDIDATE, compiled=compiled, **options)
-        cases["cosim" + ", compiled" * compiled] = lambda s=simulation: judge(s)
+    cases: dict[str, Callable[[], float]] = {
+        CANDIDATE_LOOP: lambda: loops.candidate(CANDIDATE, *gains.values())
+    }
+    if gcc := _with_gcc(folder, version):
+        cases[f"{CANDIDATE_LOOP}, by gcc"] = lambda: gcc.candidate(CANDIDATE, *gains.values())
+    for name, record in records.items():
+        for compiled in (False, True):
+            simulation = _prepare(
+                system, CANDIDATE, coupling="jacobi", record=record, compiled=compiled
+            )
+            cases["cosim" + name + ", compiled" * compiled] = lambda s=simulation: judge(s)
+    np.testing.assert_allclose([case() for case in cases.values()], cases["cosim"](), rtol=1e-12)
     return interleaved(cases, 201)
 
 

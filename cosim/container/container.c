@@ -88,6 +88,7 @@ static bool load_part(Container *x, int i) {
 static Status start(Container *x) {
     memset(x->rows, 0, sizeof x->rows);
     x->run.done = 0;
+    x->run.said = (Answers){0};
     x->run.start = 0.0;
     x->stop_defined = false;
     x->phase = NEW;

@@ -107,12 +107,24 @@ class Component(Structure):
     )
 
 
+class Answers(Structure):
+    """What FMI 3.0 FMUs say about their last step."""
+
+    _fields_ = (
+        ("event_handling_needed", c_bool),
+        ("terminate", c_bool),
+        ("early", c_bool),
+        ("last_successful_time", c_double),
+    )
+
+
 class Run(Structure):
     """One run: what to step, where to put it, and how it went."""
 
     _fields_ = (
         ("components", POINTER(Component)),
         ("n_components", c_int64),
+        ("uniform", c_int64),
         ("jacobi", c_int64),
         ("constant_step", c_int64),
         ("n_steps", c_int64),
@@ -136,6 +148,7 @@ class Run(Structure):
         ("closed", c_int64),
         ("t", c_double),
         ("h", c_double),
+        ("said", Answers),
         ("failed", c_int64),
         ("output", c_int64),
         ("status", c_int64),
@@ -206,8 +219,8 @@ def load(steps: str | None = None) -> CDLL:
     library.release.argtypes = (POINTER(Component),)
     library.advance.argtypes = library.forget.argtypes = (POINTER(Run),)
     library.advance.restype = c_int
-    library.close_rows.argtypes = (POINTER(Run),)
-    library.close_rows.restype = c_bool
+    library.end_early.argtypes = (POINTER(Run), c_bool)
+    library.end_early.restype = c_bool
     return library
 
 

@@ -59,12 +59,12 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
         return passed(run, c, "fmi2DoStep", (int)status);
     }
     /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
-    fmi3Boolean event_handling_needed = false, terminate = false, early = false;
-    fmi3Float64 last_successful_time = t + h;
-    const fmi3Status status = c->call.fmi3.DoStep(c->instance, t, h, true, &event_handling_needed,
-                                                  &terminate, &early, &last_successful_time);
-    if (UNLIKELY(terminate || early) && (unsigned)status <= fmi3Warning) {
-        return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
+    Answers *said = &run->said;
+    const fmi3Status status =
+        c->call.fmi3.DoStep(c->instance, t, h, true, &said->event_handling_needed, &said->terminate,
+                            &said->early, &said->last_successful_time);
+    if (UNLIKELY(said->terminate | said->early) && (unsigned)status <= fmi3Warning) {
+        return fail(run, c, "fmi3DoStep", said->terminate ? TERMINATED : RETURNED_EARLY);
     }
     return passed(run, c, "fmi3DoStep", (int)status);
 }
@@ -79,7 +79,13 @@ __attribute__((noinline, unused)) static void map_inputs(const Component *c, dou
     }
 }
 
+/* Two are common, and a loop that short costs more than what it does. */
 INLINE const double *gather(const Component *c, const double *row) {
+    if (LIKELY(c->n_inputs == 2 && !c->scales && !c->maps)) {
+        c->gathered[0] = row[c->input_offsets[0]];
+        c->gathered[1] = row[c->input_offsets[1]];
+        return c->gathered;
+    }
 #pragma clang loop unroll(disable) vectorize(disable)
     for (size_t i = 0; i < c->n_inputs; i++) {
         c->gathered[i] = row[c->input_offsets[i]];
@@ -95,17 +101,24 @@ INLINE const double *gather(const Component *c, const double *row) {
     return c->gathered;
 }
 
-INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
-    if (UNLIKELY(c->inputs == NONE)) {
-        return true;
-    }
+/* Of a component that has some. */
+INLINE bool set_some_inputs(Run *run, const Component *c, int version, const double *row) {
     const double *values =
         LIKELY(c->inputs == SIDE_BY_SIDE) ? row + c->input_offset : gather(c, row);
-    return set(run, c, c->version, c->input_references, c->n_inputs, values);
+    return set(run, c, version, c->input_references, c->n_inputs, values);
+}
+
+INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
+    return UNLIKELY(c->inputs == NONE) || set_some_inputs(run, c, c->version, row);
+}
+
+/* Of a component that has some. */
+INLINE bool get_some_outputs(Run *run, const Component *c, int version, size_t n, double *row) {
+    return get(run, c, version, c->output_references, n, row + c->column);
 }
 
 INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
-    return UNLIKELY(n == 0) || get(run, c, c->version, c->output_references, n, row + c->column);
+    return UNLIKELY(n == 0) || get_some_outputs(run, c, c->version, n, row);
 }
 
 INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }

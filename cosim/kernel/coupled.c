@@ -2,6 +2,7 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbance.h"
+#include "record.h"
 #include <string.h>
 
 /* The share of a step in which inputs of FMUs that do not interpolate are at their end already, so
@@ -224,7 +225,7 @@ static bool step_coupled(Run *run, double *row, double t, double h) {
 }
 
 bool couple_until(Run *run, int64_t end) {
-    for (; run->done < end; run->done++) {
+    while (run->done < end) {
         const int64_t next = run->done + 1;
         const double t = run->start + (double)run->done * run->step;
         const double t_next = run->start + (double)next * run->step;
@@ -232,6 +233,8 @@ bool couple_until(Run *run, int64_t end) {
         if (!step_coupled(run, row_of(run, next), t, h)) {
             return false;
         }
+        run->done = next;
+        add_squares(run, next, row_of(run, next));
     }
     return true;
 }

@@ -17,7 +17,7 @@ static inline bool step_disturbed(Run *run, const double *now, double *next) {
 }
 
 __attribute__((noinline)) static bool walk_disturbed(Run *run, int64_t end) {
-    return walk(run, end, step_disturbed);
+    return walk(run, end, step_disturbed, add_squares, run->width, run->constant_step);
 }
 
 #endif

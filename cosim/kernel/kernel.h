@@ -132,6 +132,13 @@ typedef struct {
     double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
+/* What FMI 3.0 FMUs say about their last step. They need to be asked for all of it, but not to be
+ * given a place that is fresh each time. */
+typedef struct {
+    fmi3Boolean event_handling_needed, terminate, early;
+    fmi3Float64 last_successful_time;
+} Answers;
+
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
@@ -140,7 +147,8 @@ enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102, NOT_SOLV
 typedef struct {
     Component *components; /* in the order in which they step */
     int64_t n_components;
-    int64_t jacobi; /* not 0: all see the values of this point in time; else one after the other */
+    int64_t uniform; /* the FMI version of all components, if all have inputs and outputs; else 0 */
+    int64_t jacobi;  /* not 0: all see the values of this point in time; else one after the other */
     int64_t constant_step; /* not 0: the FMUs are given step, else the distance of the two times */
     int64_t n_steps;
     double start, stop, step; /* s */
@@ -158,11 +166,12 @@ typedef struct {
     int64_t n_sums;
     int64_t block_start; /* the step to which the first row belongs, where rows are used again */
     int64_t done;        /* steps completed; -1 before initialisation */
-    int64_t closed;      /* the last step whose row is in the record and the sums */
+    int64_t closed;      /* the last step whose row was checked and recorded */
     double t, h;         /* s, of the present step: in memory, where no call can lose them */
-    int64_t failed;      /* component */
-    int64_t output;      /* of that component, where its value is not finite */
-    int64_t status;      /* an FMI status or a Reason */
+    Answers said;
+    int64_t failed; /* component */
+    int64_t output; /* of that component, where its value is not finite */
+    int64_t status; /* an FMI status or a Reason */
     const char *call;
     struct Loop *initial;      /* what must agree before the first step, or NULL; see coupling.h */
     struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
@@ -183,9 +192,9 @@ void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3
  * HALTED when step halt is reached: with another halt, it goes on from there. */
 EXPORT enum Outcome advance(Run *run);
 
-/* Check the rows up to the last step done, and take them into record and sums: what advance does
- * but in a block whose last step failed. False where a value is not finite. */
-EXPORT bool close_rows(Run *run);
+/* Take the rows of a block whose last step failed into the record, and one more, which the caller
+ * has written, if the run went further. False where a value is not finite. */
+EXPORT bool end_early(Run *run, bool further);
 
 /* The row of step n. */
 static inline double *row_of(const Run *run, int64_t n) {

@@ -2,7 +2,7 @@
 #ifndef COSIM_RECORD_H
 #define COSIM_RECORD_H
 
-#include "kernel.h"
+#include "calls.h"
 
 /* Of rows first .. last, those of every so many steps. */
 static inline void record_rows(const Run *run, int64_t first, int64_t last) {
@@ -22,24 +22,22 @@ static inline void record_rows(const Run *run, int64_t first, int64_t last) {
     }
 }
 
-static inline void add_squares(const Run *run, SumOfSquares *s, int64_t first, int64_t last) {
-    const int64_t begin = first > s->first ? first : s->first;
-    const int64_t end = last < s->end ? last + 1 : s->end;
-    if (begin >= end) {
+INLINE void add_square(SumOfSquares *sum, int64_t n, double value, double reference) {
+    if (LIKELY(n >= sum->first && n < sum->end)) {
+        const double deviation = value - reference;
+        sum->sum += deviation * deviation;
+    }
+}
+
+/* Of the row of step n. There is one sum, if any, before there are many. */
+INLINE void add_squares(Run *run, int64_t n, const double *row) {
+    SumOfSquares *s = run->sums, *end = s + run->n_sums;
+    if (s == end) {
         return;
     }
-    const bool varies = s->reference >= 0;
-    const int64_t width = run->width, stride = varies ? width : 0;
-    const double *value = row_of(run, begin) + s->column;
-    const double *reference = varies ? row_of(run, begin) + s->reference : &s->constant;
-    double sum = s->sum;
-    for (int64_t n = begin; n < end; n++) {
-        const double deviation = *value - *reference;
-        sum += deviation * deviation;
-        value += width;
-        reference += stride;
-    }
-    s->sum = sum;
+    do {
+        add_square(s, n, row[s->column], s->reference < 0 ? s->constant : row[s->reference]);
+    } while (UNLIKELY(++s != end));
 }
 
 #endif

@@ -43,11 +43,20 @@ static bool initialise(Run *run) {
     return true;
 }
 
-/* The sign bit is set where the exponent has all bits set: the value is not finite. */
-static inline uint64_t overflow(double value) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return (bits & 0x7ff0000000000000) + 0x0010000000000000;
+/* A sum is not finite if one of its terms is not. Where it only overflows, all are looked at. */
+static bool looks_finite(const double *values, int64_t n) {
+    double sums[4] = {0.0, 0.0, 0.0, 0.0};
+    int64_t i = 0;
+    for (; i + 3 < n; i += 4) {
+        sums[0] += values[i];
+        sums[1] += values[i + 1];
+        sums[2] += values[i + 2];
+        sums[3] += values[i + 3];
+    }
+    for (; i < n; i++) {
+        sums[0] += values[i];
+    }
+    return isfinite(sums[0] + sums[1] + sums[2] + sums[3]);
 }
 
 /* Look at the outputs in row n of the components before end; blame the first that is not finite. */
@@ -80,23 +89,25 @@ static bool trace_back(Run *run, int64_t first) {
     return false;
 }
 
-bool close_rows(Run *run) {
+/* Check the rows up to the last step done, and record what is kept of them. */
+static bool close_rows(Run *run) {
     const int64_t first = run->closed + 1, last = run->done;
-    const double *values = row_of(run, first);
-    const int64_t n_values = (last - first + 1) * run->width;
-    uint64_t overflows = 0;
-    for (int64_t i = 0; i < n_values; i++) {
-        overflows |= overflow(values[i]);
-    }
-    for (int64_t n = first; overflows >> 63 && n <= last; n++) {
-        TRY(finite(run, n, run->components + run->n_components));
+    if (UNLIKELY(!looks_finite(row_of(run, first), (last - first + 1) * run->width))) {
+        for (int64_t n = first; n <= last; n++) {
+            TRY(finite(run, n, run->components + run->n_components));
+        }
     }
     record_rows(run, first, last);
-    for (int64_t i = 0; i < run->n_sums; i++) {
-        add_squares(run, &run->sums[i], first, last);
-    }
     run->closed = last;
     return true;
+}
+
+bool end_early(Run *run, bool further) {
+    if (further) {
+        run->done++;
+        add_squares(run, run->done, row_of(run, run->done));
+    }
+    return close_rows(run);
 }
 
 static bool step_block(Run *run, int64_t end) {
@@ -141,6 +152,7 @@ enum Outcome advance(Run *run) {
     if (run->done < 0) {
         run->block_start = 0;
         run->closed = -1;
+        run->said = (Answers){false, false, false, run->start};
         for (int64_t i = 0; i < run->n_sums; i++) {
             run->sums[i].sum = 0.0;
         }
@@ -148,6 +160,7 @@ enum Outcome advance(Run *run) {
             return FAILED;
         }
         run->done = 0;
+        add_squares(run, 0, run->rows);
         if (!close_rows(run)) {
             return FAILED;
         }

@@ -18,7 +18,13 @@ INLINE bool step(Run *run, const double *now, double *next) {{
     return {calls};
 }}
 
-static bool step_until(Run *run, int64_t end) {{ return walk(run, end, step); }}
+INLINE void add(Run *run, int64_t n, const double *row) {{
+    (void)run, (void)n, (void)row;
+{sums}}}
+
+__attribute__((noinline)) static bool step_until(Run *run, int64_t end) {{
+    return walk(run, end, step, add, {width}, {constant});
+}}
 """
 
 
@@ -36,7 +42,14 @@ def unroll(run: kernel.Run) -> str | None:
         calls += [_set(i, c) for i, c in components if c.n_inputs]
         calls += [f"do_step(run, c + {i}, {c.version})" for i, c in components]
         calls += [_get(i, c) for i, c in components if c.n_outputs]
-    return _TEXT.format(lists="\n".join(lists), calls=" &&\n        ".join(calls))
+    sums = "".join(_add(i, run.sums[i]) for i in range(run.n_sums))
+    return _TEXT.format(
+        lists="\n".join(lists),
+        calls=" &&\n        ".join(calls),
+        sums=sums,
+        width=run.width,
+        constant=run.constant_step,
+    )
 
 
 def _references(i: int, c: kernel.Component) -> list[str]:
@@ -63,3 +76,8 @@ def _set(i: int, c: kernel.Component) -> str:
 
 def _get(i: int, c: kernel.Component) -> str:
     return f"get(run, c + {i}, {c.version}, out{i}, {c.n_outputs}, next + {c.column})"
+
+
+def _add(i: int, s: kernel.SumOfSquares) -> str:
+    reference = f"row[{s.reference}]" if s.reference >= 0 else f"run->sums[{i}].constant"
+    return f"    add_square(run->sums + {i}, n, row[{s.column}], {reference});\n"

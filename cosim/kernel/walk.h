@@ -3,20 +3,25 @@
 #define COSIM_WALK_H
 
 #include "calls.h"
+#include "record.h"
 
 /* Read inputs from row now and, where they are fresh, from row next; write outputs to row next. */
 typedef bool Step(Run *run, const double *now, double *next);
 
-INLINE bool walk(Run *run, int64_t end, Step step_all) {
-    const int64_t width = run->width;
+/* Take the row of step n into the sums. */
+typedef void Add(Run *run, int64_t n, const double *row);
+
+INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, bool constant) {
     double *now = row_of(run, run->done);
-    for (; run->done < end; run->done++) {
-        double *next = now + width;
-        const double t_next = run->start + (double)(run->done + 1) * run->step;
-        run->t = run->start + (double)run->done * run->step;
-        run->h = run->constant_step ? run->step : t_next - run->t;
-        TRY(step_all(run, now, next));
-        now = next;
+    run->h = run->step;
+    for (int64_t n = run->done; n < end; now += width) {
+        run->t = run->start + (double)n * run->step;
+        if (!constant) {
+            run->h = run->start + (double)(n + 1) * run->step - run->t;
+        }
+        TRY(step_all(run, now, now + width));
+        add(run, ++n, now + width);
+        run->done = n;
     }
     return true;
 }

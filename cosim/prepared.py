@@ -1,0 +1,164 @@
+"""FMUs that are instantiated, wired and ready to run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from cosim import kernel
+from cosim.coupled import Coupled
+from cosim.coupling import Coupling
+from cosim.errors import SimulationError
+from cosim.experiment import check_tolerance, count_steps
+from cosim.kernel.unrolled import unroll
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.loops import group
+from cosim.memory import Memory
+from cosim.once import claim, give_up
+from cosim.pace import Pace
+from cosim.record import Record
+from cosim.result import Array
+from cosim.settings import Settings
+from cosim.variables import Variable
+from cosim.wiring import wire
+
+if TYPE_CHECKING:
+    from cosim.specification import Specification
+
+
+class Prepared:
+    """The FMUs of a simulation, from the first instance to the last call.
+
+    Attributes are those of ``Simulation``.
+    """
+
+    def __init__(self, spec: Specification) -> None:
+        system = spec.system
+        coupling = Coupling.of(spec.coupling)
+        n_steps = count_steps(spec.start, spec.stop, spec.step)
+        check_tolerance(spec.tolerance)
+        jacobi = coupling.method == "jacobi"
+        groups = group(system, coupling)
+        self.spec = spec
+        self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        self.pace: Pace | None = None
+        self._variables: dict[str, Variable] = {}  # those that runs have set
+        self._halted = self._ready = False
+        self.order = [name for members in groups for name in members.components]
+        record = Record.of(spec.record)
+        self._layout = Layout.of(system, record)
+        self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+        self._run, self._facades = wire(
+            system,
+            self._layout,
+            self.order,
+            self._libraries,
+            jacobi=jacobi,
+            tolerance=spec.tolerance,
+        )
+        self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
+        self._memory = Memory(self._run, self._layout, record, self.time)
+        self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
+        self._coupled = Coupled(
+            system, self._layout, groups, self._libraries, coupling, self._facades
+        )
+        self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._coupled.attach(self._run)
+        self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
+        self._attach(self._new_settings(system.parameters))
+        self._instantiate()
+
+    @property
+    def accuracy(self) -> int:
+        """The declared order: the coupling's error falls with step^accuracy."""
+        return self._coupled.accuracy
+
+    @property
+    def effort(self) -> Mapping[str, int]:
+        """What the last run took: steps, sweeps through loops or single components, rejected steps.
+
+        Empty where every component does every step once.
+        """
+        return self._coupled.effort
+
+    def close(self) -> None:
+        """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        self._halted = self._ready = False
+        self._kernel.forget(self._run)
+        for slot in self._slots.values():
+            self._kernel.release(slot)
+        give_up(self)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_settings"):
+            self.close()
+
+    def _new_settings(self, names: Iterable[str]) -> Settings:
+        return Settings(self.spec.system, names, self._libraries, self._facades)
+
+    def _attach(self, settings: Settings) -> None:
+        self._settings = settings
+        for name, slot in self._slots.items():
+            settings.attach(name, slot)
+
+    def _instantiate(self) -> None:
+        """Make sure that all FMUs have an instance; a run that failed may have lost some."""
+        if self._ready:
+            return
+        for name, slot in self._slots.items():
+            if not slot.instance:
+                self._coupled.lose(name)
+                fmu = self.spec.system.components[name]
+                claim(fmu, name, self)
+                arguments = (name, fmu.token, self._libraries[name].resources)
+                self._kernel.instantiate(slot, *(text.encode() for text in arguments))
+                if not slot.instance:
+                    tool = "; it needs the tool that made it" if fmu.needs_tool else ""
+                    raise SimulationError(
+                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
+                    )
+        self._ready = True
+
+    def _failure(self) -> SimulationError:
+        run = self._run
+        name = self.order[run.failed]
+        slot = self._slots[name]
+        subject = (
+            self._layout.outputs[name][run.output] if run.status == kernel.NOT_FINITE else name
+        )
+        what = kernel.STATUS.get(run.status, f"returned the unknown status {run.status}")
+        facade = self._facades.get(name)
+        call = (facade.c.called if facade else None) or run.call
+        if run.done < 0:
+            when = "during initialisation"
+        elif run.done == run.n_steps:
+            when = "after the last step"
+        else:
+            t = run.start + run.done * run.step
+            when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
+        message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
+        if run.status == kernel.NOT_SOLVED:
+            return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
+        if run.call.endswith(b"Reset"):
+            self._kernel.release(slot)  # the next run instantiates it anew
+        return SimulationError(message)
+
+
+def _said(slot: kernel.Component) -> str:
+    message = slot.log.contents.message.decode(errors="replace").strip()
+    return f"; the FMU says: {message}" if message else ""

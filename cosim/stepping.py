@@ -1,0 +1,139 @@
+"""A run from its begin to its end, or to the point where it halts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from cosim import kernel
+from cosim.disturbances import disturb
+from cosim.ending import Ending, ending, last_outputs
+from cosim.errors import ExperimentError, ParameterError
+from cosim.pace import Pace
+from cosim.prepared import Prepared
+from cosim.result import Array, Result
+from cosim.scenario import Scenario
+from cosim.settings import check_length
+from cosim.tuning import in_order, split, tune
+from cosim.variables import Value
+
+
+class Stepping(Prepared):
+    """Takes prepared FMUs through a run."""
+
+    def _values(self, parameters: Mapping[str, object]) -> dict[str, Value]:
+        """Return the start values of a run, checked."""
+        system = self.spec.system
+        values = dict(system.parameters)
+        for name, value in parameters.items():
+            if name not in self._variables:
+                self._variables[name] = system.variable(name, ParameterError)
+            variable = self._variables[name]
+            values[name] = variable.checked(value, name)
+            if variable.causality == "structuralParameter":
+                check_length(name, values[name], system.parameters.get(name, variable.start))
+        return values
+
+    def _disturb(
+        self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]
+    ) -> None:
+        run, system = self._run, self.spec.system
+        self._starts = values
+        if not (scenario or run.disturbed or run.n_changes):
+            return
+        tables = scenario.tables(self.time) if scenario else {}
+        self._disturbances, changed = split(tables, self._layout, system)
+        disturb(self._disturbances, self._layout, run, self._slots, external)
+        self._changes = tune(changed, values, system, self._libraries, self._facades)
+        run.changes = in_order(self._changes, self.order)
+        run.n_changes, run.next_change = len(self._changes), 0
+
+    def _begin(self, values: Mapping[str, Value], external: Array) -> None:
+        """Make FMUs, start values and memory ready for a new run."""
+        if values.keys() != self._settings.names:
+            self._attach(self._new_settings(values))
+        self._settings.fill(values)
+        self._instantiate()
+        self._memory.prepare(external)
+        self._halted = False
+        self._run.done = -1
+
+    def _step(
+        self,
+        first: int,
+        last: int,
+        real_time: float | None,
+        progress: Callable[[float], object] | None,
+    ) -> Result:
+        """Step to the last of the points in time, and look up on the way if asked to."""
+        if real_time is not None and not 0 < real_time < math.inf:
+            raise ExperimentError(f"real_time is {real_time}, expected a positive number")
+        self.pace = None if real_time is None else Pace(real_time)
+        look = last - first
+        if self.pace:
+            look = max(1, round(self.pace.interval / self.spec.step))
+            self.pace.begin(self.time[first])
+        elif progress:
+            look = max(1, look // 100)
+        halt = first
+        while halt < last:
+            halt = min(halt + look, last)
+            if end := self._advance(halt):
+                return self._ended(end, first)
+            if self.pace:
+                self.pace.keep(self.time[halt])
+            if progress:
+                progress(float(self.time[halt]))
+        return self._result(*self._memory.kept(first, last))
+
+    def _advance(self, halt: int) -> Ending | None:
+        self._halted = False
+        self._run.halt = halt
+        outcome = kernel.PAUSED
+        while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
+            outcome = self._kernel.advance(self._run)
+        if outcome == kernel.FAILED:
+            self._ready = False
+            name = self.order[self._run.failed]
+            facade = self._facades.get(name)
+            end = ending(self._run, self._slots[name], facade, self._libraries[name])
+            if end is None:
+                raise self._failure()
+            return end
+        if outcome == kernel.HALTED:
+            self._halted = True
+        return None
+
+    def _ended(self, end: Ending, first: int) -> Result:
+        """Return what there is of a run from a step on that an FMU ended.
+
+        In the last row it has its last outputs, and all others have those of the row before. That
+        row is left out where the FMU did not come further.
+        """
+        run = self._run
+        name = self.order[run.failed]
+        further = end.time > run.start + run.done * run.step
+        if further:
+            slot = self._slots[name]
+            self._memory.append(slot.column, last_outputs(slot))
+        if not self._kernel.end_early(run, further):
+            raise self._failure()
+        time, values = self._memory.kept(first, run.done, ended=True)
+        if further:
+            time = np.append(time[:-1], end.time)
+        return self._result(time, values, f"{name}: {end.reason} at t = {end.time:.9g} s")
+
+    def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
+        names, sums = self._layout.recorded, self._memory.sums
+        return Result(time, values, names, self.spec.system, stopped, sums)
+
+    def _place(self, until: float | None) -> int:
+        """Return the number of the step that ends at a time."""
+        if until is None:
+            return len(self.time) - 1
+        n = round((until - self.spec.start) / self.spec.step)
+        if not 0 < n < len(self.time) or abs(self.time[n] - until) > 1e-9 * self.spec.step * n:
+            raise ExperimentError(f"until = {until} s is none of the points in time of the run")
+        return n
