@@ -92,7 +92,8 @@ class Table:
     """Values between which is drawn a straight line; outside, the first and last value hold.
 
     A time that occurs twice makes a jump: from then on the later value holds. An input that is
-    discrete (integers, Boolean) has no lines: each value holds until the next.
+    discrete (integers, Boolean) has no lines: each value holds until the next. A jump between two
+    points in time of a run makes it communicate there, too, where all FMUs allow that.
 
     Attributes
     ----------
@@ -163,13 +164,26 @@ class Table:
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
-        last = np.searchsorted(self.time, t, side="right") - 1
-        return np.where(self.time[last] == t, self.values[last], line)
+        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        jumps = (self.time[last] > t) & (self.time[np.maximum(last - 1, 0)] == self.time[last])
+        return np.where((self.time[last] == t) | jumps, self.values[last], line)
 
     def hold(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s where each holds until the next."""
-        near = t + 1e-9 * np.abs(t)  # a time that is the same but for rounding, as in FMPy
-        return self.values[np.maximum(np.searchsorted(self.time, near, side="right") - 1, 0)]
+        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        return self.values[np.maximum(last, 0)]
+
+    def jumps(self, *, discrete: bool) -> Array:
+        """Return the times (s) at which the signal jumps, as a discrete input or another."""
+        jumps = np.diff(self.time) == 0
+        if discrete or self.held:
+            jumps |= np.diff(self.values) != 0
+        return np.unique(self.time[1:][jumps])
+
+
+def _just_after(t: Array) -> Array:
+    """Return the last of the times that are the same but for rounding, as in FMPy."""
+    return t + 1e-9 * np.abs(t)
 
 
 def sample_inputs(

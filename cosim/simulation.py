@@ -20,6 +20,7 @@ from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import check_tolerance, count_steps
+from cosim.input_events import InputEvents
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -153,8 +154,7 @@ class Simulation:
         for name, value in (parameters or {}).items():
             values[name] = system.checked(name, value)
             check_length(system, name, values[name])
-        external = sample_inputs(system, values, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        external = self._feed(values, inputs or {}, scenario)
         self._begin(values)
         memory = Memory(self._run, external, self._block)
         return self._step(memory, 0, self._place(until), real_time, progress)
@@ -223,8 +223,7 @@ class Simulation:
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
         system = self.spec.system
-        external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        external = self._feed(system.parameters, inputs or {}, scenario)
         self._begin(system.parameters)
         memory = Memory(self._run, external, self._block)
         self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
@@ -232,6 +231,20 @@ class Simulation:
             self._state_of(name).restore(checkpoint.states[name])
         memory.begin(checkpoint.step, checkpoint.row)
         return self._step(memory, checkpoint.step, last, real_time, progress)
+
+    def _feed(
+        self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
+    ) -> Array:
+        """Return the exposed inputs at the points in time; between them they are attached."""
+        system, run = self.spec.system, self._run
+        external = sample_inputs(system, values, inputs, self.time)
+        stops = not (scenario or run.coupling or run.constant_step) and all(
+            fmu.varies_step for fmu in system.components.values()
+        )
+        self._events = InputEvents(system, inputs if stops else {}, self.time, external)
+        self._events.attach(run)
+        self._disturb(scenario, external)
+        return external
 
     def _disturb(self, scenario: Scenario | None, external: Array) -> None:
         if scenario or self._run.disturbed:

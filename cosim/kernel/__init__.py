@@ -80,6 +80,12 @@ class Component(Structure):
     )
 
 
+class InputEvent(Structure):
+    """When an exposed input jumps within a step."""
+
+    _fields_ = (("step", c_int64), ("t", c_double))
+
+
 class Run(Structure):
     """One run: what to step, where to put it, and how it went."""
 
@@ -113,6 +119,12 @@ class Run(Structure):
         ("unsolved", c_void_p),
         ("disturbed", c_int64),
         ("halt", c_int64),
+        ("n_events", c_int64),
+        ("events", POINTER(InputEvent)),
+        ("event_inputs", c_void_p),
+        ("parts", c_void_p),
+        ("event", c_int64),
+        ("event_step", c_int64),
     )
 
 

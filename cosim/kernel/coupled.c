@@ -173,7 +173,9 @@ bool couple_until(Run *run, int64_t end) {
         const double t = run->start + (double)run->done * run->step;
         const double t_next = run->start + (double)next * run->step;
         double *row = run->rows + (run->record ? next - run->block_start : next) * run->width;
-        if (!step_coupled(run, row, t, run->constant_step ? run->step : t_next - t)) {
+        run->t = t;
+        run->h = run->constant_step ? run->step : t_next - t;
+        if (!step_coupled(run, row, t, run->h)) {
             return false;
         }
     }

@@ -107,6 +107,12 @@ typedef struct {
     double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
+/* An exposed input jumps within a step: the step is done in parts, one up to here. */
+typedef struct {
+    int64_t step;
+    double t; /* s */
+} InputEvent;
+
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
@@ -139,6 +145,12 @@ typedef struct {
     struct Loop *unsolved;
     int64_t disturbed; /* not 0: some components have disturbances */
     int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
+    int64_t n_events;
+    const InputEvent *events;   /* as they follow each other */
+    const double *event_inputs; /* (n_events, n_external), from then on */
+    double *parts;              /* (2, width), where a step is done in parts */
+    int64_t event;              /* the next one */
+    int64_t event_step;         /* its step; -1 where none follows */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */

@@ -130,6 +130,8 @@ enum Outcome advance(Run *run) {
         }
         run->done = 0;
     }
+    run->event = 0;
+    seek_event(run, run->done);
     const time_t second = time(NULL);
     while (run->done < run->halt) {
         const int64_t left = run->halt - run->done;

@@ -129,7 +129,10 @@ def describe(
     identity = f'modelIdentifier="{model}" {flags}'
     kinds = f"<ModelExchange {identity}/>" if "ME" in interfaces else ""
     if "CS" in interfaces:
-        kinds += f'<CoSimulation {identity}{events} canHandleVariableCommunicationStepSize="true"/>'
+        varies = str("fixed" not in interfaces).lower()
+        kinds += (
+            f'<CoSimulation {identity}{events} canHandleVariableCommunicationStepSize="{varies}"/>'
+        )
     if "SE" in interfaces:
         kinds += f"<ScheduledExecution {identity}/>"
     items = "".join(f'<Item name="{n}" value="{i}"/>' for i, n in enumerate("abc", 1))
