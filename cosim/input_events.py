@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cosim import kernel
+from cosim.names import component_of, variable_of
 from cosim.signals import Array, Input, Table, sampled
 
 if TYPE_CHECKING:
@@ -50,6 +51,20 @@ class InputEvents:
         run.events = self._events
         run.event_inputs = self.values.ctypes.data
         run.parts = ctypes.addressof(self._parts)
+
+
+def courses(system: System, component: str, inputs: Mapping[str, Input]) -> dict[str, Table]:
+    """Return the tables that feed inputs of a component, by these and in their units."""
+    found = {}
+    tables = {name: signal for name, signal in inputs.items() if isinstance(signal, Table)}
+    for name, table in tables.items():
+        for target in system.inputs[name]:
+            if component_of(target) == component:
+                scaling = system.scaling(name, target)
+                values = scaling.factor * table.values + scaling.offset
+                held = table.held or system.variable(target).is_discrete
+                found[variable_of(target)] = Table(table.time, values, held=held)
+    return found
 
 
 def _between(

@@ -20,7 +20,7 @@ from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, kept_rows
 from cosim.errors import ExperimentError, SimulationError
 from cosim.experiment import check_tolerance, count_steps
-from cosim.input_events import InputEvents
+from cosim.input_events import InputEvents, courses
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -243,6 +243,8 @@ class Simulation:
         )
         self._events = InputEvents(system, inputs if stops else {}, self.time, external)
         self._events.attach(run)
+        for name, facade in self._facades.items():
+            facade.follow({} if scenario else courses(system, name, inputs))
         self._disturb(scenario, external)
         return external
 

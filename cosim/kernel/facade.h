@@ -6,6 +6,7 @@
 #ifndef COSIM_FACADE_H
 #define COSIM_FACADE_H
 
+#include "course.h"
 #include "kernel.h"
 
 typedef void AnyCall(void);
@@ -105,6 +106,7 @@ typedef struct {
     const Port *input_ports, *output_ports;
     size_t n_inputs;
     double *before, *after; /* n_inputs, values of the input ports at the two ends of a step */
+    const Course *courses;  /* n_inputs, Model Exchange */
     const Cvode *cvode;     /* Model Exchange */
     double tolerance; /* relative, of Model Exchange; times the nominal value the absolute one */
     double told_tolerance; /* Co-Simulation: 0 where the FMU is not told one */
@@ -115,6 +117,8 @@ typedef struct {
     double time;        /* reached, s */
     double start, stop; /* of the run, s */
     double next_event;  /* s; infinite where none is due */
+    double next_jump;   /* of an input that follows a course, likewise */
+    double passed;      /* s: jumps up to here were made */
     int64_t running;    /* initialisation is over */
     int64_t states_changed;
 } Facade;

@@ -69,6 +69,17 @@ class Port(Structure):
     _fields_ = (("group", c_int64), ("place", c_int64), ("ahead", c_int64))
 
 
+class Course(Structure):
+    """How an input runs over time."""
+
+    _fields_ = (
+        ("n", c_size_t),
+        ("t", POINTER(c_double)),
+        ("values", POINTER(c_double)),
+        ("held", c_int64),
+    )
+
+
 class Facade(Structure):
     """An FMU seen by the kernel as a plain one."""
 
@@ -89,6 +100,7 @@ class Facade(Structure):
         ("n_inputs", c_size_t),
         ("before", POINTER(c_double)),
         ("after", POINTER(c_double)),
+        ("courses", POINTER(Course)),
         ("cvode", POINTER(c_void_p)),
         ("tolerance", c_double),
         ("told_tolerance", c_double),
@@ -101,6 +113,8 @@ class Facade(Structure):
         ("start", c_double),
         ("stop", c_double),
         ("next_event", c_double),
+        ("next_jump", c_double),
+        ("passed", c_double),
         ("running", c_int64),
         ("states_changed", c_int64),
     )

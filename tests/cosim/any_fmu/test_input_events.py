@@ -17,7 +17,7 @@ FORCE = np.array([0.0, 1.0, -1.0, 0.5, 0.5, 2.0, 2.0, 0.0, 1.0, 1.0])
 TRIGGER = np.array([0, 0, 1, 1, 1, 0, 0, 1, 1, 0])
 
 
-def both(path, name, time, values, **prepared):
+def both(path, name, time, values, kind="CoSimulation", **prepared):
     model = path.stem
     system = cosim.System()
     system.add("a", path)
@@ -26,8 +26,8 @@ def both(path, name, time, values, **prepared):
         list(zip(time, values, strict=True)), dtype=[("time", "f8"), (name, KINDS[name])]
     )
     theirs = fmpy.simulate_fmu(
-        str(path), fmi_type="CoSimulation", stop_time=STOP, output_interval=STEP, input=table,
-        output=OUTPUTS[model],
+        str(path), fmi_type=kind, stop_time=STOP, output_interval=STEP, input=table,
+        output=OUTPUTS[model], record_events=False, relative_tolerance=prepared.get("tolerance"),
     )  # fmt: skip
     with system.prepare(step=STEP, stop=STOP, **prepared) as simulation:
         ours = simulation.run(inputs={"u": cosim.Table(time, values)})
@@ -103,3 +103,44 @@ def test_coupled_components_stop_together(export, coupling):
     fine = system.prepare(step=0.0625, stop=1.0, coupling=coupling).run(inputs=jump)
     np.testing.assert_array_equal(coarse["a.position"], fine["a.position"][::4])
     assert coarse["b.position"][2] == (fine["b.position"][8] if coupling == "gauss_seidel" else 0)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
+    stair = export("stair", version, "ME")
+    for ours, theirs in both(stair, "trigger", TIME, TRIGGER, "ModelExchange"):
+        np.testing.assert_array_equal(ours, theirs)
+    flat = np.repeat([0.0, 1.0, -1.0, 2.0], [2, 2, 4, 2])  # FMPy holds it between two points
+    time = np.array([0.0, 0.33, 0.33, 0.7, 0.7, 0.9, 1.0, 1.25, 1.25, 2.0])
+    (ours, theirs), (gain, gain_of_fmpy) = both(
+        export("oscillator", version, "ME"), "force", time, flat, "ModelExchange", tolerance=1e-8
+    )
+    np.testing.assert_allclose(ours, theirs, atol=1e-6)
+    np.testing.assert_array_equal(gain, gain_of_fmpy)
+
+
+def response(t, kind):
+    """Return the solution of x'' + 4 x = F with x = 1, x' = 0 at 0: F is 1, or t, from t = 0 on."""
+    t = np.maximum(t, 0)
+    return (1 - np.cos(2 * t)) / 4 if kind == "step" else (t - np.sin(2 * t) / 2) / 4
+
+
+@pytest.mark.parametrize("begin", [0.33, 0.7])  # between two points, at one
+@pytest.mark.parametrize(
+    ("table", "kind"),
+    [
+        (lambda begin: cosim.Table([0.0, begin, begin], [0, 0, 1]), "step"),
+        (lambda begin: cosim.Table([0.0, begin], [0, 1], held=True), "step"),
+        (lambda begin: cosim.Table([0.0, begin, begin + 9], [0, 0, 9]), "ramp"),
+    ],
+)
+def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, kind):
+    system = cosim.System()
+    system.add("a", export("oscillator", 3, "ME"))
+    system.expose("u", "a.force")
+    with system.prepare(step=STEP, stop=STOP, tolerance=1e-9) as simulation:
+        result = simulation.run(inputs={"u": table(begin)})
+        exact = np.cos(2 * result.time) + response(result.time - begin, kind)
+        np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
+        untouched = simulation.run(inputs={"u": 0.0})["a.position"]
+    np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
