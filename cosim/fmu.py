@@ -178,7 +178,7 @@ class Fmu:
         except etree.XMLSyntaxError as fault:
             raise FmuError(f"{self.path}: modelDescription.xml: {fault}") from fault
         version = root.get("fmiVersion")
-        if version is None or not re.fullmatch(r"2\.0|3\.\d+", version):
+        if version is None or not re.fullmatch(r"2\.0|3\.\d+(\.\d+)?", version):
             raise FmuError(
                 f"{self.path}: fmiVersion is {version!r}, expected '2.0' or '3.0';"
                 " export the model again for one of these"
