@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import SignalError
-from cosim.names import suggestion
+from cosim.names import component_of, suggestion
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -209,10 +209,18 @@ def sample_inputs(
                 signal = signal.hold(time)
             table[:, i] = sampled(name, signal, time)
         else:
-            start = starts.get(targets[0], system.variable(targets[0]).start)
-            number = float(start) if isinstance(start, int | float) else 0.0
-            table[:, i] = system.scaling(name, targets[0]).inverse(number)
+            start = _start(system, starts, targets[0])
+            table[:, i] = system.scaling(name, targets[0]).inverse(start)
     return table
+
+
+def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
+    """Return the start value of an input, which may be an element of an array."""
+    variable = system.variable(target)
+    whole = starts.get(f"{component_of(target)}.{variable.owner}")
+    start = starts.get(target, whole[variable.element] if isinstance(whole, tuple) else None)
+    start = variable.start if start is None else start
+    return float(start) if isinstance(start, int | float) else 0.0
 
 
 def sampled(name: str, signal: Input, time: Array) -> Array:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import cosim
-from stickslip.commands.assignments import add_set_option, parse_assignments
+from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.results import claim_folder
@@ -28,7 +28,7 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="S",
         help="communication step, likewise; 1/500 of the time of an FMU that proposes none",
     )
-    add_set_option(parser, "start values: component.variable=VALUE")
+    add_set_option(parser, "start values: component.variable=VALUE, of arrays 'x=1 2 3'")
     parser.add_argument(
         "--input",
         type=Path,
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> None:
     if options.out:
         claim_folder(options.out.parent)
     system, experiment, inputs = _open(options.file, options.variant)
-    for name, value in parse_assignments(options.set).items():
+    for name, value in split_assignments(options.set).items():
         system.set(_qualified(system, name), value)
     lone = options.file.suffix == ".fmu"
     if lone:
