@@ -78,6 +78,10 @@ class Facade:
             before=(ctypes.c_double * len(inputs))(),
             after=(ctypes.c_double * len(inputs))(),
             tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
+            n_clocks=len(fmu.clocks),
+            clocks=(mirror.Clock * len(fmu.clocks))(
+                *(mirror.Clock(c.reference, c.asked, c.interval, c.shift) for c in fmu.clocks)
+            ),
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
         )
@@ -148,7 +152,12 @@ def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Seque
 
 def _addresses(fmu: Fmu, library: Library) -> list[int]:
     needs = "M" if fmu.interface == "model_exchange" else "C"
-    needs += "E" * fmu.event_mode + "S" * bool(fmu.structural) + "R" * fmu.restores_state
+    needs += (
+        "E" * fmu.event_mode
+        + "K" * bool(fmu.clocks)
+        + "S" * bool(fmu.structural)
+        + "R" * fmu.restores_state
+    )
     return [
         0 if name == "-" or not set(reasons) & set(needs) else library.address(name)
         for name, reasons in mirror.facade_calls(fmu.version)

@@ -8,7 +8,6 @@
 
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
 static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
-static const double NEAR = 1e-9;    /* relative: two times this close are the same */
 
 struct Integrator {
     void *context, *memory, *matrix, *solver;
@@ -227,9 +226,9 @@ static fmi2Status completed_step(Facade *f, bool *event) {
 }
 
 /* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
- * beyond a time event, and with inputs not beyond the time up to which they are known. */
+ * beyond a time event or a tick, and with inputs not beyond the time up to which they are known. */
 static int set_stop(Facade *f, double target) {
-    const double stop = f->n_inputs ? target : f->next_event;
+    const double stop = f->n_inputs ? target : fmin(f->next_event, f->next_tick);
     return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop)
                           : f->cvode->CVodeClearStopTime(f->integrator->memory);
 }
@@ -292,9 +291,6 @@ static bool inputs_move(const Facade *f) {
     return false;
 }
 
-/* The latter is finite; an event that is not due lies at infinity. */
-static bool same_time(double event, double t) { return fabs(event - t) <= NEAR * fabs(t); }
-
 /* Courses have reached a jump: an event with the values after it. */
 static fmi2Status jump(Facade *f) {
     pass_jumps(f);
@@ -308,8 +304,6 @@ static fmi2Status jump(Facade *f) {
     return handle_event(f, true);
 }
 
-static bool is_due(double event, double t) { return event <= t || same_time(event, t); }
-
 fmi2Status step_exchange(Facade *f, double t, double h) {
     Integrator *in = f->integrator;
     in->begin = t;
@@ -317,15 +311,14 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
     TRY_STATUS(take_inputs(f, false));
     in->moving = inputs_move(f);
     for (int i = 0; f->time < in->end; i++) {
-        const double next = fmin(f->next_event, f->next_jump);
+        const double next = fmin(fmin(f->next_event, f->next_tick), f->next_jump);
         bool event = false;
         if (i == MAX_EVENTS) {
             return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
         }
-        TRY_STATUS(
-            integrate(f, next < in->end && !same_time(next, in->end) ? next : in->end, &event));
+        TRY_STATUS(integrate(f, next < in->end && !is_due(in->end, next) ? next : in->end, &event));
         const bool jumps = is_due(f->next_jump, f->time);
-        if (event || jumps || is_due(f->next_event, f->time)) {
+        if (event || jumps || is_due(fmin(f->next_event, f->next_tick), f->time)) {
             TRY_STATUS(jumps ? jump(f) : handle_event(f, false));
             TRY_STATUS(restart_exchange(f));
         }

@@ -38,7 +38,7 @@ STORED = (
     c_bool,
     c_char_p,
 )
-N_CALLS = 27
+N_CALLS = 29
 
 
 class Group(Structure):
@@ -80,6 +80,20 @@ class Course(Structure):
     )
 
 
+class Clock(Structure):
+    """An input clock that ticks by time."""
+
+    _fields_ = (
+        ("reference", c_uint32),
+        ("asked", c_int32),
+        ("interval", c_double),
+        ("shift", c_double),
+        ("begin", c_double),
+        ("ticks", c_int64),
+        ("next", c_double),
+    )
+
+
 class Facade(Structure):
     """An FMU seen by the kernel as a plain one."""
 
@@ -115,6 +129,9 @@ class Facade(Structure):
         ("next_event", c_double),
         ("next_jump", c_double),
         ("passed", c_double),
+        ("next_tick", c_double),
+        ("n_clocks", c_size_t),
+        ("clocks", POINTER(Clock)),
         ("running", c_int64),
         ("states_changed", c_int64),
     )
