@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 class InputEvents:
     """What a run does between its points in time; must exist as long as the run.
 
+    Parameters
+    ----------
+    inputs, tables : of the exposed inputs, all and those that are tables
+    time, external : the points in time (s), and the inputs there
+
     Attributes
     ----------
     times : (n,) s
@@ -27,17 +32,21 @@ class InputEvents:
     """
 
     def __init__(
-        self, system: System, inputs: Mapping[str, Input], time: Array, external: Array
+        self,
+        system: System,
+        inputs: Mapping[str, Input],
+        tables: Mapping[str, Table],
+        time: Array,
+        external: Array,
     ) -> None:
-        tables = {name: x for name, x in inputs.items() if isinstance(x, Table)}
         discrete = {n: system.variable(system.inputs[n][0]).is_discrete for n in tables}
         jumps = [table.jumps(discrete=discrete[name]) for name, table in tables.items()]
         self.times, self.steps = _between(np.unique(np.concatenate([*jumps, []])), time)
         self.values: Array = external[self.steps]
         for i, name in enumerate(system.inputs if len(self.times) else ()):
             signal = inputs.get(name)
-            if isinstance(signal, Table) and discrete[name]:
-                self.values[:, i] = signal.hold(self.times)
+            if discrete.get(name):
+                self.values[:, i] = tables[name].hold(self.times)
             elif signal is not None and (hasattr(signal, "sample") or callable(signal)):
                 self.values[:, i] = sampled(name, signal, self.times)
 
@@ -53,10 +62,9 @@ class InputEvents:
         run.parts = ctypes.addressof(self._parts)
 
 
-def courses(system: System, component: str, inputs: Mapping[str, Input]) -> dict[str, Table]:
+def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
     """Return the tables that feed inputs of a component, by these and in their units."""
     found = {}
-    tables = {name: signal for name, signal in inputs.items() if isinstance(signal, Table)}
     for name, table in tables.items():
         for target in system.inputs[name]:
             if component_of(target) == component:

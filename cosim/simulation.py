@@ -31,7 +31,7 @@ from cosim.pace import Pace
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
-from cosim.signals import Input, sample_inputs
+from cosim.signals import Input, Table, sample_inputs
 from cosim.state import StateAccess
 from cosim.variables import Value
 from cosim.wiring import wire
@@ -86,6 +86,7 @@ class Simulation:
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
+        self._varies_step = all(fmu.varies_step for fmu in system.components.values())
         self._halted: Memory | None = None
         self.order = [name for members in groups for name in members.components]
         self._layout = Layout.of(system, spec.record)
@@ -238,13 +239,13 @@ class Simulation:
         """Return the exposed inputs at the points in time; between them they are attached."""
         system, run = self.spec.system, self._run
         external = sample_inputs(system, values, inputs, self.time)
-        stops = not (scenario or run.coupling or run.constant_step) and all(
-            fmu.varies_step for fmu in system.components.values()
-        )
-        self._events = InputEvents(system, inputs if stops else {}, self.time, external)
-        self._events.attach(run)
+        tables = {} if scenario else {n: x for n, x in inputs.items() if isinstance(x, Table)}
+        run.n_events = 0
+        if tables and not (run.coupling or run.constant_step) and self._varies_step:
+            self._events = InputEvents(system, inputs, tables, self.time, external)
+            self._events.attach(run)
         for name, facade in self._facades.items():
-            facade.follow({} if scenario else courses(system, name, inputs))
+            facade.follow(courses(system, name, tables))
         self._disturb(scenario, external)
         return external
 
