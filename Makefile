@@ -3,10 +3,10 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test check format sanitize bench clean
+.PHONY: help setup reproduce test test-platforms check format sanitize bench clean
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
 
 setup: .venv/installed ## install stickslip into .venv
 
@@ -15,6 +15,9 @@ reproduce: .venv/installed ## reproduce the paper into results/paper
 
 test: .venv/tested ## run the tests
 	$(BIN)/python -m pytest
+
+test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine64
+	$(BIN)/python -m pytest -m platforms
 
 check: .venv/checked ## lint, types and C format
 	$(BIN)/ruff check .

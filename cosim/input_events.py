@@ -68,8 +68,8 @@ def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict
     for name, table in tables.items():
         for target in system.inputs[name]:
             if component_of(target) == component:
-                scaling = system.scaling(name, target)
-                values = scaling.factor * table.values + scaling.offset
+                transform = system.scaling(name, target)
+                values = np.array([transform(x) for x in table.values.tolist()])
                 held = table.held or system.variable(target).is_discrete
                 found[variable_of(target)] = Table(table.time, values, held=held)
     return found

@@ -13,7 +13,7 @@ from cosim.facade import Facade, wants_facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
-from cosim.scaling import IDENTITY
+from cosim.scaling import IDENTITY, Scaling, Transform, ValueMap
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -40,7 +40,7 @@ def wire(
     facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
-    inputs = _inputs(system, layout, order, jacobi=jacobi)
+    inputs = fed_inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
         fmu = system.components[name]
@@ -61,9 +61,7 @@ def wire(
         slot.input_references = _references(system, [target for _, target in inputs[name]])
         scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
         scaled = any(scaling != IDENTITY for scaling in scales)
-        if scaled:
-            numbers = [s.factor for s in scales] + [s.offset for s in scales]
-            slot.scales = (ctypes.c_double * len(numbers))(*numbers)
+        _transform(slot, scales)
         if not offsets:
             slot.inputs = kernel.NONE
         elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
@@ -76,7 +74,6 @@ def wire(
         if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
             facades[name] = facade
             facade.dress(slot)
-    selected = [columns[name] for name in layout.recorded]
     run = kernel.Run(
         components=components,
         n_components=len(order),
@@ -84,10 +81,24 @@ def wire(
         n_external=len(system.inputs),
         width=width,
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
-        selected=(ctypes.c_int64 * len(selected))(*selected),
-        n_selected=len(selected),
     )
     return run, facades
+
+
+def _transform(slot: kernel.Component, transforms: Sequence[Transform]) -> None:
+    """Let the inputs of a component be scaled or mapped."""
+    lines = [t if isinstance(t, Scaling) else IDENTITY for t in transforms]
+    if any(line != IDENTITY for line in lines):
+        slot.scales = _doubles([s.factor for s in lines] + [s.offset for s in lines])
+    if any(isinstance(t, ValueMap) for t in transforms):
+        pairs = [t.pairs if isinstance(t, ValueMap) else () for t in transforms]
+        slot.maps = (kernel.Map * len(pairs))(
+            *(kernel.Map(len(p), _doubles([x for pair in p for x in pair])) for p in pairs)
+        )
+
+
+def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
+    return (ctypes.c_double * len(numbers))(*numbers)
 
 
 def _facade(
@@ -109,10 +120,12 @@ def _facade(
     return Facade(fmu, library, read, fed, ahead, arrays, tolerance)
 
 
-def _inputs(
+def fed_inputs(
     system: System, layout: Layout, order: Sequence[str], *, jacobi: bool
 ) -> dict[str, list[tuple[int, str]]]:
     """Return per component its fed inputs with their offsets from the row of the present time.
+
+    The kernel sets them in this order.
 
     What was computed earlier in the same step is read from the next row, and so are the exposed
     inputs of Model Exchange, which takes a straight line from one to the other.

@@ -5,21 +5,36 @@ The ground floor of the house: it knows C files and platforms, nothing of FMI or
     ToolchainError(RuntimeError)
         CompilerMissing     the ``ziglang`` package is not installed
         CompilationFailed   the compiler refused the sources; carries its output
+        WrongExports        a library does not offer what it should
+        NotALibrary         bytes that are no ELF, PE or Mach-O library (also a ValueError)
 """
 
+from toolchain.binary import Interface, interface
 from toolchain.cache import cache_directory, write_whole
 from toolchain.compiler import shared_library
-from toolchain.errors import CompilationFailed, CompilerMissing, ToolchainError
+from toolchain.errors import (
+    CompilationFailed,
+    CompilerMissing,
+    NotALibrary,
+    ToolchainError,
+    WrongExports,
+)
 from toolchain.platforms import PLATFORMS, Platform, host_platform
+from toolchain.universal import universal
 
 __all__ = [
     "PLATFORMS",
     "CompilationFailed",
     "CompilerMissing",
+    "Interface",
+    "NotALibrary",
     "Platform",
     "ToolchainError",
+    "WrongExports",
     "cache_directory",
     "host_platform",
+    "interface",
     "shared_library",
+    "universal",
     "write_whole",
 ]

@@ -8,18 +8,22 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from toolchain.binary import interface
 from toolchain.cache import cache_directory, write_whole
-from toolchain.errors import CompilationFailed, CompilerMissing
+from toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
 from toolchain.platforms import Platform, host_platform
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-s")
+# macOS exports these from every library.
+_OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
+_STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
 
@@ -29,6 +33,8 @@ def shared_library(
     *,
     platform: Platform | None = None,
     flags: Sequence[str] = (),
+    standalone: bool = False,
+    exports: Collection[str] | None = None,
 ) -> Path:
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
@@ -41,15 +47,21 @@ def shared_library(
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
     platform : what to build for; the machine's own by default
     flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's
+    standalone : on Windows, link with the system alone instead of a C runtime, which may be absent
+        there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
+    exports : the names that the library must export, these and no others; not looked at if None
 
     Raises
     ------
-    CompilerMissing, CompilationFailed
+    CompilerMissing, CompilationFailed, WrongExports
     """
     target = platform or host_platform()
+    bare = standalone and target.suffix == ".dll"
+    if bare:
+        files = {**files, **_standalone()}
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-target", target.target),
-        *(*_FLAGS, *_WARNINGS, *flags, "-I.", "-isystem", "system"),
+        *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
         *os.environ.get("STICKSLIP_CFLAGS", "").split(),
         *sorted(path for path in files if path.endswith(".c")),
     ]
@@ -58,8 +70,19 @@ def shared_library(
     key = _digest([_compiler_version(), name, *command[1:]], files)
     library = cache_directory() / "libraries" / key / (name + target.suffix)
     if not library.exists():
-        write_whole(library, _compile(command, files, library.name))
+        linked = _compile(command, files, library.name)
+        if exports is not None:
+            _check_exports(linked, exports, library.name)
+        write_whole(library, linked)
     return library
+
+
+@cache
+def _standalone() -> dict[str, str]:
+    """Return what a Windows library without C runtime needs in its place."""
+    folder = Path(__file__).parent / "standalone"
+    text = {path.name: path.read_text(encoding="utf-8") for path in sorted(folder.iterdir())}
+    return {name if name.endswith(".c") else f"system/{name}": t for name, t in text.items()}
 
 
 def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
@@ -67,6 +90,14 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
     for path, text in sorted(files.items()):
         digest.update(f"\0{path}\0{len(text)}\0{text}".encode())
     return digest.hexdigest()[:32]
+
+
+def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
+    exported = interface(library).exports - _OF_THE_LINKER
+    if lacking := sorted(set(expected) - exported):
+        raise WrongExports(f"{name} does not export {', '.join(lacking)}")
+    if foreign := sorted(exported - set(expected)):
+        raise WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
 
 
 @cache

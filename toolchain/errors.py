@@ -11,3 +11,11 @@ class CompilerMissing(ToolchainError):
 
 class CompilationFailed(ToolchainError):
     """The compiler refused the sources. The message ends with what it said."""
+
+
+class WrongExports(ToolchainError):
+    """The linker left out a function, or exported one that nobody asked for."""
+
+
+class NotALibrary(ToolchainError, ValueError):
+    """The bytes are no shared library that can be read."""

@@ -16,7 +16,8 @@ class Platform:
     Attributes
     ----------
     tuple : platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
-    fmi2 : folder under ``binaries/`` in FMI 2.0 (``linux64``)
+    fmi2 : folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share one,
+        for a universal library
     target : the compiler's target, with the oldest system it must run on
     suffix : ending of a shared library
     """
@@ -34,7 +35,7 @@ PLATFORMS = {
         Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
         Platform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll"),
         Platform("x86_64-darwin", "darwin64", "x86_64-macos.10.13", ".dylib"),
-        Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+        Platform("aarch64-darwin", "darwin64", "aarch64-macos.11.0", ".dylib"),
     )
 }
 

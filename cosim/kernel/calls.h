@@ -69,6 +69,16 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
     return passed(run, c, "fmi3DoStep", (int)status);
 }
 
+/* In place; rare, and kept out of the way of what is not. */
+__attribute__((noinline, unused)) static void map_inputs(const Component *c, double *values) {
+    for (size_t i = 0; i < c->n_inputs; i++) {
+        const double x = values[i], *pair = c->maps[i].pairs;
+        for (size_t j = 0; j < c->maps[i].n; j++) {
+            values[i] = pair[2 * j] == x ? pair[2 * j + 1] : values[i];
+        }
+    }
+}
+
 INLINE const double *gather(const Component *c, const double *row) {
 #pragma clang loop unroll(disable) vectorize(disable)
     for (size_t i = 0; i < c->n_inputs; i++) {
@@ -78,6 +88,9 @@ INLINE const double *gather(const Component *c, const double *row) {
         for (size_t i = 0; i < c->n_inputs; i++) {
             c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
         }
+    }
+    if (UNLIKELY(c->maps != NULL)) {
+        map_inputs(c, c->gathered);
     }
     return c->gathered;
 }

@@ -8,17 +8,12 @@
 /* Read inputs from row now and, where they are fresh, from row next; write outputs to row next. */
 typedef bool Step(Run *run, const double *now, double *next);
 
-/* The row of step n. All rows are kept, or those of one block, which the next block overwrites. */
-static inline double *row_of(const Run *run, int64_t n) {
-    return run->rows + (run->record ? n - run->block_start : n) * run->width;
-}
-
 /* Find the next input event, from a step on. */
 static inline void seek_event(Run *run, int64_t step) {
     while (run->event < run->n_events && run->events[run->event].step < step) {
         run->event++;
     }
-    run->event_step = run->event < run->n_events ? run->events[run->event].step : -1;
+    run->event_end = run->event < run->n_events ? run->events[run->event].step + 1 : 0;
 }
 
 /* One step in parts, from input event to input event, in rows of their own. */
@@ -53,8 +48,9 @@ INLINE bool walk(Run *run, int64_t end, Step step_all) {
         const double t_next = run->start + (double)(run->done + 1) * run->step;
         run->t = run->start + (double)run->done * run->step;
         run->h = run->constant_step ? run->step : t_next - run->t;
-        TRY(UNLIKELY(run->done == run->event_step) ? step_in_parts(run, now, next, t_next, step_all)
-                                                   : step_all(run, now, next));
+        TRY(UNLIKELY(run->done + 1 == run->event_end)
+                ? step_in_parts(run, now, next, t_next, step_all)
+                : step_all(run, now, next));
         now = next;
     }
     return true;

@@ -1,8 +1,7 @@
 /* FMI 2.0 for Co-Simulation: names and types of the standard over instance.h. */
 #include <fmi2Functions.h>
 
-#include <stdlib.h>
-
+#include "heap.h"
 #include "instance.h"
 
 #define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED)
@@ -126,7 +125,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     REQUIRE(ANY);
     if (FMUstate) {
-        free(*FMUstate);
+        heap_free(*FMUstate);
         *FMUstate = NULL;
     }
     return fmi2OK;

@@ -1,8 +1,7 @@
 /* FMI 3.0 for Co-Simulation: names and types of the standard over instance.h. */
 #include <fmi3Functions.h>
 
-#include <stdlib.h>
-
+#include "heap.h"
 #include "instance.h"
 
 #define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED)
@@ -109,7 +108,7 @@ fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     REQUIRE(ANY);
     if (FMUState) {
-        free(*FMUState);
+        heap_free(*FMUState);
         *FMUState = NULL;
     }
     return fmi3OK;

@@ -1,11 +1,11 @@
 #include "instance.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "heap.h"
 #include "model.h"
+#include "text.h"
 
 #define STATES(i) ((States *)(i->now.values + STATES_AT))
 #define MEMORY(i) ((Memory *)(i->now.values + MEMORY_AT))
@@ -34,7 +34,7 @@ Status instance_report(Instance *i, Status status, const char *category, const c
     char message[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    text_write(message, sizeof message, format, arguments);
     va_end(arguments);
     if (i->logger.callback && (status != OK || i->logger.events))
         i->logger.emit(&i->logger, i->name, status, category, message);
@@ -48,18 +48,16 @@ static void load_start_values(Instance *i) {
 }
 
 Instance *instance_new(const char *name, const char *token, Logger logger) {
-    const size_t length = strlen(name ? name : "") + 1;
-    Instance *i = calloc(1, sizeof *i);
-    char *copy = calloc(1, length);
-    if (!i || !copy) {
-        free(i);
-        free(copy);
+    size_t length = 0;
+    while (name && name[length])
+        length++;
+    Instance *i = heap_get(sizeof *i + length + 1);
+    if (!i)
         return NULL;
-    }
-    *i = (Instance){.name = copy, .logger = logger};
-    if (name)
-        memcpy(copy, name, length);
-    if (!token || strcmp(token, MODEL_TOKEN) != 0) {
+    i->logger = logger;
+    for (size_t k = 0; k < length; k++)
+        i->name[k] = name[k];
+    if (!token || !text_equal(token, MODEL_TOKEN)) {
         instance_report(i, ERROR, "logStatusError",
                         "this binary of " MODEL_NAME " has the token " MODEL_TOKEN
                         " but was given %s: modelDescription.xml is of another build",
@@ -71,11 +69,7 @@ Instance *instance_new(const char *name, const char *token, Logger logger) {
     return i;
 }
 
-void instance_free(Instance *i) {
-    if (i)
-        free(i->name);
-    free(i);
-}
+void instance_free(Instance *i) { heap_free(i); }
 
 Status instance_require(Instance *i, int phases, const char *call) {
     if ((int)i->now.phase & phases)
@@ -181,7 +175,7 @@ Status instance_set(Instance *i, uint32_t reference, double value, const char *c
 
 Status instance_save(Instance *i, void **snapshot) {
     if (!*snapshot)
-        *snapshot = calloc(1, sizeof(Snapshot));
+        *snapshot = heap_get(sizeof(Snapshot));
     if (!*snapshot)
         return instance_report(i, ERROR, "logStatusError", "no memory left to save the state");
     memcpy(*snapshot, &i->now, sizeof i->now);
@@ -222,7 +216,7 @@ Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, voi
 Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {
     bool events = count == 0;
     for (size_t k = 0; k < count; k++)
-        events = events || strcmp(categories[k], "logEvents") == 0;
+        events = events || text_equal(categories[k], "logEvents");
     i->logger.events = on && events;
     return OK;
 }

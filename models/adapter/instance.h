@@ -53,8 +53,8 @@ typedef struct {
 
 typedef struct {
     Snapshot now; /* all that save and restore touch */
-    char *name;
     Logger logger;
+    char name[]; /* with the 0 */
 } Instance;
 
 /* NULL with a message when the token is not the one this binary was built with. */

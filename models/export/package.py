@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -15,15 +17,16 @@ from models.errors import UnknownModel
 from models.export import fmi2, fmi3
 from models.export.description import Model, read_model
 from models.export.headers import table_header, table_source, variables_header
-from toolchain import Platform, host_platform, shared_library, write_whole
+from toolchain import Platform, host_platform, shared_library, universal, write_whole
 
 FmiVersion = Literal[2, 3]
 
 _MODELS = Path(__file__).parent.parent
 _SHARED = ("friction", "numerics")  # C that several models use
+_LIFE = ("heap.h", "heap.c", "text.h", "text.c", "instance.h", "instance.c", "model.h")
 _ADAPTER = {
-    2: ("instance.h", "instance.c", "model.h", "fmi2.c"),
-    3: ("instance.h", "instance.c", "model.h", "fmi3.c", "fmi3_unavailable.c"),
+    2: (*_LIFE, "fmi2.c"),
+    3: (*_LIFE, "fmi3.c", "fmi3_unavailable.c"),
 }
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
@@ -81,12 +84,27 @@ def build_fmu(
     members: dict[str, bytes] = {
         "modelDescription.xml": _DESCRIPTION[fmi](model, token).encode(),
     }
-    for platform in platforms or [host_platform()]:
-        # A fixed interface has parameters that not every model needs.
-        library = shared_library(name, files, platform=platform, flags=["-Wno-unused-parameter"])
-        binaries = platform.fmi2 if fmi == 2 else platform.tuple
-        members[f"binaries/{binaries}/{library.name}"] = library.read_bytes()
+    members |= _binaries(name, files, fmi, list(platforms or [host_platform()]))
     return write_whole(Path(folder) / f"{name}.fmu", _archive(members))
+
+
+def _binaries(
+    name: str, files: Mapping[str, str], fmi: FmiVersion, platforms: Sequence[Platform]
+) -> dict[str, bytes]:
+    """Return the libraries by path in the FMU."""
+
+    def build(platform: Platform) -> Path:
+        # A fixed interface has parameters that not every model needs.
+        return shared_library(
+            name, files, platform=platform, flags=["-Wno-unused-parameter"], standalone=True
+        )
+
+    parts: dict[str, list[bytes]] = {}
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for platform, library in zip(platforms, pool.map(build, platforms), strict=True):
+            folder = platform.fmi2 if fmi == 2 else platform.tuple
+            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+    return {path: universal(libraries) for path, libraries in parts.items()}
 
 
 def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import itertools
+import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import models
-from stickslip.errors import UsageError
-from toolchain import PLATFORMS, Platform, host_platform
+from stickslip.commands.platforms import add_platform_option, parse_platforms
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
@@ -18,39 +20,24 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser = subparsers.add_parser("build", help="build FMUs of the models")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
-    parser.add_argument(
-        "--platform",
-        nargs="+",
-        default=["host"],
-        metavar="PLATFORM",
-        help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
-    )
+    add_platform_option(parser)
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
-    platforms = _platforms(options.platform)
+    platforms = parse_platforms(options.platform)
     versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
     names = options.models or models.model_names()
     for name in names:
         models.load_model(name)  # an unknown name must not leave half of the files
-    for name in names:
-        for version in versions:
-            folder = options.out / f"fmi{version}" if len(versions) > 1 else options.out
-            print(models.build_fmu(name, folder, fmi=version, platforms=platforms))
+    folders = {v: options.out / f"fmi{v}" if len(versions) > 1 else options.out for v in versions}
 
+    def build(job: tuple[str, models.FmiVersion]) -> Path:
+        name, version = job
+        return models.build_fmu(name, folders[version], fmi=version, platforms=platforms)
 
-def _platforms(names: list[str]) -> list[Platform]:
-    if names == ["all"]:
-        return list(PLATFORMS.values())
-    platforms = {}
-    for name in names:
-        if name != "host" and name not in PLATFORMS:
-            raise UsageError(
-                f"--platform {name}: unknown; choose host, all or some of {', '.join(PLATFORMS)}"
-            )
-        platform = host_platform() if name == "host" else PLATFORMS[name]
-        platforms[platform.tuple] = platform
-    return list(platforms.values())
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for path in pool.map(build, itertools.product(names, versions)):
+            print(path)

@@ -60,8 +60,11 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="NAME",
         help="names or patterns (drive.*); all outputs and inputs by default",
     )
+    points = parser.add_mutually_exclusive_group()
+    points.add_argument("--every", type=int, default=1, metavar="N", help="keep every N-th point")
+    points.add_argument("--last", action="store_true", help="keep the last point alone")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write every sample there"
+        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write what is kept there"
     )
     parser.set_defaults(run=run)
 
@@ -90,7 +93,8 @@ def run(options: argparse.Namespace) -> None:
     if experiment.stop is None or experiment.step is None:
         missing = "stop" if experiment.stop is None else "step"
         raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
-    record = options.record and [_qualified(system, name) for name in options.record]
+    names = options.record and [_qualified(system, name) for name in options.record]
+    record = cosim.Record(names, options.every, "last" if options.last else "all")
     with system.prepare(
         start=experiment.start or 0.0,
         stop=experiment.stop,
@@ -110,7 +114,7 @@ def run(options: argparse.Namespace) -> None:
         write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv
         write(options.out)
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
-    for name in result:
+    for name in result.names if len(result.time) else ():  # a resumed run may keep no point
         signal, unit = result[name], result.units[name] or ""
         print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
     if pace:

@@ -1,0 +1,132 @@
+"""FMUs run on other platforms than this: linux-arm64 under qemu, Windows under wine."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import models
+import toolchain
+from toolchain import PLATFORMS, Platform
+
+STEP = 5e-4  # s
+STEPS = 400
+HERE = Path(__file__).parent
+# What runs a platform's programs here; nothing for our own.
+RUNNERS = {
+    "x86_64-linux": [],
+    "aarch64-linux": ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"],
+    "x86_64-windows": ["wine"],
+}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what lies here, so that only ``pytest -m platforms`` runs it."""
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            item.add_marker(pytest.mark.platforms)
+
+
+def run_table(fmu: Path, version: int) -> str:
+    """Return the table ``run.h``: what the driver feeds and shows."""
+    model = models.load_model(fmu.stem)
+    with zipfile.ZipFile(fmu) as archive:
+        library = next(Path(name).name for name in archive.namelist() if "binaries/" in name)
+        description = archive.read("modelDescription.xml").decode()
+    token = description.split('guid="' if version == 2 else 'instantiationToken="')[1].split('"')[0]
+    of = {
+        role: [k for k, v in enumerate(model.variables) if role in (v.role, v.type)]
+        for role in ("input", "boolean")
+    }
+    n = np.arange(STEPS)[:, np.newaxis]
+    reals = [k for k, v in enumerate(model.variables) if v.type == "real" and (k or version == 3)]
+    # Positions move little: their speed is what counts.
+    size = [
+        (v.nominal or 1.0) * (1e-3 if v.unit == "m" else 1.0)
+        for v in model.variables
+        if v.role == "input"
+    ]
+    fed = np.array(size) * (np.sin(0.05 * n * (1 + np.arange(len(size)))) + 0.3 * (n % 3))
+
+    def numbers(values: object) -> str:
+        return "{" + ", ".join(map(str, values)) + "}"
+
+    rows = ",\n".join(numbers(float(x).hex() for x in row) for row in fed)
+    return f"""
+enum {{ STEPS = {STEPS}, INPUTS = {len(size)}, SHOWN = {len(reals)},
+        SWITCHES = {len(of["boolean"])} }};
+#define FMI {version}
+#define LIBRARY "{library}"
+#define TOKEN "{token}"
+static const double STEP = {STEP};
+static const uint32_t INPUT[] = {numbers(of["input"])};
+static const uint32_t SWITCH[] = {numbers(of["boolean"] or [0])};
+static const uint32_t SHOW[] = {numbers(reals)};
+static const double FED[STEPS][INPUTS] = {{
+{rows}}};
+"""
+
+
+def _compile_driver(folder: Path, platform: Platform) -> Path:
+    windows = platform.suffix == ".dll"
+    program = folder / ("driver.exe" if windows else "driver")
+    headers = resources.files("fmpy") / "c-code"
+    bare = ["-nostdlib", "-lcompiler_rt", "-lkernel32"]
+    bare += ["-isystem", str(Path(toolchain.__file__).parent / "standalone")]
+    zig = str(toolchain.cache_directory() / "zig")
+    subprocess.run(
+        [
+            *(sys.executable, "-m", "ziglang", "cc", "-target", platform.target, "-std=c11"),
+            *("-O2", "-ffp-contract=off", "-isystem", str(headers)),
+            *(bare if windows else ["-ldl"]),
+            *("driver.c", "-o", program.name),
+        ],
+        cwd=folder,
+        check=True,
+        env=os.environ | {"ZIG_GLOBAL_CACHE_DIR": zig, "ZIG_LOCAL_CACHE_DIR": zig},
+    )
+    return program
+
+
+@pytest.fixture(scope="session")
+def emulators(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Return the environment that the emulators run in."""
+    prefix = tmp_path_factory.mktemp("wine")
+    return os.environ | {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all"}
+
+
+@pytest.fixture
+def run(tmp_path: Path, emulators: dict[str, str]) -> Callable[[str, int, str], np.ndarray]:
+    """Run a model on a platform: ``run("stage", 2, "aarch64-linux")`` returns (STEPS, shown)."""
+
+    def run(name: str, version: int, tuple_: str) -> np.ndarray:
+        runner = RUNNERS[tuple_]
+        if runner and shutil.which(runner[0]) is None:
+            pytest.skip(f"{runner[0]}, which runs {tuple_} programs here, is missing")
+        folder = tmp_path / tuple_
+        platform = PLATFORMS[tuple_]
+        fmu = models.build_fmu(name, folder, fmi=version, platforms=[platform])
+        # One file: the compiler's own cache does not notice another run.h in another folder.
+        text = (HERE / "driver.c").read_text()
+        table = run_table(fmu, version)
+        (folder / "driver.c").write_text(text.replace('#include "run.h"', table))
+        with zipfile.ZipFile(fmu) as archive:
+            [library] = [n for n in archive.namelist() if n.startswith("binaries/")]
+            (folder / Path(library).name).write_bytes(archive.read(library))
+        program = _compile_driver(folder, platform)
+        done = subprocess.run(
+            [*runner, str(program)], cwd=folder, env=emulators, capture_output=True
+        )
+        assert done.returncode == 0, done
+        return np.frombuffer(done.stdout).reshape(STEPS, -1)
+
+    return run
