@@ -130,8 +130,9 @@ class Simulation:
         ----------
         parameters : ``component.variable`` -> start value for this run only
         inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
-            number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
-            of its first target
+            number. The value at t[n] holds until t[n + 1], or until a Table jumps; Model Exchange
+            follows the lines of a Table. An input left out keeps the start value of its first
+            target
         scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
