@@ -173,7 +173,9 @@ def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):
     facade._cvode_table.cache_clear()
     monkeypatch.setitem(sys.modules, "fmpy.sundials", None)  # as on aarch64-linux
-    with pytest.raises(cosim.FmuError, match="needs the solver CVode.*its Co-Simulation interface"):
+    with pytest.raises(
+        cosim.FmuError, match=r"needs the solver CVode.*its Co-Simulation interface"
+    ):
         one(export("oscillator", version)).prepare(step=0.1, stop=1.0)
 
 
