@@ -18,7 +18,7 @@ MAX_MEMBERS = 20_000
 MAX_BYTES = 2 * 1024**3  # unpacked
 
 _SUPPORTED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_UNSAFE = re.compile(r"^[/\\]|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
+_UNSAFE = re.compile(r"^/|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 
 def unpack(path: Path, room: str, error: type[CosimError]) -> Path:
@@ -75,6 +75,8 @@ def _fault(archive: zipfile.ZipFile) -> str | None:
     seen: set[str] = set()
     for member in members:
         name = member.orig_filename
+        if "\\" in name:
+            return f"member {name!r} has a backslash in its name, where the standard wants '/'"
         if _UNSAFE.search(name):
             return f"member {name!r} would leave the folder it is unpacked to"
         if stat.S_ISLNK(member.external_attr >> 16):

@@ -34,8 +34,9 @@ def ending(
     if run.done < 0 or run.done >= run.n_steps or not slot.instance:
         return None
     if run.status == kernel.TERMINATED:
-        whole = run.start + (run.done + 1) * run.step
-        return Ending(facade.c.time if facade else whole, "asked to terminate the simulation")
+        return Ending(
+            facade.c.time if facade else run.t + run.h, "asked to terminate the simulation"
+        )
     if run.status == kernel.DISCARD and slot.version == 2:
         instance = facade.c.instance if facade else slot.instance
         if _ask(library, "fmi2GetBooleanStatus", instance, _TERMINATED, ctypes.c_int32()):

@@ -15,8 +15,10 @@ from cosim import kernel
 from cosim.batch import Batch, batches
 from cosim.errors import FmuError
 from cosim.fmu import Fmu
+from cosim.kernel import doubles
 from cosim.kernel import facade as mirror
 from cosim.library import Library
+from cosim.signals import Table
 from cosim.variables import Value, Variable
 
 # Of Model Exchange, where neither the FMU nor the caller proposes one; that of FMPy.
@@ -59,6 +61,8 @@ class Facade:
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
         self._starts: tuple[list[Batch], ...] = ()
+        self._fed = [variable.name for variable in inputs]
+        self._tables: Mapping[str, Table] = {}
         self.c = mirror.Facade(
             version=fmu.version,
             model_exchange=fmu.interface == "model_exchange",
@@ -69,9 +73,14 @@ class Facade:
             input_ports=_ports(self._inputs, inputs, ahead),
             output_ports=_ports(self._outputs, outputs, [False] * len(outputs)),
             n_inputs=len(inputs),
+            courses=(mirror.Course * len(inputs))(),
             before=(ctypes.c_double * len(inputs))(),
             after=(ctypes.c_double * len(inputs))(),
             tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
+            n_clocks=len(fmu.clocks),
+            clocks=(mirror.Clock * len(fmu.clocks))(
+                *(mirror.Clock(c.reference, c.asked, c.interval, c.shift) for c in fmu.clocks)
+            ),
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
         )
@@ -101,6 +110,19 @@ class Facade:
         """Take start values from here: of structural parameters, most others, and inputs."""
         self._starts = (structure, starts, late)
         self.c.structure, self.c.starts, self.c.late = map(_groups, self._starts)
+
+    def follow(self, tables: Mapping[str, Table]) -> None:
+        """Let inputs, by name, follow tables in their own unit; Model Exchange knows them whole."""
+        self._tables = tables
+        for i, name in enumerate(self._fed):
+            table = tables.get(name)
+            self.c.courses[i] = (
+                mirror.Course(
+                    len(table.time), doubles(table.time), doubles(table.values), table.held
+                )
+                if table
+                else mirror.Course()
+            )
 
     def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
         """Let elements of fed arrays that are not fed themselves have their start values."""
@@ -153,7 +175,12 @@ def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Seque
 
 def _addresses(fmu: Fmu, library: Library) -> list[int]:
     needs = "M" if fmu.interface == "model_exchange" else "C"
-    needs += "E" * fmu.event_mode + "S" * bool(fmu.structural) + "R" * fmu.restores_state
+    needs += (
+        "E" * fmu.event_mode
+        + "K" * bool(fmu.clocks)
+        + "S" * bool(fmu.structural)
+        + "R" * fmu.restores_state
+    )
     return [
         0 if name == "-" or not set(reasons) & set(needs) else library.address(name)
         for name, reasons in mirror.facade_calls(fmu.version)

@@ -16,6 +16,7 @@ from lxml import etree
 
 import toolchain
 from cosim.archive import unpack
+from cosim.clocks import Clock, read_clocks
 from cosim.collection import paused_collection
 from cosim.errors import FmuError
 from cosim.experiment import DefaultExperiment
@@ -55,6 +56,7 @@ class Fmu:
     event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
+    clocks : input clocks that tick by time
     once_per_process : whether there can be one instance only
     serializes : whether its state can be put into a file
     restores_state, interpolates_inputs, varies_step : whether it declares these abilities
@@ -119,8 +121,7 @@ class Fmu:
         )
         if self.needs_tool:
             _log.warning("%s: needs the tool that made it installed on this machine", self.path)
-        if any(v.type == "Clock" and v.causality == "input" for v in variables):
-            _log.warning("%s: has input clocks, which never tick here", self.path)
+        self.clocks = self._read_clocks()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.path, self.interface)
@@ -178,7 +179,7 @@ class Fmu:
         except etree.XMLSyntaxError as fault:
             raise FmuError(f"{self.path}: modelDescription.xml: {fault}") from fault
         version = root.get("fmiVersion")
-        if version is None or not re.fullmatch(r"2\.0|3\.\d+", version):
+        if version is None or not re.fullmatch(r"2\.0|3\.\d+(\.\d+)?", version):
             raise FmuError(
                 f"{self.path}: fmiVersion is {version!r}, expected '2.0' or '3.0';"
                 " export the model again for one of these"
@@ -219,6 +220,22 @@ class Fmu:
             self.identifier,
         )
         return libraries[0]
+
+    def _read_clocks(self) -> list[Clock]:
+        """Return the clocks that tick by time; warn of those that will not tick."""
+        if not any(v.type == "Clock" and v.causality == "input" for v in self.variables.values()):
+            return []
+        try:
+            clocks = read_clocks(self.folder / "modelDescription.xml")
+        except ValueError as fault:
+            raise FmuError(f"{self.path}: modelDescription.xml: a clock has {fault}") from fault
+        ticking = self.event_mode or self.interface == "model_exchange"
+        running = [c for c in clocks if ticking and c.asked is not None]
+        if mute := [c.name for c in clocks if c not in running]:
+            reason = "only clocks with an interval do" if ticking else "the FMU has no event mode"
+            _log.warning("%s: the clocks %s never tick: %s", self.path, ", ".join(mute), reason)
+        self.restores_state = self.restores_state and not running
+        return running
 
     def _read_feedthrough(self, description: Any) -> Mapping[str, frozenset[str]]:
         inputs = frozenset(v.name for v in self.variables.values() if v.causality == "input")

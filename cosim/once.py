@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
-from weakref import WeakValueDictionary
+from weakref import ref
 
 from cosim.errors import SimulationError
 from cosim.fmu import Fmu
@@ -13,8 +13,9 @@ from cosim.fmu import Fmu
 if TYPE_CHECKING:
     from cosim.prepared import Prepared
 
-_lock = threading.Lock()
-_holders: WeakValueDictionary[tuple[Path, str], Prepared] = WeakValueDictionary()
+# Anywhere here a simulation may be collected, which then gives up what it has, in this very thread.
+_lock = threading.RLock()
+_holders: dict[tuple[Path, str], ref[Prepared]] = {}
 
 
 def claim(fmu: Fmu, component: str, simulation: Prepared) -> None:
@@ -28,17 +29,31 @@ def claim(fmu: Fmu, component: str, simulation: Prepared) -> None:
     if not fmu.once_per_process:
         return
     with _lock:
-        for (binary, name), holder in _holders.items():
+        for (binary, name), holder in _present():
             if binary == fmu.binary and (name, holder) != (component, simulation):
                 raise SimulationError(
                     f"{component}: {fmu.path.name} can be instantiated only once per process, and"
                     f" {name} of {holder.spec.system.name} has it; close that simulation first"
                 )
-        _holders[fmu.binary, component] = simulation
+        _holders[fmu.binary, component] = ref(simulation)
 
 
 def give_up(simulation: Prepared) -> None:
     """Give back what a simulation has claimed."""
     with _lock:
-        for key in [key for key, holder in _holders.items() if holder is simulation]:
-            del _holders[key]
+        for key, holder in _present():
+            if holder is simulation:
+                _holders.pop(key, None)
+
+
+def _present() -> list[tuple[tuple[Path, str], Prepared]]:
+    """Return who has what; those that are gone are forgotten."""
+    found = []
+    for key in list(_holders):
+        reference = _holders.get(key)
+        holder = reference() if reference else None
+        if holder is None:
+            _holders.pop(key, None)
+        else:
+            found.append((key, holder))
+    return found

@@ -47,6 +47,7 @@ class Prepared:
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
         self._variables: dict[str, Variable] = {}  # those that runs have set
+        self._varies_step = all(fmu.varies_step for fmu in system.components.values())
         self._halted = self._ready = False
         self.order = [name for members in groups for name in members.components]
         record = Record.of(spec.record)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import SignalError
-from cosim.names import suggestion
+from cosim.names import component_of, suggestion
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -92,7 +92,8 @@ class Table:
     """Values between which is drawn a straight line; outside, the first and last value hold.
 
     A time that occurs twice makes a jump: from then on the later value holds. An input that is
-    discrete (integers, Boolean) has no lines: each value holds until the next.
+    discrete (integers, Boolean) has no lines: each value holds until the next. A jump between two
+    points in time of a run makes it communicate there, too, where all FMUs allow that.
 
     Attributes
     ----------
@@ -163,13 +164,26 @@ class Table:
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
-        last = np.searchsorted(self.time, t, side="right") - 1
-        return np.where(self.time[last] == t, self.values[last], line)
+        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        jumps = (self.time[last] > t) & (self.time[np.maximum(last - 1, 0)] == self.time[last])
+        return np.where((self.time[last] == t) | jumps, self.values[last], line)
 
     def hold(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s where each holds until the next."""
-        near = t + 1e-9 * np.abs(t)  # a time that is the same but for rounding, as in FMPy
-        return self.values[np.maximum(np.searchsorted(self.time, near, side="right") - 1, 0)]
+        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        return self.values[np.maximum(last, 0)]
+
+    def jumps(self, *, discrete: bool) -> Array:
+        """Return the times (s) at which the signal jumps, as a discrete input or another."""
+        jumps = np.diff(self.time) == 0
+        if discrete or self.held:
+            jumps |= np.diff(self.values) != 0
+        return np.unique(self.time[1:][jumps])
+
+
+def _just_after(t: Array) -> Array:
+    """Return the last of the times that are the same but for rounding, as in FMPy."""
+    return t + 1e-9 * np.abs(t)
 
 
 def sample_inputs(
@@ -195,10 +209,18 @@ def sample_inputs(
                 signal = signal.hold(time)
             table[:, i] = sampled(name, signal, time)
         else:
-            start = starts.get(targets[0], system.variable(targets[0]).start)
-            number = float(start) if isinstance(start, int | float) else 0.0
-            table[:, i] = system.scaling(name, targets[0]).inverse(number)
+            start = _start(system, starts, targets[0])
+            table[:, i] = system.scaling(name, targets[0]).inverse(start)
     return table
+
+
+def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
+    """Return the start value of an input, which may be an element of an array."""
+    variable = system.variable(target)
+    whole = starts.get(f"{component_of(target)}.{variable.owner}")
+    start = starts.get(target, whole[variable.element] if isinstance(whole, tuple) else None)
+    start = variable.start if start is None else start
+    return float(start) if isinstance(start, int | float) else 0.0
 
 
 def sampled(name: str, signal: Input, time: Array) -> Array:

@@ -11,7 +11,7 @@ from cosim.coupling import Coupling
 from cosim.errors import ExperimentError, SimulationError
 from cosim.result import Result
 from cosim.scenario import Scenario
-from cosim.signals import Input, sample_inputs
+from cosim.signals import Input
 from cosim.state import StateAccess
 from cosim.stepping import Stepping
 
@@ -46,8 +46,9 @@ class Simulation(Stepping):
         ----------
         parameters : ``component.variable`` -> start value for this run only
         inputs : exposed input -> array (n_steps + 1,), Signal, function of the time array, or
-            number. The value at t[n] holds until t[n + 1]. An input left out keeps the start value
-            of its first target
+            number. The value at t[n] holds until t[n + 1], or until a Table jumps; Model Exchange
+            follows the lines of a Table. An input left out keeps the start value of its first
+            target
         scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
@@ -65,8 +66,7 @@ class Simulation(Stepping):
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
         values = self._values(parameters or {})
-        external = sample_inputs(self.spec.system, values, inputs or {}, self.time)
-        self._disturb(scenario, external, values)
+        external = self._feed(values, inputs or {}, scenario)
         self._begin(values, external)
         return self._step(0, self._place(until), real_time, progress)
 
@@ -129,10 +129,9 @@ class Simulation(Stepping):
             raise ExperimentError(
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
-        system = self.spec.system
-        external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario, external, {**system.parameters, **checkpoint.starts})
-        self._begin(system.parameters, external)
+        parameters = self.spec.system.parameters
+        external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
+        self._begin(parameters, external)
         self._advance(0)  # initialised, the FMUs are in a mode that takes a state
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])

@@ -11,11 +11,13 @@ from cosim import kernel
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, last_outputs
 from cosim.errors import ExperimentError, ParameterError
+from cosim.input_events import InputEvents, courses
 from cosim.pace import Pace
 from cosim.prepared import Prepared
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
 from cosim.settings import check_length
+from cosim.signals import Input, Table, sample_inputs
 from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
 
@@ -35,6 +37,22 @@ class Stepping(Prepared):
             if variable.causality == "structuralParameter":
                 check_length(name, values[name], system.parameters.get(name, variable.start))
         return values
+
+    def _feed(
+        self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
+    ) -> Array:
+        """Return the exposed inputs at the points in time; between them they are attached."""
+        system, run = self.spec.system, self._run
+        external = sample_inputs(system, values, inputs, self.time)
+        tables = {} if scenario else {n: x for n, x in inputs.items() if isinstance(x, Table)}
+        run.n_events = run.event_end = 0
+        if tables and not (run.coupling or run.constant_step) and self._varies_step:
+            self._events = InputEvents(system, inputs, tables, self.time, external)
+            self._events.attach(run)
+        for name, facade in self._facades.items():
+            facade.follow(courses(system, name, tables))
+        self._disturb(scenario, external, values)
+        return external
 
     def _disturb(
         self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]

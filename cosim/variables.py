@@ -58,7 +58,7 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
 }
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
-_WORDS = {"true": True, "1": True, "false": False, "0": False}
+_WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
 _FLOATS = {"Real", "Float64", "Float32"}
 _NOT_NUMBERS = {"String", "Binary", "Clock"}
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
@@ -266,7 +266,7 @@ class Variable:
             return bytes.fromhex(value) if isinstance(value, str) else bytes(memoryview(value))
         if self.type == "Boolean":
             return _WORDS[str(value).lower()]
-        result = int(value)
+        result = _whole(value) if isinstance(value, str) else int(value)
         if _C_TYPES[self.type](result).value != result or (
             not isinstance(value, str) and result != value
         ):
@@ -281,6 +281,17 @@ class Variable:
             raise ParameterError(
                 f"{label} = {value}{unit} is outside its range {lowest} .. {highest}{unit}"
             )
+
+
+def _whole(text: str) -> int:
+    """Read ``-3`` and ``3.0``, whatever the number of digits of the former."""
+    try:
+        return int(text)
+    except ValueError:
+        number = float(text)
+        if not number.is_integer():
+            raise
+        return int(number)
 
 
 def _enumeration(variable: Any) -> dict[str, Any]:

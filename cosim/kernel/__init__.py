@@ -118,6 +118,12 @@ class Answers(Structure):
     )
 
 
+class InputEvent(Structure):
+    """When an exposed input jumps within a step."""
+
+    _fields_ = (("step", c_int64), ("t", c_double))
+
+
 class Run(Structure):
     """One run: what to step, where to put it, and how it went."""
 
@@ -161,6 +167,12 @@ class Run(Structure):
         ("n_changes", c_int64),
         ("next_change", c_int64),
         ("halt", c_int64),
+        ("n_events", c_int64),
+        ("events", POINTER(InputEvent)),
+        ("event_inputs", c_void_p),
+        ("parts", c_void_p),
+        ("event", c_int64),
+        ("event_end", c_int64),
     )
 
 

@@ -229,8 +229,9 @@ bool couple_until(Run *run, int64_t end) {
         const int64_t next = run->done + 1;
         const double t = run->start + (double)run->done * run->step;
         const double t_next = run->start + (double)next * run->step;
-        const double h = run->constant_step ? run->step : t_next - t;
-        if (!step_coupled(run, row_of(run, next), t, h)) {
+        run->t = t;
+        run->h = run->constant_step ? run->step : t_next - t;
+        if (!step_coupled(run, row_of(run, next), t, run->h)) {
             return false;
         }
         run->done = next;

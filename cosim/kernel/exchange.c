@@ -8,7 +8,6 @@
 
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
 static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
-static const double NEAR = 1e-9;    /* relative: two times this close are the same */
 
 struct Integrator {
     void *context, *memory, *matrix, *solver;
@@ -32,15 +31,18 @@ static fmi2Status set_time(Facade *f, double t) {
     return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
 
-/* The inputs at time t: those known at both ends of the step lie on a straight line. */
+/* The inputs at time t: those that follow no course but are known at both ends of the step lie on a
+ * straight line. */
 static fmi2Status set_moving_inputs(Facade *f, double t) {
     const Integrator *in = f->integrator;
     const double share = fmin(1.0, (t - in->begin) / (in->end - in->begin));
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
-        if (port->ahead && !f->inputs.groups[port->group].discrete) {
-            store(&f->inputs.groups[port->group], port->place,
-                  (1.0 - share) * f->before[i] + share * f->after[i]);
+        const Group *group = &f->inputs.groups[port->group];
+        if (f->courses[i].n && !group->discrete) {
+            store(group, port->place, value_of(&f->courses[i], t, f->passed));
+        } else if (port->ahead && !group->discrete) {
+            store(group, port->place, (1.0 - share) * f->before[i] + share * f->after[i]);
         }
     }
     for (size_t i = 0; i < f->inputs.n; i++) {
@@ -132,9 +134,19 @@ static fmi2Status count(Facade *f, enum Call place, size_t *n) {
     return noted(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
 }
 
+/* All jumps up to the present time are made. */
+static void pass_jumps(Facade *f) {
+    f->passed = f->time + NEAR * fabs(f->time);
+    f->next_jump = INFINITY;
+    for (size_t i = 0; i < f->n_inputs; i++) {
+        f->next_jump = fmin(f->next_jump, next_jump(&f->courses[i], f->passed));
+    }
+}
+
 fmi2Status begin_exchange(Facade *f) {
     const Cvode *cvode = f->cvode;
     end_exchange(f);
+    pass_jumps(f);
     Integrator *in = f->integrator = calloc(1, sizeof *in);
     TRY_STATUS(count(f, COUNT_STATES, &f->n_states));
     TRY_STATUS(count(f, COUNT_INDICATORS, &f->n_indicators));
@@ -214,9 +226,9 @@ static fmi2Status completed_step(Facade *f, bool *event) {
 }
 
 /* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
- * beyond a time event, and with inputs not beyond the time up to which they are known. */
+ * beyond a time event or a tick, and with inputs not beyond the time up to which they are known. */
 static int set_stop(Facade *f, double target) {
-    const double stop = f->n_inputs ? target : f->next_event;
+    const double stop = f->n_inputs ? target : fmin(f->next_event, f->next_tick);
     return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop)
                           : f->cvode->CVodeClearStopTime(f->integrator->memory);
 }
@@ -224,10 +236,11 @@ static int set_stop(Facade *f, double target) {
 /* Integrate to target, or to the first event before it. */
 static fmi2Status integrate(Facade *f, double target, bool *event) {
     Integrator *in = f->integrator;
-    if ((f->n_states == 0 && f->n_indicators == 0) ||
-        target - f->time <= 1e-14 * fmax(fabs(target), fabs(f->time))) {
+    const bool there = target - f->time <= 1e-14 * fmax(fabs(target), fabs(f->time));
+    if (there || (f->n_states == 0 && f->n_indicators == 0)) {
         f->time = target;
-        return set_point(f, target, in->x);
+        TRY_STATUS(set_point(f, target, in->x));
+        return there ? fmi2OK : completed_step(f, event);
     }
     in->status = fmi2OK;
     if (set_stop(f, target)) {
@@ -242,14 +255,15 @@ static fmi2Status integrate(Facade *f, double target, bool *event) {
     return completed_step(f, event);
 }
 
-/* Inputs whose value is only known from before hold it for the step, from its begin on; the others
- * reach theirs at the end, where those that are discrete jump. */
+/* Of the inputs that follow no course. Those whose value is only known from before hold it for the
+ * step, from its begin on; the others reach theirs at the end, where those that are discrete jump.
+ */
 static fmi2Status take_inputs(Facade *f, bool ahead) {
     bool event = false, jump = false;
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
-        if ((port->ahead != 0) == ahead) {
+        if ((port->ahead != 0) == ahead && !f->courses[i].n) {
             const bool changed = f->before[i] != f->after[i];
             event = event || (changed && group->discrete);
             jump = jump || (changed && !ahead);
@@ -268,15 +282,27 @@ static fmi2Status take_inputs(Facade *f, bool ahead) {
 static bool inputs_move(const Facade *f) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
-        if (port->ahead && f->before[i] != f->after[i] && !f->inputs.groups[port->group].discrete) {
+        const bool moves =
+            f->courses[i].n ? !f->courses[i].held : port->ahead && f->before[i] != f->after[i];
+        if (moves && !f->inputs.groups[port->group].discrete) {
             return true;
         }
     }
     return false;
 }
 
-/* The latter is finite; an event that is not due lies at infinity. */
-static bool same_time(double event, double t) { return fabs(event - t) <= NEAR * fabs(t); }
+/* Courses have reached a jump: an event with the values after it. */
+static fmi2Status jump(Facade *f) {
+    pass_jumps(f);
+    for (size_t i = 0; i < f->n_inputs; i++) {
+        const Port *port = &f->input_ports[i];
+        if (f->courses[i].n) {
+            store(&f->inputs.groups[port->group], port->place,
+                  value_of(&f->courses[i], f->time, f->passed));
+        }
+    }
+    return handle_event(f, true);
+}
 
 fmi2Status step_exchange(Facade *f, double t, double h) {
     Integrator *in = f->integrator;
@@ -285,14 +311,15 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
     TRY_STATUS(take_inputs(f, false));
     in->moving = inputs_move(f);
     for (int i = 0; f->time < in->end; i++) {
-        const bool due = f->next_event < in->end && !same_time(f->next_event, in->end);
+        const double next = fmin(fmin(f->next_event, f->next_tick), f->next_jump);
         bool event = false;
         if (i == MAX_EVENTS) {
             return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
         }
-        TRY_STATUS(integrate(f, due ? f->next_event : in->end, &event));
-        if (event || f->next_event <= f->time || same_time(f->next_event, f->time)) {
-            TRY_STATUS(handle_event(f, false));
+        TRY_STATUS(integrate(f, next < in->end && !is_due(in->end, next) ? next : in->end, &event));
+        const bool jumps = is_due(f->next_jump, f->time);
+        if (event || jumps || is_due(fmin(f->next_event, f->next_tick), f->time)) {
+            TRY_STATUS(jumps ? jump(f) : handle_event(f, false));
             TRY_STATUS(restart_exchange(f));
         }
     }

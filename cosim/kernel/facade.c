@@ -68,7 +68,7 @@ fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fm
     f->time = f->start = start;
     f->stop = stop;
     f->told_tolerance = has_tolerance ? tolerance : 0.0;
-    f->next_event = INFINITY;
+    f->next_event = f->next_tick = INFINITY;
     f->running = 0;
     f->called = NULL;
     if (f->version == 3) {
@@ -103,13 +103,13 @@ fmi2Status facade_EnterInitializationMode(fmi2Component c) {
 fmi2Status facade_ExitInitializationMode(fmi2Component c) {
     Facade *f = c;
     TRY_STATUS(plain(f, EXIT_INITIALIZATION));
+    if (f->model_exchange || f->event_mode) {
+        TRY_STATUS(begin_clocks(f));
+        TRY_STATUS(update_discrete_states(f));
+        TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
+    }
     if (f->model_exchange) {
-        TRY_STATUS(update_discrete_states(f));
-        TRY_STATUS(plain(f, ENTER_CONTINUOUS_TIME));
         TRY_STATUS(begin_exchange(f));
-    } else if (f->event_mode) {
-        TRY_STATUS(update_discrete_states(f));
-        TRY_STATUS(plain(f, ENTER_STEP_MODE));
     }
     f->running = 1;
     return fmi2OK;
@@ -143,13 +143,19 @@ static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
     return noted(f, UPDATE_DISCRETE_STATES, status);
 }
 
+/* Until nothing is due any more. */
 fmi2Status update_discrete_states(Facade *f) {
     f->states_changed = 0;
+    bool again = false, terminate;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
-        bool again, terminate;
+        TRY_STATUS(again ? fmi2OK : tick_clocks(f));
         TRY_STATUS(update_once(f, &again, &terminate));
-        if (terminate || !again) {
-            return terminate ? noted(f, UPDATE_DISCRETE_STATES, TERMINATED) : fmi2OK;
+        if (terminate) {
+            return noted(f, UPDATE_DISCRETE_STATES, TERMINATED);
+        }
+        TRY_STATUS(again ? fmi2OK : after_ticks(f));
+        if (!again && !is_due(f->next_tick, f->time)) {
+            return fmi2OK;
         }
     }
     return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
@@ -185,13 +191,16 @@ static fmi2Status step_fmi2(Facade *f, double t, double h) {
     return fmi2OK;
 }
 
-/* An FMU that returns early is sent on its way again until the step is done. */
+/* An FMU that returns early is sent on its way again until the step is done; it stops at ticks. */
 static fmi2Status step_fmi3(Facade *f, double t, double h) {
     AnyCall *call = f->call[DO_STEP];
-    const double end = t + h;
+    const double last = t + h;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
         bool event = false, terminate = false, early = false;
+        const bool ticks = f->next_tick < last && !is_due(last, f->next_tick);
+        const double end = ticks ? f->next_tick : last;
         double reached = end;
+        h = ticks ? end - t : h;
         TRY_STATUS(noted(f, DO_STEP,
                          (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, true, &event, &terminate,
                                                        &early, &reached)));
@@ -203,14 +212,14 @@ static fmi2Status step_fmi3(Facade *f, double t, double h) {
         if (early && !f->event_mode) {
             return noted(f, DO_STEP, RETURNED_EARLY);
         }
-        if (event && f->event_mode) {
+        if (f->event_mode && (event || is_due(f->next_tick, f->time))) {
             TRY_STATUS(handle_event(f, false));
         }
-        if (whole) {
+        if (whole && !ticks) {
             return fmi2OK;
         }
-        t = reached;
-        h = end - t;
+        t = f->time;
+        h = last - t;
     }
     return noted(f, DO_STEP, TOO_MANY_EVENTS);
 }

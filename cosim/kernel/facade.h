@@ -6,13 +6,15 @@
 #ifndef COSIM_FACADE_H
 #define COSIM_FACADE_H
 
+#include "course.h"
 #include "kernel.h"
+#include <math.h>
 
 typedef void AnyCall(void);
 
 /* place, name in FMI 2.0, name in FMI 3.0, what it is needed for: (C)o-simulation, (M)odel
- * exchange, (E)vent mode, (S)tructural parameters, (R)ollback. A dash: the version has no such
- * call. */
+ * exchange, (E)vent mode, (S)tructural parameters, (R)ollback, cloc(K)s. A dash: the version has no
+ * such call. */
 #define FACADE_CALLS(X)                                                                            \
     X(INSTANTIATE_CS, "fmi2Instantiate", "fmi3InstantiateCoSimulation", "C")                       \
     X(INSTANTIATE_ME, "fmi2Instantiate", "fmi3InstantiateModelExchange", "M")                      \
@@ -40,7 +42,9 @@ typedef void AnyCall(void);
     X(GET_NOMINALS, "fmi2GetNominalsOfContinuousStates", "fmi3GetNominalsOfContinuousStates", "M") \
     X(COUNT_STATES, "-", "fmi3GetNumberOfContinuousStates", "M")                                   \
     X(COUNT_INDICATORS, "-", "fmi3GetNumberOfEventIndicators", "M")                                \
-    X(COMPLETED_STEP, "fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep", "M")
+    X(COMPLETED_STEP, "fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep", "M")           \
+    X(SET_CLOCK, "-", "fmi3SetClock", "K")                                                         \
+    X(GET_INTERVAL, "-", "fmi3GetIntervalDecimal", "K")
 
 #define PLACE(place, fmi2, fmi3, interfaces) place,
 enum Call { FACADE_CALLS(PLACE) N_CALLS };
@@ -88,6 +92,20 @@ typedef struct {
     int64_t ahead; /* Model Exchange: the kernel gives the value at the end of the step */
 } Port;
 
+/* When the FMU is asked for the interval of a clock: never, as the description has it; once; at
+ * each tick; at each event, from which it then counts. */
+enum Asked { NEVER, ONCE, AT_TICKS, AT_EVENTS };
+
+/* An input clock that ticks by time. */
+typedef struct {
+    uint32_t reference;
+    int32_t asked;          /* enum Asked */
+    double interval, shift; /* s; the first tick is at start + shift */
+    double begin;           /* s, from where intervals count */
+    int64_t ticks;          /* since begin */
+    double next;            /* s; infinite where it is not known */
+} Clock;
+
 typedef struct Integrator Integrator;
 typedef struct Cvode Cvode;
 
@@ -105,6 +123,7 @@ typedef struct {
     const Port *input_ports, *output_ports;
     size_t n_inputs;
     double *before, *after; /* n_inputs, values of the input ports at the two ends of a step */
+    const Course *courses;  /* n_inputs, Model Exchange */
     const Cvode *cvode;     /* Model Exchange */
     double tolerance; /* relative, of Model Exchange; times the nominal value the absolute one */
     double told_tolerance; /* Co-Simulation: 0 where the FMU is not told one */
@@ -115,7 +134,12 @@ typedef struct {
     double time;        /* reached, s */
     double start, stop; /* of the run, s */
     double next_event;  /* s; infinite where none is due */
-    int64_t running;    /* initialisation is over */
+    double next_jump;   /* of an input that follows a course, likewise */
+    double passed;      /* s: jumps up to here were made */
+    double next_tick;   /* of a clock, s; likewise */
+    size_t n_clocks;
+    Clock *clocks;
+    int64_t running; /* initialisation is over */
     int64_t states_changed;
 } Facade;
 
@@ -131,10 +155,20 @@ fmi2Status handle_event(Facade *f, bool with_inputs);
 fmi2Status update_discrete_states(Facade *f);
 void store(const Group *group, int64_t place, double value);
 
+fmi2Status begin_clocks(Facade *f);
+fmi2Status tick_clocks(Facade *f);
+fmi2Status after_ticks(Facade *f);
+
 fmi2Status begin_exchange(Facade *f);
 fmi2Status step_exchange(Facade *f, double t, double h);
 fmi2Status restart_exchange(Facade *f);
 void end_exchange(Facade *f);
+
+/* Two times this close are the same; an event that is not due lies at infinity. */
+static const double NEAR = 1e-9; /* relative */
+static inline bool is_due(double event, double t) {
+    return event <= t || fabs(event - t) <= NEAR * fabs(t);
+}
 
 #define OK(status) ((unsigned)(status) <= fmi2Warning)
 #define TRY_STATUS(action)                                                                         \

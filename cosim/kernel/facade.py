@@ -38,7 +38,7 @@ STORED = (
     c_bool,
     c_char_p,
 )
-N_CALLS = 27
+N_CALLS = 29
 
 
 class Group(Structure):
@@ -69,6 +69,31 @@ class Port(Structure):
     _fields_ = (("group", c_int64), ("place", c_int64), ("ahead", c_int64))
 
 
+class Course(Structure):
+    """How an input runs over time."""
+
+    _fields_ = (
+        ("n", c_size_t),
+        ("t", POINTER(c_double)),
+        ("values", POINTER(c_double)),
+        ("held", c_int64),
+    )
+
+
+class Clock(Structure):
+    """An input clock that ticks by time."""
+
+    _fields_ = (
+        ("reference", c_uint32),
+        ("asked", c_int32),
+        ("interval", c_double),
+        ("shift", c_double),
+        ("begin", c_double),
+        ("ticks", c_int64),
+        ("next", c_double),
+    )
+
+
 class Facade(Structure):
     """An FMU seen by the kernel as a plain one."""
 
@@ -89,6 +114,7 @@ class Facade(Structure):
         ("n_inputs", c_size_t),
         ("before", POINTER(c_double)),
         ("after", POINTER(c_double)),
+        ("courses", POINTER(Course)),
         ("cvode", POINTER(c_void_p)),
         ("tolerance", c_double),
         ("told_tolerance", c_double),
@@ -101,6 +127,11 @@ class Facade(Structure):
         ("start", c_double),
         ("stop", c_double),
         ("next_event", c_double),
+        ("next_jump", c_double),
+        ("passed", c_double),
+        ("next_tick", c_double),
+        ("n_clocks", c_size_t),
+        ("clocks", POINTER(Clock)),
         ("running", c_int64),
         ("states_changed", c_int64),
     )

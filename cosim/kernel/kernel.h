@@ -139,6 +139,12 @@ typedef struct {
     fmi3Float64 last_successful_time;
 } Answers;
 
+/* An exposed input jumps within a step: the step is done in parts, one up to here. */
+typedef struct {
+    int64_t step;
+    double t; /* s */
+} InputEvent;
+
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
@@ -180,6 +186,12 @@ typedef struct {
     const Change *changes; /* n_changes, in the order of their steps */
     int64_t n_changes, next_change;
     int64_t halt; /* the step after which to hand back; n_steps to go through to the end */
+    int64_t n_events;
+    const InputEvent *events;   /* as they follow each other */
+    const double *event_inputs; /* (n_events, n_external), from then on */
+    double *parts;              /* (2, width), where a step is done in parts */
+    int64_t event;              /* the next one */
+    int64_t event_end;          /* the number of its step's end; 0 where none follows */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */

@@ -168,6 +168,8 @@ enum Outcome advance(Run *run) {
             return FAILED;
         }
     }
+    run->event = 0;
+    seek_event(run, run->done);
     const time_t second = time(NULL);
     while (run->done < run->halt) {
         const int64_t left = run->halt - run->done;

@@ -5,7 +5,7 @@
 
 typedef struct {
     void *state;
-    double time, next_event;
+    double time, next_event, next_jump, passed;
     double inputs[]; /* before and after, 2 n_inputs */
 } Saved;
 
@@ -29,6 +29,8 @@ fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     }
     saved->time = f->time;
     saved->next_event = f->next_event;
+    saved->next_jump = f->next_jump;
+    saved->passed = f->passed;
     memcpy(saved->inputs, f->before, inputs_size(f));
     memcpy(saved->inputs + f->n_inputs, f->after, inputs_size(f));
     return call_on(f, GET_STATE, &saved->state);
@@ -39,6 +41,8 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     const Saved *saved = state;
     f->time = saved->time;
     f->next_event = saved->next_event;
+    f->next_jump = saved->next_jump;
+    f->passed = saved->passed;
     memcpy(f->before, saved->inputs, inputs_size(f));
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
     AnyCall *call = f->call[SET_STATE];

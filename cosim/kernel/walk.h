@@ -4,9 +4,43 @@
 
 #include "calls.h"
 #include "record.h"
+#include <string.h>
 
 /* Read inputs from row now and, where they are fresh, from row next; write outputs to row next. */
 typedef bool Step(Run *run, const double *now, double *next);
+
+/* Find the next input event, from a step on. */
+static inline void seek_event(Run *run, int64_t step) {
+    while (run->event < run->n_events && run->events[run->event].step < step) {
+        run->event++;
+    }
+    run->event_end = run->event < run->n_events ? run->events[run->event].step + 1 : 0;
+}
+
+/* One step in parts, from input event to input event, in rows of their own. */
+__attribute__((cold, noinline, unused)) static bool step_in_parts(Run *run, const double *now,
+                                                                  double *next, Step step_all) {
+    const size_t width = (size_t)run->width, n_external = (size_t)run->n_external;
+    const double t_next = run->start + (double)(run->done + 1) * run->step;
+    double *from = run->parts, *to = from + width;
+    memcpy(from, now, width * sizeof *from);
+    for (;; run->event++) {
+        const InputEvent *event = &run->events[run->event];
+        const bool last = run->event == run->n_events || event->step != run->done;
+        const double end = last ? t_next : event->t;
+        const double *inputs = last ? next : run->event_inputs + run->event * (int64_t)n_external;
+        memcpy(to, inputs, n_external * sizeof *to);
+        run->h = end - run->t;
+        const bool stepped = step_all(run, from, to);
+        if (last || !stepped) {
+            memcpy(next + n_external, to + n_external, (width - n_external) * sizeof *next);
+            seek_event(run, run->done + 1);
+            return stepped;
+        }
+        memcpy(from, to, width * sizeof *from);
+        run->t = end;
+    }
+}
 
 /* Take the row of step n into the sums. */
 typedef void Add(Run *run, int64_t n, const double *row);
@@ -19,7 +53,11 @@ INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, b
         if (!constant) {
             run->h = run->start + (double)(n + 1) * run->step - run->t;
         }
-        TRY(step_all(run, now, now + width));
+        if (!constant && UNLIKELY(n + 1 == run->event_end)) {
+            TRY(step_in_parts(run, now, now + width, step_all));
+        } else {
+            TRY(step_all(run, now, now + width));
+        }
         add(run, ++n, now + width);
         run->done = n;
     }

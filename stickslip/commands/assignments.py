@@ -17,27 +17,22 @@ def add_set_option(parser: ArgumentParser, what: str) -> None:
     )
 
 
-def parse_assignments(texts: Iterable[str]) -> dict[str, float | bool]:
-    """Return name -> value; true, false, on and off are booleans.
+def split_assignments(texts: Iterable[str]) -> dict[str, str]:
+    """Return name -> value as it was written.
 
     Raises
     ------
     UsageError
-        When a text is no assignment, its value no number, or a name comes twice.
+        When a text is no assignment, or a name comes twice.
     """
-    values: dict[str, float | bool] = {}
+    values: dict[str, str] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise UsageError(f"--set {text}: expected NAME=VALUE, such as drive.F_c=6.5")
         if name in values:
             raise UsageError(f"--set {text}: {name} is set twice")
-        try:
-            values[name] = _WORDS[value.lower()] if value.lower() in _WORDS else float(value)
-        except ValueError:
-            raise UsageError(
-                f"--set {text}: the value must be a number, true or false, got '{value}'"
-            ) from None
+        values[name] = value
     return values
 
 
@@ -47,10 +42,17 @@ def drive_changes(texts: Iterable[str]) -> dict[str, float]:
     Raises
     ------
     UsageError
-        When another component is named.
+        When another component is named, or a value is no number.
     """
-    values = parse_assignments(texts)
-    for name in values:
+    changes: dict[str, float] = {}
+    for name, value in split_assignments(texts).items():
         if not name.startswith("drive."):
             raise UsageError(f"--set {name}: only the drive's parameters can be set, as drive.NAME")
-    return {name.removeprefix("drive."): float(value) for name, value in values.items()}
+        try:
+            number = _WORDS[value.lower()] if value.lower() in _WORDS else float(value)
+        except ValueError:
+            raise UsageError(
+                f"--set {name}={value}: the value must be a number, true or false, got '{value}'"
+            ) from None
+        changes[name.removeprefix("drive.")] = float(number)
+    return changes

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import cosim
-from stickslip.commands.assignments import add_set_option, parse_assignments
+from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.errors import UsageError
 
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> None:
     step = experiment.step if options.step is None else options.step
     if step is None:
         raise UsageError(f"{file}: the file proposes no step; give --step")
-    for name, value in parse_assignments(options.set).items():
+    for name, value in split_assignments(options.set).items():
         system.set(name, value)
     path = cosim.write_fmu(
         system,

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import cosim
-from stickslip.commands.assignments import add_set_option, parse_assignments
+from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.results import claim_folder
+
+_STEPS = 500  # of an FMU that proposes no step
 
 
 def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
@@ -20,8 +22,13 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser = subparsers.add_parser("simulate", help="run a system of FMUs (.ssp) or one FMU")
     parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
     parser.add_argument("--stop", type=float, metavar="S", help="instead of the file's own")
-    parser.add_argument("--step", type=float, metavar="S", help="communication step, likewise")
-    add_set_option(parser, "start values: component.variable=VALUE")
+    parser.add_argument(
+        "--step",
+        type=float,
+        metavar="S",
+        help="communication step, likewise; 1/500 of the time of an FMU that proposes none",
+    )
+    add_set_option(parser, "start values: component.variable=VALUE, of arrays 'x=1 2 3'")
     parser.add_argument(
         "--input",
         type=Path,
@@ -67,18 +74,25 @@ def run(options: argparse.Namespace) -> None:
     if options.out:
         claim_folder(options.out.parent)
     system, experiment, inputs = _open(options.file, options.variant)
+    for name, value in split_assignments(options.set).items():
+        system.set(_qualified(system, name), value)
+    lone = options.file.suffix == ".fmu"
+    if lone:
+        _expose_inputs(system)
     if options.input:
-        inputs = cosim.read_tables(options.input, options.hold)
+        tables = cosim.read_tables(options.input, options.hold)
+        inputs = {_exposed(system, name): table for name, table in tables.items()}
     experiment = replace(
         experiment,
         stop=experiment.stop if options.stop is None else options.stop,
         step=experiment.step if options.step is None else options.step,
     )
+    if lone and experiment.stop is not None and experiment.step is None:
+        span = experiment.stop - (experiment.start or 0.0)
+        experiment = replace(experiment, step=span / _STEPS)
     if experiment.stop is None or experiment.step is None:
         missing = "stop" if experiment.stop is None else "step"
         raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
-    for name, value in parse_assignments(options.set).items():
-        system.set(_qualified(system, name), value)
     names = options.record and [_qualified(system, name) for name in options.record]
     record = cosim.Record(names, options.every, "last" if options.last else "all")
     with system.prepare(
@@ -120,12 +134,22 @@ def _open(
         raise UsageError(f"{path}: expected a file .ssp or .fmu")
     fmu = cosim.Fmu(path)
     system = cosim.System(path.stem)
-    name = fmu.identifier
-    system.add(name, fmu)
-    for variable in fmu.variables.values():
-        if variable.causality == "input" and variable.is_signal:
-            system.expose(variable.name.replace(".", "_"), f"{name}.{variable.name}")
+    system.add(fmu.identifier, fmu)
     return system, fmu.experiment, {}
+
+
+def _expose_inputs(system: cosim.System) -> None:
+    """Expose the inputs of the only component, those that are arrays by element."""
+    ((name, fmu),) = system.components.items()
+    inputs = (v.name for v in fmu.variables.values() if v.causality == "input")
+    for element in (e for v in inputs for e in system.variable(f"{name}.{v}").elements()):
+        if element.is_signal:
+            system.expose(element.name.replace(".", "_"), f"{name}.{element.name}")
+
+
+def _exposed(system: cosim.System, column: str) -> str:
+    """Return the input that a column feeds: named so, or as the variable, dots and all."""
+    return column if column in system.inputs else column.replace(".", "_")
 
 
 def _qualified(system: cosim.System, name: str) -> str:

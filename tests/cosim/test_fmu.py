@@ -103,13 +103,17 @@ def test_no_description(tmp_path):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a.txt": ""}))
 
 
-@pytest.mark.parametrize(
-    "name", ["../out", "a/../../out", "/etc/out", "C:/out", "a\\out", "tab\tname"]
-)
+@pytest.mark.parametrize("name", ["../out", "a/../../out", "/etc/out", "C:/out", "tab\tname"])
 def test_member_that_would_leave_its_folder(tmp_path, cache, name):
     with pytest.raises(cosim.FmuError, match="would leave the folder"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {name: "x"}))
     assert list((cache / "fmus").iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["binaries\\win32\\a.dll", "..\\out"])
+def test_members_packed_with_backslashes(tmp_path, name):
+    with pytest.raises(cosim.FmuError, match="a backslash in its name, where the standard wants"):
+        cosim.Fmu(pack(tmp_path / "a.fmu", {name: "x"}))
 
 
 def test_members_that_differ_in_case_only(tmp_path):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import zipfile
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -64,3 +67,35 @@ def test_a_variant_is_chosen(stage, tmp_path, capsys):
     simulate(package, "--variant", "loop")
     assert simulate(package, "--variant", "lop") != 0
     assert "no variant 'lop'; did you mean 'loop'" in capsys.readouterr().err
+
+
+def edited(fmu, path, changes):
+    """Return a copy of an FMU with another description."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == "modelDescription.xml":
+                for pattern, text in changes.items():
+                    data, n = re.subn(pattern.encode(), text.encode(), data)
+                    assert n
+            new.writestr(name, data)
+    return path
+
+
+def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, tmp_path):
+    name, path = force
+    changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
+    fmu = edited(stage, tmp_path / "other.fmu", changes)
+    frame = pd.read_parquet(path)
+    frame.rename(columns={name: f"axis.{name}"}).to_parquet(tmp_path / "dots.parquet")
+    simulate(stage, "--input", path, "--out", tmp_path / "plain.csv")
+    assert simulate(fmu, "--input", tmp_path / "dots.parquet", "--out", tmp_path / "dots.csv") == 0
+    plain, dots = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("plain", "dots"))
+    np.testing.assert_array_equal(plain.to_numpy(), dots.to_numpy())
+    assert main(["simulate", str(fmu), "--stop", "0.5", "--out", str(tmp_path / "free.csv")]) == 0
+    assert len(pd.read_csv(tmp_path / "free.csv")) == 501
+
+
+def test_a_tolerance_that_is_none_is_refused(stage, capsys):
+    assert simulate(stage, "--tolerance", "2") != 0
+    assert "tolerance is 2.0, expected a number between 0 and 1" in capsys.readouterr().err

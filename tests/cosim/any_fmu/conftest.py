@@ -37,6 +37,7 @@ class Var:
     dimensions: tuple[str, ...] = ()  # valueReference="0" or start="3"
     derivative: int | None = None  # value reference of the state
     initial: str | None = None
+    clock: str = ""  # attributes of a clock
 
 
 def _feedthrough() -> list[Var]:
@@ -57,6 +58,24 @@ def _feedthrough() -> list[Var]:
         Var("big", 103, "Int64", "parameter", "fixed", "0"),
         Var("told", 105, "Float64", "output", "continuous"),
     ]
+    return variables
+
+
+def _clocked() -> list[Var]:
+    clocks = {
+        "every": 'intervalVariability="constant" intervalDecimal="0.25" shiftDecimal="0.125"',
+        "growing": 'intervalVariability="changing"',
+        "after": 'intervalVariability="countdown"',
+        "by_hand": 'intervalVariability="triggered"',
+        "asked": 'intervalVariability="calculated"',
+    }
+    variables = []
+    for i, (name, attributes) in enumerate(clocks.items()):
+        variables += [
+            Var(name, i, "Clock", "input", "discrete", clock=attributes),
+            Var(f"{name}_ticks", 10 + i, "Int32", "output", "discrete"),
+            Var(f"{name}_at", 15 + i, "Float64", "output", "discrete"),
+        ]
     return variables
 
 
@@ -95,6 +114,7 @@ MODELS = {
         Var("trigger", 3, "Boolean", "input", "discrete", "false"),
         Var("level", 5, "Int32", "output", "discrete"),
     ],
+    "clocked": _clocked(),
 }
 
 
@@ -110,6 +130,7 @@ def _variable(v: Var, version: int, index: dict[int, int]) -> str:
         typed += ' declaredType="Option"'
     if v.derivative is not None:
         typed += f' derivative="{index[v.derivative] if version == 2 else v.derivative}"'
+    typed += f" {v.clock}"
     if version == 2:
         start = ' start=""' if v.type == "String" else ""
         return f"<ScalarVariable {common}><{FMI2_TYPES[v.type]}{typed}{start}/></ScalarVariable>"
@@ -129,7 +150,10 @@ def describe(
     identity = f'modelIdentifier="{model}" {flags}'
     kinds = f"<ModelExchange {identity}/>" if "ME" in interfaces else ""
     if "CS" in interfaces:
-        kinds += f'<CoSimulation {identity}{events} canHandleVariableCommunicationStepSize="true"/>'
+        varies = str("fixed" not in interfaces).lower()
+        kinds += (
+            f'<CoSimulation {identity}{events} canHandleVariableCommunicationStepSize="{varies}"/>'
+        )
     if "SE" in interfaces:
         kinds += f"<ScheduledExecution {identity}/>"
     items = "".join(f'<Item name="{n}" value="{i}"/>' for i, n in enumerate("abc", 1))

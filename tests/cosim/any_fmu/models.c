@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEEDTHROUGH, STATE_SPACE, BALL, OSCILLATOR, STAIR };
+enum { FEEDTHROUGH, STATE_SPACE, BALL, OSCILLATOR, STAIR, CLOCKED };
 enum { N_VALUES = 256, MAX_X = 8 };
 
 typedef union {
@@ -34,6 +34,8 @@ enum { N, A, U = A + 64, Y = U + 8, X0 = Y + 8 };   /* STATE_SPACE */
 enum { H, V, G, E, BOUNCES, HEIGHT };               /* BALL */
 enum { POS, VEL, K, FORCE, GAIN };                  /* OSCILLATOR */
 enum { COUNT, PERIOD, LAST, TRIGGER, SEEN, LEVEL }; /* STAIR */
+/* CLOCKED: clocks, whether they tick, how often they did, the time of the last; 5 each */
+enum { EVERY, GROWING, AFTER, BY_HAND, ASKED, N_CLOCKS, TICKED = 5, TICKS = 10, AT = 15 };
 
 static void start(Model *m) {
     memset(m->v, 0, sizeof m->v);
@@ -137,6 +139,13 @@ static bool due(const Model *m) {
 }
 
 static void update(Model *m) {
+    for (int i = 0; MODEL == CLOCKED && i < N_CLOCKS; i++) {
+        if (m->v[TICKED + i].i) {
+            m->v[TICKED + i].i = 0;
+            m->v[TICKS + i].i++;
+            m->v[AT + i].d = m->t;
+        }
+    }
     if (MODEL == BALL && due(m)) {
         m->x[0] = 1e-300;
         m->x[1] = m->v[BOUNCES].i < 20 ? -m->v[E].d * m->x[1] : 0.0;
@@ -414,6 +423,31 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float6
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return begin(c), fmi3OK; }
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (void)c, fmi3OK; }
+fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                        const fmi3Clock values[]) {
+    for (size_t i = 0; i < n; i++) {
+        ((Model *)c)->v[TICKED + r[i]].i = values[i];
+    }
+    return fmi3OK;
+}
+/* GROWING doubles with every tick. AFTER ticks 0.1 s after the second tick of EVERY, and once more
+ * at the same time. */
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                                  fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]) {
+    const Model *m = c;
+    const bool second = m->v[TICKS + EVERY].i == 2 && m->v[AT + EVERY].d == m->t;
+    const bool repeat = m->v[TICKS + AFTER].i == 1 && m->v[AT + AFTER].d == m->t;
+    for (size_t i = 0; i < n; i++) {
+        qualifiers[i] = fmi3IntervalChanged;
+        if (r[i] == AFTER) {
+            qualifiers[i] = second || repeat ? fmi3IntervalChanged : fmi3IntervalNotYetKnown;
+            intervals[i] = repeat ? 0.0 : 0.1;
+        } else {
+            intervals[i] = r[i] == ASKED ? 0.4 : 0.1 * (double)(1 << m->v[TICKS + GROWING].i);
+        }
+    }
+    return fmi3OK;
+}
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return (void)c, fmi3OK; }
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return (void)c, fmi3OK; }
 fmi3Status fmi3Terminate(fmi3Instance c) { return (void)c, fmi3OK; }

@@ -49,6 +49,16 @@ def test_elements_that_are_not_fed_keep_their_start_values(export):
     np.testing.assert_array_equal(fed["a.y"], constant["a.y"])
 
 
+def test_exposed_elements_start_as_the_array_was_set(export):
+    system = system_of(export, {"u": [1.0, 2.0, 3.0]})
+    constant = system.prepare(step=0.1, stop=1.0).run()
+    for i in (1, 2, 3):
+        system.expose(f"u{i}", f"a.u[{i}]")
+    np.testing.assert_array_equal(system.prepare(step=0.1, stop=1.0).run()["a.y"], constant["a.y"])
+    system.set("a.u[2]", 5.0)
+    assert system.prepare(step=0.1, stop=1.0).run()["u2"][0] == 5.0
+
+
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_structural_parameters_set_the_dimensions(export, n):
     system = system_of(export, {"n": n, "A": -np.eye(n), "x0": np.arange(1.0, n + 1)})

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import fmpy
 import numpy as np
 import pytest
 
 import cosim
+from cosim import facade
 
 G = 9.81
 FINE = 1e-8
@@ -163,3 +165,23 @@ def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
     assert whole.stopped == looked.stopped
     np.testing.assert_array_equal(looked.time, whole.time)
     np.testing.assert_array_equal(looked.values, whole.values)
+
+
+def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):
+    facade._cvode_table.cache_clear()
+    monkeypatch.setitem(sys.modules, "fmpy.sundials", None)  # as on aarch64-linux
+    with pytest.raises(
+        cosim.FmuError, match=r"needs the solver CVode.*its Co-Simulation interface"
+    ):
+        one(export("oscillator", version)).prepare(step=0.1, stop=1.0)
+
+
+def test_an_fmu_that_ends_the_run_shows_what_it_left(export, version):
+    path = export("stair", version, "ME")
+    ended = one(path, {"last": 3}).prepare(step=0.1, stop=1.0).run()
+    theirs = fmpy.simulate_fmu(
+        str(path), fmi_type="ModelExchange", stop_time=1.0, output_interval=0.1,
+        start_values={"last": 3}, output=["count"],
+    )  # fmt: skip
+    assert ended.time[-1] == pytest.approx(theirs["time"][-1]) == 0.75
+    assert (ended["a.count"][-1], theirs["count"][-1]) == (3, 2)  # FMPy: before the update

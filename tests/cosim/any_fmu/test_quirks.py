@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 import pickle
+import threading
 
 import pytest
 
 import cosim
+from cosim import once
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -57,6 +59,26 @@ def test_one_instance_per_process(export):
     system.add("b", path)
     with pytest.raises(cosim.SimulationError, match="only once per process"):
         system.prepare(step=0.1, stop=0.2)
+
+
+def test_a_simulation_collected_while_another_gives_up_does_not_wait_for_itself(
+    export, monkeypatch
+):
+    system = cosim.System()
+    system.add("a", export("stair", 2, "CS", 'canBeInstantiatedOnlyOncePerProcess="true"'))
+    forgotten = [system.prepare(step=0.1, stop=0.2)]
+    present = once._present
+
+    def collecting():
+        forgotten.clear()  # as a garbage collection may do at any time
+        return present()
+
+    monkeypatch.setattr(once, "_present", collecting)
+    thread = threading.Thread(target=once.give_up, args=(object(),), daemon=True)
+    thread.start()
+    thread.join(10)
+    assert not thread.is_alive()
+    system.prepare(step=0.1, stop=0.2).close()
 
 
 def test_an_fmu_that_needs_its_tool_says_so(export, caplog):

@@ -117,6 +117,23 @@ def test_start_values_of_every_type_arrive_to_the_bit(export):
 
 
 @pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("Int32_in", "3.0", 3),
+        ("big", str(2**62 + 5), 2**62 + 5),
+        ("Boolean_in", "on", True),
+        ("s", "1.5", "1.5"),
+        ("bytes", "00ff", b"\x00\xff"),
+    ],
+)
+def test_text_is_read_as_the_type_of_the_variable(export, name, text, value):
+    system = cosim.System()
+    system.add("a", export("feedthrough", 3))
+    system.set(f"a.{name}", text)
+    assert system.parameters[f"a.{name}"] == value
+
+
+@pytest.mark.parametrize(
     ("name", "value"),
     [("UInt8_in", 256), ("Int8_in", -129), ("Int64_in", 2**63), ("Int32_in", 0.5), ("bytes", 3)],
 )

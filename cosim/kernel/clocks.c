@@ -1,0 +1,73 @@
+/* Input clocks that tick by time (FMI 3.0), in the event mode of the FMU. */
+#include "facade.h"
+
+static fmi2Status ask(Facade *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
+    AnyCall *call = f->call[GET_INTERVAL];
+    *qualifier = fmi3IntervalNotYetKnown;
+    return noted(f, GET_INTERVAL,
+                 (int)((fmi3GetIntervalDecimalTYPE *)call)(f->instance, &clock->reference, 1,
+                                                           &clock->interval, qualifier));
+}
+
+static void schedule(Facade *f) {
+    f->next_tick = INFINITY;
+    for (size_t i = 0; i < f->n_clocks; i++) {
+        f->next_tick = fmin(f->next_tick, f->clocks[i].next);
+    }
+}
+
+fmi2Status begin_clocks(Facade *f) {
+    for (size_t i = 0; i < f->n_clocks; i++) {
+        Clock *clock = &f->clocks[i];
+        fmi3IntervalQualifier qualifier;
+        clock->ticks = 0;
+        clock->begin = f->start + clock->shift;
+        clock->next = clock->asked == AT_EVENTS ? INFINITY : clock->begin;
+        if (clock->asked == ONCE || clock->asked == AT_TICKS) {
+            TRY_STATUS(ask(f, clock, &qualifier));
+        }
+    }
+    schedule(f);
+    return fmi2OK;
+}
+
+/* Before the discrete states are updated. */
+fmi2Status tick_clocks(Facade *f) {
+    AnyCall *call = f->call[SET_CLOCK];
+    const bool tick = true;
+    for (size_t i = 0; i < f->n_clocks; i++) {
+        Clock *clock = &f->clocks[i];
+        if (is_due(clock->next, f->time)) {
+            TRY_STATUS(
+                noted(f, SET_CLOCK,
+                      (int)((fmi3SetClockTYPE *)call)(f->instance, &clock->reference, 1, &tick)));
+        }
+    }
+    return fmi2OK;
+}
+
+/* When will those that ticked tick again? Begin and number of ticks give the time of periodic
+ * clocks, so that no rounding adds up. */
+fmi2Status after_ticks(Facade *f) {
+    for (size_t i = 0; i < f->n_clocks; i++) {
+        Clock *clock = &f->clocks[i];
+        fmi3IntervalQualifier qualifier = fmi3IntervalUnchanged;
+        const bool ticked = is_due(clock->next, f->time);
+        if (clock->asked == AT_EVENTS || (ticked && clock->asked == AT_TICKS)) {
+            TRY_STATUS(ask(f, clock, &qualifier));
+        }
+        if (clock->asked == AT_EVENTS) {
+            clock->next = ticked ? INFINITY : clock->next;
+            clock->next =
+                qualifier == fmi3IntervalChanged ? f->time + clock->interval : clock->next;
+        } else if (ticked && qualifier == fmi3IntervalChanged) {
+            clock->begin = f->time;
+            clock->ticks = 1;
+            clock->next = clock->begin + clock->interval;
+        } else if (ticked) {
+            clock->next = clock->begin + (double)++clock->ticks * clock->interval;
+        }
+    }
+    schedule(f);
+    return fmi2OK;
+}

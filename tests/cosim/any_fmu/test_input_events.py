@@ -1,0 +1,146 @@
+"""Exposed inputs that jump, at the points in time of a run and between them, against FMPy."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+
+import cosim
+
+STEP, STOP = 0.1, 2.0
+KINDS = {"force": "f8", "trigger": "?"}
+OUTPUTS = {"oscillator": ["position", "gain"], "stair": ["count", "level"]}
+# Repeated times are jumps of force; trigger jumps wherever its value does. 0.7 lies at a point.
+TIME = np.array([0.0, 0.33, 0.33, 0.334, 0.7, 0.7, 1.0, 1.25, 1.25, 2.0])
+FORCE = np.array([0.0, 1.0, -1.0, 0.5, 0.5, 2.0, 2.0, 0.0, 1.0, 1.0])
+TRIGGER = np.array([0, 0, 1, 1, 1, 0, 0, 1, 1, 0])
+
+
+def both(path, name, time, values, kind="CoSimulation", **prepared):
+    model = path.stem
+    system = cosim.System()
+    system.add("a", path)
+    system.expose("u", f"a.{name}")
+    table = np.array(
+        list(zip(time, values, strict=True)), dtype=[("time", "f8"), (name, KINDS[name])]
+    )
+    theirs = fmpy.simulate_fmu(
+        str(path), fmi_type=kind, stop_time=STOP, output_interval=STEP, input=table,
+        output=OUTPUTS[model], record_events=False, relative_tolerance=prepared.get("tolerance"),
+    )  # fmt: skip
+    with system.prepare(step=STEP, stop=STOP, **prepared) as simulation:
+        ours = simulation.run(inputs={"u": cosim.Table(time, values)})
+    regular = [np.argmin(abs(theirs["time"] - t)) for t in ours.time]
+    return [(ours[f"a.{output}"], theirs[output][regular]) for output in OUTPUTS[model]]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("interfaces", ["CS", "CS fixed"])  # the latter cannot stop in between
+@pytest.mark.parametrize(
+    ("model", "name", "values"), [("oscillator", "force", FORCE), ("stair", "trigger", TRIGGER)]
+)
+def test_co_simulation_stops_at_jumps_as_in_fmpy(export, version, interfaces, model, name, values):
+    for ours, theirs in both(export(model, version, interfaces), name, TIME, values):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_any_table_gives_the_bits_of_fmpy(export, seed):
+    rng = np.random.default_rng(seed)
+    time = np.sort(np.concatenate([rng.uniform(-0.1, 2.2, 30), STEP * rng.integers(0, 20, 10)]))
+    time = np.sort(np.concatenate([time, rng.choice(time, 15)]))
+    path = export("oscillator", 2, "CS")
+    for ours, theirs in both(path, "force", time, rng.normal(size=len(time)), compiled=seed == 0):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_a_jump_a_rounding_error_beside_a_point_lies_at_it():
+    for n in range(1, 2000):
+        jump = cosim.Table([0.0, n / 1000, n / 1000, 2.0], [0, 0, 1, 1])
+        assert jump.sample(np.array([n * 0.001])) == 1
+
+
+def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(export):
+    system = cosim.System()
+    system.add("a", export("stair", 2, "CS"))
+    system.expose("u", "a.trigger")
+    jump = {"u": cosim.Table([0.0, 0.33], [0, 1])}
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        assert simulation.run(inputs=jump)["a.level"][4] == 10
+        waits = cosim.Scenario().add_noise("u", 0.0, seed=0)
+        np.testing.assert_array_equal(
+            simulation.run(inputs=jump, scenario=waits)["a.level"][4:6], [0, 10]
+        )
+    with system.prepare(step=STEP, stop=STOP, constant_step=True) as simulation:
+        np.testing.assert_array_equal(simulation.run(inputs=jump)["a.level"][4:6], [0, 10])
+
+
+def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
+    system = cosim.System()
+    system.add("a", export("oscillator", 2, "CS"))
+    system.expose("u", "a.force")
+    table = {"u": cosim.Table(TIME, FORCE)}
+    with system.prepare(step=STEP, stop=STOP, record=["a.position"]) as simulation:
+        free = simulation.run()
+        whole = simulation.run(inputs=table)
+        looked = simulation.run(inputs=table, progress=lambda _: None)
+        half = simulation.run(inputs=table, until=1.0)
+        np.testing.assert_array_equal(simulation.run().values, free.values)
+    np.testing.assert_array_equal(looked.values, whole.values)
+    np.testing.assert_array_equal(half.values, whole.values[:11])
+
+
+@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+def test_coupled_components_stop_together(export, coupling):
+    system = cosim.System()
+    system.add("a", export("oscillator", 2, "CS"))
+    system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
+    system.connect("a.gain", "b.force")
+    system.expose("u", "a.force")
+    jump = {"u": cosim.Table([0.0, 0.3125, 0.3125], [0, 0, 1])}
+    coarse = system.prepare(step=0.25, stop=1.0, coupling=coupling).run(inputs=jump)
+    fine = system.prepare(step=0.0625, stop=1.0, coupling=coupling).run(inputs=jump)
+    np.testing.assert_array_equal(coarse["a.position"], fine["a.position"][::4])
+    assert coarse["b.position"][2] == (fine["b.position"][8] if coupling == "gauss_seidel" else 0)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_model_exchange_has_the_events_of_fmpy_at_jumps(export, version):
+    stair = export("stair", version, "ME")
+    for ours, theirs in both(stair, "trigger", TIME, TRIGGER, "ModelExchange"):
+        np.testing.assert_array_equal(ours, theirs)
+    flat = np.repeat([0.0, 1.0, -1.0, 2.0], [2, 2, 4, 2])  # FMPy holds it between two points
+    time = np.array([0.0, 0.33, 0.33, 0.7, 0.7, 0.9, 1.0, 1.25, 1.25, 2.0])
+    (ours, theirs), (gain, gain_of_fmpy) = both(
+        export("oscillator", version, "ME"), "force", time, flat, "ModelExchange", tolerance=1e-8
+    )
+    np.testing.assert_allclose(ours, theirs, atol=1e-6)
+    np.testing.assert_array_equal(gain, gain_of_fmpy)
+
+
+def response(t, kind):
+    """Return the solution of x'' + 4 x = F with x = 1, x' = 0 at 0: F is 1, or t, from t = 0 on."""
+    t = np.maximum(t, 0)
+    return (1 - np.cos(2 * t)) / 4 if kind == "step" else (t - np.sin(2 * t) / 2) / 4
+
+
+@pytest.mark.parametrize("begin", [0.33, 0.7])  # between two points, at one
+@pytest.mark.parametrize(
+    ("table", "kind"),
+    [
+        (lambda begin: cosim.Table([0.0, begin, begin], [0, 0, 1]), "step"),
+        (lambda begin: cosim.Table([0.0, begin], [0, 1], held=True), "step"),
+        (lambda begin: cosim.Table([0.0, begin, begin + 9], [0, 0, 9]), "ramp"),
+    ],
+)
+def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, kind):
+    system = cosim.System()
+    system.add("a", export("oscillator", 3, "ME"))
+    system.expose("u", "a.force")
+    with system.prepare(step=STEP, stop=STOP, tolerance=1e-9) as simulation:
+        result = simulation.run(inputs={"u": table(begin)})
+        exact = np.cos(2 * result.time) + response(result.time - begin, kind)
+        np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
+        untouched = simulation.run(inputs={"u": 0.0})["a.position"]
+    np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
