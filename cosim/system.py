@@ -6,12 +6,13 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from cosim.connections import check_end, check_feed, pairs, transform
 from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
 from cosim.record import Record
-from cosim.scaling import PLAIN, Link, Transform, ValueMap
+from cosim.scaling import PLAIN, Link, Transform
 from cosim.simulation import Simulation
 from cosim.specification import Specification
 from cosim.units import Unit
@@ -100,9 +101,10 @@ class System:
             When an end does not exist, has the wrong causality or type, measures something else
             than the other end, or is fed already.
         """
-        for one, other in self._pairs(source, target):
-            self._check_end(one, "output", f"cannot connect {one} to {other}")
-            self._check_feed(one, one, self.unit_of(one), other, link)
+        for one, other in pairs(self, source, target):
+            check_end(self, one, "output", f"cannot connect {one} to {other}")
+            check_feed(self, one, one, self.unit_of(one), other, link)
+            self._set_link(other, link)
             self.connections[other] = one
 
     def expose(
@@ -134,10 +136,11 @@ class System:
             )
         if len(set(targets)) < len(targets):
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
-        self._check_end(targets[0], "input", f"cannot connect {name} to {targets[0]}")
+        check_end(self, targets[0], "input", f"cannot connect {name} to {targets[0]}")
         for target in targets:
             link = (links or {}).get(target, PLAIN)
-            self._check_feed(name, targets[0], unit or self.unit_of(targets[0]), target, link)
+            check_feed(self, name, targets[0], unit or self.unit_of(targets[0]), target, link)
+            self._set_link(target, link)
         self.inputs[name] = targets
         if unit:
             self.input_units[name] = unit
@@ -154,7 +157,7 @@ class System:
             raise ConnectionFault(
                 f"cannot expose {name!r}: it needs a name that is not taken, without a dot"
             )
-        self._check_end(source, "output", f"cannot expose {source} as {name}")
+        check_end(self, source, "output", f"cannot expose {source} as {name}")
         self.outputs[name] = source
 
     def set(self, name: str, value: object) -> None:
@@ -218,7 +221,7 @@ class System:
     def scaling(self, source: str, target: str) -> Transform:
         """Return what is done to a number on its way from what feeds an input into it."""
         link = self.links.get(target, PLAIN)
-        return self._scaling(source, self.unit_of(source), target, link)
+        return transform(self, source, self.unit_of(source), target, link)
 
     def sources(self) -> dict[str, str]:
         """Return what feeds each input that is fed: a component's output or an exposed input."""
@@ -290,78 +293,6 @@ class System:
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]
 
-    def _pairs(self, source: str, target: str) -> list[tuple[str, str]]:
-        """Return the connections element by element where both ends are arrays of one shape."""
-        try:
-            ends = [self.variable(name) for name in (source, target)]
-        except ConnectionFault as fault:
-            raise ConnectionFault(f"cannot connect {source} to {target}: {fault}") from None
-        if not ends[0].dimensions or not ends[1].dimensions:
-            return [(source, target)]
-        if ends[0].dimensions != ends[1].dimensions:
-            raise ConnectionFault(
-                f"cannot connect {source} to {target}: their dimensions are"
-                f" {ends[0].dimensions} and {ends[1].dimensions}"
-            )
-        names = (
-            [f"{component_of(name)}.{element.name}" for element in end.elements()]
-            for name, end in zip((source, target), ends, strict=True)
-        )
-        return list(zip(*names, strict=True))
-
-    def _check_end(self, name: str, causality: str, purpose: str) -> None:
-        try:
-            variable = self.variable(name)
-        except ConnectionFault as fault:
-            raise ConnectionFault(f"{purpose}: {fault}") from None
-        if variable.causality != causality or not variable.is_signal:
-            shape = "array" if variable.dimensions else variable.causality
-            hint = f"; name its elements: {name}[...]" if variable.dimensions else ""
-            raise ConnectionFault(
-                f"{purpose}: {name} is a {variable.type} {shape},"
-                f" expected an {causality} that is a number or Boolean{hint}"
-            )
-
-    def _scaling(self, source: str, unit: Unit | None, target: str, link: Link) -> Transform:
-        wanted = self.unit_of(target)
-        if isinstance(link.scaling, ValueMap) or not (unit and wanted and link.convert):
-            return link.scaling
-        converted = unit.to(wanted)
-        if converted is None:
-            raise ConnectionFault(
-                f"cannot connect {source} to {target}: {source} is in {unit.name!r}, {target} in"
-                f" {wanted.name!r}; one cannot be converted to the other"
-            )
-        return converted.then(link.scaling)
-
-    def _check_kinds(self, like: str, target: str, link: Link, purpose: str) -> None:
-        start, end = self.variable(like), self.variable(target)
-        if isinstance(link.scaling, ValueMap):
-            if not (start.is_mapped and end.is_mapped):
-                raise ConnectionFault(
-                    f"{purpose}: {like} is a {start.kind}, {target} a {end.kind}; values are mapped"
-                    " between integers, Booleans and enumerations"
-                )
-            for _, value in link.scaling.pairs:
-                try:
-                    end.checked(value, target)
-                except ParameterError as fault:
-                    raise ConnectionFault(f"{purpose}: {fault}") from None
-        elif start.kind != end.kind:
-            raise ConnectionFault(
-                f"{purpose}: {like} is a {start.kind}, {target} a {end.kind}; only equal types"
-                " connect, others with pairs of values (ValueMap)"
-            )
-
-    def _check_feed(
-        self, source: str, like: str, unit: Unit | None, target: str, link: Link
-    ) -> None:
-        """Check that ``target`` can be fed by ``source``, which is a variable like ``like``."""
-        purpose = f"cannot connect {source} to {target}"
-        self._check_end(target, "input", purpose)
-        self._check_kinds(like, target, link, purpose)
-        self._scaling(source, unit, target, link)
-        if feeder := self.sources().get(target):
-            raise ConnectionFault(f"{purpose}: {target} is fed by {feeder} already")
+    def _set_link(self, target: str, link: Link) -> None:
         if link != PLAIN:
             self.links[target] = link
