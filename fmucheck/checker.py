@@ -54,6 +54,7 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
             blocked = report.rules & _BLOCKING
             runs = findings_of_runs(fmu, blocked, timeout) if run else ()
             report.findings += runs
+    report.findings = list(dict.fromkeys(report.findings))  # both interfaces may say the same
     report.findings.sort(key=lambda finding: -finding.severity)
     return report
 

@@ -29,7 +29,7 @@ class Ending:
     during : interface and rule that was being tried
     status : exit status, minus the signal where one ended it; ``None`` when it was ended from here
     text : what was printed, the beginning of it; or what failed, or why it was not run
-    reason : crash, exit, hang, flood, printed, failed or unable
+    reason : crash, exit, hang, flood, printed, failed, puzzled or unable
     """
 
     interface: str
@@ -99,6 +99,13 @@ def prints(ending: Ending) -> Claims:
     """The binary writes to standard output or error, where nobody may be reading."""
     if ending.reason == "printed":
         yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
+
+
+@rule(Severity.WARNING, fmi2="", fmi3="", advice="report it with the FMU: a mistake of the judge")
+def rule_not_tried(ending: Ending) -> Claims:
+    """A rule could not be tried, because the judge did not foresee what happened."""
+    if ending.reason == "puzzled":
+        yield ending.place, ending.text.strip().splitlines()[-1]
 
 
 @rule(Severity.NOTE, fmi2="", fmi3="", advice="mend the errors, or check it where it has a binary")

@@ -115,7 +115,7 @@ _FMI3 = [
     ("undefined-display-unit", "of an alias", 'displayUnit="mm"/>', 'displayUnit="in"/>'),
     ("inverse-with-offset", "both", 'factor="1000"', 'factor="1000" offset="1" inverse="true"'),
     ("duplicate-type", "named as a variable", 'EnumerationType name="Option"', 'EnumerationType name="u"'),
-    ("duplicate-name", "of an alias", 'Alias name="position"', 'Alias name="x"'),
+    ("duplicate-name", "of an alias", 'Alias name="position"', 'Alias name="y"'),
     ("duplicate-reference", "two variables", 'valueReference="7"', 'valueReference="6"'),
     ("missing-start", "of an input", '"m/s" start="0"', '"m/s"'),
     ("missing-start", "of a parameter", 'max="10" start="2"', 'max="10"'),

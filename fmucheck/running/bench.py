@@ -12,8 +12,7 @@ from typing import Any
 
 from fmucheck.description.experiment import experiment_number
 from fmucheck.description.model import Description, Interface, Variable
-from fmucheck.description.units import items_of
-from fmucheck.description.values import FLOATS, RANGES, is_number, number
+from fmucheck.description.values import is_number, number
 from fmucheck.running.callbacks import Callbacks, Message
 from fmucheck.running.calls import FATAL, Binary, CallFailed
 from fmucheck.running.fmi2 import Instance2
@@ -183,52 +182,6 @@ class Bench:
             and not v.dimensions
             and v.start_numbers
         ]
-
-    def start(self, v: Variable) -> tuple[Any, ...] | None:
-        """Return a variable's start values in its own type, ``None`` when it has none."""
-        if v.start is None:
-            return None
-        if v.kind == "String":
-            return tuple(text.encode() for text in v.start)
-        if v.kind == "Binary":
-            return tuple(bytes.fromhex(text) for text in v.start)
-        if v.kind == "Boolean":
-            return tuple(text.strip() in ("true", "1") for text in v.start)
-        return tuple(number(text, v.kind) for text in v.start)
-
-    def other(self, v: Variable, factor: float = 0.1) -> tuple[Any, ...] | None:
-        """Return start values moved within the variable's range, ``None`` if they cannot be."""
-        starts = self.start(v)
-        if starts is None or v.kind in ("String", "Binary") or None in starts:
-            return None
-        return tuple(self.moved(v, start, factor) for start in starts)
-
-    def moved(self, v: Variable, value: Any, factor: float) -> Any:
-        """Return a value moved by ``factor`` of the variable's size, kept within its range."""
-        if v.kind == "Boolean":
-            return not value if factor > 0 else value
-        low, high = v.number("min"), v.number("max")
-        if v.kind == "Enumeration":
-            items = sorted(items_of(v)) or [value]
-            return items[(items.index(value) + 1) % len(items)] if value in items else value
-        if v.kind in RANGES:
-            least, most = RANGES[v.kind]
-            low, high = max(least, low or least), min(most, most if high is None else high)
-            there = value + (1 if factor > 0 else -1)
-        else:
-            there = value + factor * self.scale(v, value)
-        if low is not None and there < low:
-            return (value + low) / 2 if v.kind in FLOATS else low
-        if high is not None and there > high:
-            return (value + high) / 2 if v.kind in FLOATS else high
-        return there
-
-    def scale(self, v: Variable, value: float) -> float:
-        """Return the usual size of a variable."""
-        nominal = v.number("nominal")
-        if nominal and math.isfinite(nominal):
-            return abs(nominal)
-        return abs(value) if value and math.isfinite(value) else 1.0
 
     # Times
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import pickle
 import sys
+import traceback
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -66,22 +67,25 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
             applies = applies and rule.id in LOADING
         if applies and (kind, rule.id) not in job.tried:
             _tell(report, begin=[kind, rule.id])
-            claims, failed = _claims(bench, rule)
-            _tell(report, claims=claims, failed=failed, results=bench.results)
+            claims, failed, puzzled = _claims(bench, rule)
+            told = {"claims": claims, "failed": failed, "puzzled": puzzled}
+            _tell(report, **told, results=bench.results)
             if rule.id in GATES and (claims or failed):
                 return
 
 
-def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> tuple[list[tuple[str, str]], str]:
-    """Return what a rule finds, and which call failed on the way."""
+def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> tuple[list[tuple[str, str]], str, str]:
+    """Return what a rule finds, which call failed on the way, and what we did not foresee."""
     claims: list[tuple[str, str]] = []
-    failed = ""
+    failed = puzzled = ""
     try:
         claims += rule.check(bench)
     except CallFailed as fault:
         failed = str(fault)
+    except Exception:  # noqa: BLE001 (a mistake of ours must not be blamed on the FMU)
+        puzzled = traceback.format_exc()
     bench.close()
-    return claims, failed
+    return claims, failed, puzzled
 
 
 def _tell(report: IO[str], **what: object) -> None:

@@ -7,17 +7,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fmucheck.description.model import Unknown, Variable
-from fmucheck.description.values import listed
+from fmucheck.description.values import FLOATS, listed
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
 from fmucheck.running.bench import Bench
 from fmucheck.running.calls import CallFailed
 from fmucheck.running.exchange import new_run
-from fmucheck.running.run import Run
+from fmucheck.running.instance import Values
+from fmucheck.running.run import STEPS, Run
 from fmucheck.running.sensitivity import put
+from fmucheck.running.variation import moved, other
 
 _MOST = 100  # knowns moved
 _STEPS = (1, 4)
+_LATER = "later"
 
 
 @dataclass(frozen=True)
@@ -29,21 +32,21 @@ class Seen:
     mode: str
 
 
-def _probe(bench: Bench, run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Seen:
+def _probe(run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Seen:
     """Move a known both ways and see which unknowns move."""
     before = run.instance.get(unknowns)
     middle = run.instance.get([known])[0]
-    moved: set[int] = set()
+    moving: set[int] = set()
     for factor in (0.1, -0.1, 0.37):
-        there = tuple(bench.moved(known, x, factor) for x in middle)
+        there = tuple(moved(known, x, factor) for x in middle)
         if known.causality == "input" or mode == "initialisation":
             run.instance.set(known, there)
         else:
             put(run, known, there[0])
         after = run.instance.get(unknowns)
         pairs = zip(unknowns, before, after, strict=True)
-        moved |= {v.index for v, a, b in pairs if repr(a) != repr(b) and v is not known}
-    return Seen(known, frozenset(moved), mode)
+        moving |= {v.index for v, a, b in pairs if repr(a) != repr(b) and v is not known}
+    return Seen(known, frozenset(moving), mode)
 
 
 def _unknowns(bench: Bench, groups: tuple[str, ...]) -> list[Unknown]:
@@ -70,12 +73,13 @@ def _initial(bench: Bench) -> Iterator[Seen]:
         instance = bench.new()
         try:
             instance.enter_initialisation(bench.start_time)
-            for v in bench.inputs if shift else ():  # what is multiplied by 0 shows nothing
-                if values := bench.other(v, 0.3):
+            for v in [*bench.inputs, *knowns] if shift else ():  # by 0 nothing shows
+                moves = v.kind in FLOATS and v.causality != "parameter"
+                if moves and (values := other(v, 0.3)):
                     instance.set(v, values)
             run = new_run(bench, instance)
             if repr(instance.get(unknowns)) == repr(instance.get(unknowns)):
-                yield _probe(bench, run, known, unknowns, "initialisation")
+                yield _probe(run, known, unknowns, "initialisation")
         except CallFailed:
             continue  # it may refuse a value
         bench.free(instance)
@@ -93,17 +97,51 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
                 run.begin()
                 run.go(steps)
                 if not run.ended:
-                    yield _probe(bench, run, known, unknowns, "stepping")
+                    yield _probe(run, known, unknowns, "stepping")
             except CallFailed:
                 continue
             bench.free(run.instance)
+
+
+def _after_steps(bench: Bench) -> Iterator[Seen]:
+    """Yield what is seen in the steps of Co-Simulation after a known was moved.
+
+    No dependency in the sense of the standard, but reason enough for one to be declared.
+    """
+    outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
+    for known in bench.inputs[:_MOST] if outputs and not bench.is_exchange else ():
+        try:
+            rows = [_rows(bench, outputs, shifted) for shifted in (None, known)]
+        except CallFailed:
+            continue
+        pairs = [
+            pair for a, b in zip(*rows, strict=False) for pair in zip(outputs, a, b, strict=True)
+        ]
+        moving = frozenset(v.index for v, a, b in pairs if repr(a) != repr(b))
+        yield Seen(known, moving, _LATER)
+
+
+def _rows(bench: Bench, outputs: list[Variable], shifted: Variable | None) -> list[list[Values]]:
+    """Return outputs after each of a few steps, one input moved further or none."""
+    run = new_run(bench, watching=False)
+    run.begin()
+    rows = []
+    while run.count < STEPS and not run.ended:
+        run.move_inputs()
+        if shifted and (values := other(shifted, 0.5)):
+            run.instance.set(shifted, values)
+        run.advance()
+        run.count += 1
+        rows.append(run.instance.get(outputs))
+    bench.free(run.instance)
+    return rows
 
 
 def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
     """Return for each mode and unknown the indices of the knowns it moves with."""
     if bench.seen is None:
         bench.seen = {}
-        for seen in [*_initial(bench), *_stepping(bench)]:
+        for seen in [*_initial(bench), *_stepping(bench), *_after_steps(bench)]:
             bench.seen.setdefault((seen.mode, -1), set()).add(seen.known.index)
             for index in seen.moved:
                 bench.seen.setdefault((seen.mode, index), set()).add(seen.known.index)
@@ -138,6 +176,10 @@ def undeclared_dependency(bench: Bench) -> Claims:
 def dependency_never_seen(bench: Bench) -> Claims:
     """A variable never moves with a known that its dependencies list."""
     names = {v.index: v.name for v in bench.description.variables}
+    seen = _seen(bench)
     for unknown, declared, found, tried in _declared(bench):
+        found = found | {unknown.variable.index} if unknown.variable else found
+        if unknown.group == "Output":
+            found |= seen.get((_LATER, unknown.variable.index if unknown.variable else 0), set())
         if idle := [names[index] for index in sorted((declared & tried) - found)]:
             yield unknown.place, f"does not move with {listed(idle)}"

@@ -12,6 +12,7 @@ from fmucheck.running.bench import Bench
 from fmucheck.running.calls import CallFailed
 from fmucheck.running.instance import Event, Instance, Values
 from fmucheck.running.run import STEPS, Run
+from fmucheck.running.variation import other
 
 
 class ExchangeRun(Run):
@@ -135,7 +136,7 @@ def finished(
 def changes(bench: Bench) -> list[tuple[Variable, Values]]:
     """Return other values of parameters with which a run works, none if none do."""
     if bench.changes is None:
-        bench.changes = [(v, x) for v in bench.parameters[:100] if (x := bench.other(v))]
+        bench.changes = [(v, x) for v in bench.parameters[:100] if (x := other(v))]
         run = new_run(bench, phase=1.0)
         try:
             run.begin(bench.changes)

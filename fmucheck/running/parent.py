@@ -93,11 +93,11 @@ def _tried(
         child = _Child(job, fmu.folder)
         ending = child.watch(timeout)
         results |= child.results
-        for (interface, rule), claims in child.claims.items():
+        for (_, rule), claims in child.claims.items():
             for claim in claims:
                 yield fmucheck.rules.RULES[rule].finding(claim, fmu.description.version)
-            if text := child.failed.get((interface, rule)):
-                yield from _ended(Ending(interface, rule, "failed", text=text), fmu)
+        for (interface, rule, reason), text in child.failed.items():
+            yield from _ended(Ending(interface, rule, reason, text=text), fmu)
         if ending is None:
             if child.text.strip() and not printed:
                 yield from _ended(Ending("standard output", "", "printed", text=child.text), fmu)
@@ -118,7 +118,7 @@ class _Child:
     job: Job
     folder: Path
     claims: dict[tuple[str, str], list[tuple[str, str]]] = field(default_factory=dict)
-    failed: dict[tuple[str, str], str] = field(default_factory=dict)
+    failed: dict[tuple[str, str, str], str] = field(default_factory=dict)
     results: dict[str, dict[str, str]] = field(default_factory=dict)
     text: str = ""
 
@@ -184,7 +184,9 @@ class _Child:
             elif "claims" in told:
                 claims = [(place, message) for place, message in told["claims"]]
                 self.claims[interface, during] = claims
-                self.failed[interface, during] = told["failed"]
+                for reason in ("failed", "puzzled"):
+                    if told[reason]:
+                        self.failed[interface, during, reason] = told[reason]
                 self.results[interface] = told["results"]
             done = done or "end" in told
         return interface, during, done

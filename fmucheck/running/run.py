@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from fmucheck.description.model import Variable
 from fmucheck.running.bench import Bench
 from fmucheck.running.instance import Instance, Values
+from fmucheck.running.variation import other
 
 STEPS = 12
 
@@ -77,7 +78,7 @@ class Run:
             return
         for place, v in enumerate(self.bench.inputs):
             factor = 0.1 * math.sin(0.7 * self.count + place + self.phase)
-            if (values := self.bench.other(v, factor)) and self.may_set(v):
+            if (values := other(v, factor)) and self.may_set(v):
                 self.instance.set(v, values)
 
     def may_set(self, _: Variable) -> bool:

@@ -14,6 +14,7 @@ from fmucheck.running.calls import references, status_name
 from fmucheck.running.exchange import new_run
 from fmucheck.running.instance import Instance
 from fmucheck.running.run import Run
+from fmucheck.running.variation import scale
 
 _MOST = 40  # knowns and unknowns compared
 _PLACES = (0, 5)  # steps after which it is compared
@@ -71,9 +72,9 @@ def put(run: Run, v: Variable, value: float) -> None:
 def _slope(run: Run, unknown: Variable, known: Variable) -> Slope | None:
     """Return the central difference, ``None`` where it is not smooth or cannot be taken."""
     middle = float(run.instance.get([known])[0][0])
-    scale = run.bench.scale(known, middle)
+    usual = scale(known, middle)
     found = []
-    for step in (1e-4 * scale, 5e-5 * scale):
+    for step in (1e-4 * usual, 5e-5 * usual):
         ends = []
         for there in (middle + step, middle - step):
             put(run, known, there)

@@ -15,6 +15,7 @@ from fmucheck.running.calls import CallFailed
 from fmucheck.running.exchange import finished, new_run
 from fmucheck.running.instance import Values
 from fmucheck.running.run import STEPS, Run
+from fmucheck.running.variation import other, scale, start_of
 
 
 def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
@@ -48,7 +49,7 @@ def leaves_its_range(bench: Bench) -> Claims:
             low, high = v.number("min"), v.number("max")
             if v.index in told or not is_number(v.kind) or v.causality == "input":
                 continue
-            slack = 1e-9 * bench.scale(v, max(abs(low or 0), abs(high or 0)))
+            slack = 1e-9 * scale(v, max(abs(low or 0), abs(high or 0)))
             if any(_outside(x, low, high, slack) for x in elements):
                 told.add(v.index)
                 yield v.place, f"is {elements} at t = {run.time}"
@@ -71,7 +72,7 @@ def start_differs(bench: Bench) -> Claims:
     for v in bench.observed:
         fixed = v.causality in ("parameter", "input", "structuralParameter")
         if fixed or v.variability == "constant":
-            expected, got = bench.start(v), run.instance.get([v])[0]
+            expected, got = start_of(v), run.instance.get([v])[0]
             if expected is not None and not _same(v, expected, got):
                 yield v.place, f"start {' '.join(map(str, expected))}, but the binary has {got}"
 
@@ -92,7 +93,7 @@ def _same(v: Variable, expected: Values, got: Values) -> bool:
 def set_value_is_lost(bench: Bench) -> Claims:
     """A parameter that is set before initialisation has another value after it."""
     for v in bench.parameters[:100]:
-        values = bench.other(v)
+        values = other(v)
         if values is None:
             continue
         run = new_run(bench, watching=False)
@@ -112,7 +113,7 @@ def set_value_is_lost(bench: Bench) -> Claims:
 def set_refused(bench: Bench) -> Claims:
     """A parameter cannot be set before initialisation to a value within its range."""
     for v in bench.parameters[:100]:
-        values = bench.other(v)
+        values = other(v)
         instance = bench.new()
         try:
             if values is not None:
