@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -23,11 +24,7 @@ FmiVersion = Literal[2, 3]
 
 _MODELS = Path(__file__).parent.parent
 _SHARED = ("friction", "numerics")  # C that several models use
-_LIFE = ("heap.h", "heap.c", "text.h", "text.c", "instance.h", "instance.c", "model.h")
-_ADAPTER = {
-    2: (*_LIFE, "fmi2.c"),
-    3: (*_LIFE, "fmi3.c", "fmi3_unavailable.c"),
-}
+_HEADER = {2: "system/fmi2Functions.h", 3: "system/fmi3Functions.h"}
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
 
@@ -96,9 +93,15 @@ def _binaries(
     def build(platform: Platform) -> Path:
         # A fixed interface has parameters that not every model needs.
         return shared_library(
-            name, files, platform=platform, flags=["-Wno-unused-parameter"], standalone=True
+            name,
+            files,
+            platform=platform,
+            flags=["-Wno-unused-parameter"],
+            standalone=True,
+            exports=functions,
         )
 
+    functions = re.findall(r"^ *FMI._Export +\w+ +(\w+);", files[_HEADER[fmi]], re.MULTILINE)
     parts: dict[str, list[bytes]] = {}
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         for platform, library in zip(platforms, pool.map(build, platforms), strict=True):
@@ -109,7 +112,11 @@ def _binaries(
 
 def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:
     """Return the C files of an FMU by path in the source tree, all but the token's header."""
-    files = {name: _text(_MODELS / "adapter" / name) for name in _ADAPTER[fmi]}
+    files = {
+        path.name: _text(path)
+        for path in sorted((_MODELS / "adapter").glob("*.[ch]"))
+        if not path.name.startswith(f"fmi{5 - fmi}")  # the other standard
+    }
     for room in _SHARED:
         for path in sorted((_MODELS / room).glob("*.[ch]")):
             files[f"{room}/{path.name}"] = _text(path)

@@ -13,3 +13,11 @@ UNITS: dict[str, dict[str, int]] = {
     "N.s/m": {"kg": 1, "s": -1},
     "s": {"s": 1},
 }
+
+
+def rate_unit(unit: str) -> str:
+    """Return the unit of a derivative by time."""
+    exponents = {"s": 0, **UNITS[unit]}
+    exponents["s"] -= 1
+    wanted = {base: power for base, power in exponents.items() if power}
+    return next(name for name, known in UNITS.items() if known == wanted)

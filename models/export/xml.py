@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from models.export.description import Model, Variable
@@ -78,6 +79,23 @@ def add_default_experiment(parent: ET.Element, model: Model) -> None:
     child(
         parent, "DefaultExperiment", startTime=0.0, stopTime=float(model.stop), stepSize=model.step
     )
+
+
+def knowns(model: Model) -> set[str]:
+    """Return what an output may be said to depend on: inputs, and what a solver integrates."""
+    return {v.name for v in model.variables if v.role == "input"} | {
+        v.of for v in model.variables if v.of
+    }
+
+
+def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of ModelStructure; a state is its own output."""
+    depends = {v.name: "constant"} if v.role == "state" else v.depends
+    listed = {place[name]: kind for name, kind in depends.items() if name in known}
+    return {
+        "dependencies": " ".join(str(k) for k in sorted(listed)),
+        "dependenciesKind": " ".join(listed[k] for k in sorted(listed)),
+    }
 
 
 def document(element: ET.Element) -> str:

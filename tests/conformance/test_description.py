@@ -92,9 +92,10 @@ def test_declared_dependences_exist(fmu, slave):
         for variable in unknown.dependencies:
             results = []
             for change in (0.0, 0.1):
-                instance = slave(fmu).initialize(absent)
-                nominal = float(variable.nominal or 1.0)
-                instance.set({variable.name: change * nominal})
+                value = {variable.name: change * float(variable.nominal or 1.0)}
+                before = value if variable.causality != "input" else {}  # a state
+                instance = slave(fmu).initialize(absent | before)
+                instance.set(value if not before else {})
                 instance.api.doStep(0.0, 5e-4)
                 results.append(instance.get([output])[0])
             assert results[0] != results[1], f"{output} does not depend on {variable.name}"
