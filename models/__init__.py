@@ -4,7 +4,8 @@ The errors are drawn in ``models/errors.py``.
 """
 
 from models.errors import DescriptionError, ModelError, StartValueError, UnknownModel
-from models.export.package import FmiVersion, build_fmu, load_model, model_names
+from models.export.package import build_fmu, load_model, model_names, write_cross_check
+from models.export.sources import FmiVersion
 
 __all__ = [
     "DescriptionError",
@@ -15,4 +16,5 @@ __all__ = [
     "build_fmu",
     "load_model",
     "model_names",
+    "write_cross_check",
 ]

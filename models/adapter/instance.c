@@ -246,7 +246,8 @@ Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, voi
 Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {
     bool events = count == 0;
     for (size_t k = 0; k < count; k++)
-        events = events || text_equal(categories[k], "logEvents");
+        events =
+            events || text_equal(categories[k], "logEvents") || text_equal(categories[k], "logAll");
     i->logger.events = on && events;
     return OK;
 }

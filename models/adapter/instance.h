@@ -102,7 +102,10 @@ Status instance_log(Instance *instance, bool on, size_t count, const char *const
 /* ERROR: modelDescription.xml does not declare what was called. Takes a missing instance. */
 Status instance_unavailable(Instance *instance, const char *call);
 
+#ifdef __GNUC__
+__attribute__((format(printf, 4, 5)))
+#endif
 Status instance_report(Instance *instance, Status status, const char *category, const char *format,
-                       ...) __attribute__((format(printf, 4, 5)));
+                       ...);
 
 #endif

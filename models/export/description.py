@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from models.errors import DescriptionError, StartValueError
-from models.export.units import UNITS, rate_unit
+from models.export.units import DISPLAY, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
@@ -26,7 +26,7 @@ _SECTIONS: dict[str, Role] = {
 }
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
-    *("unit", "description", "type", "size", "start", "min", "max", "nominal"),
+    *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
     *("output", "derivative", "depends", "variability"),
 }
 _KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -46,6 +46,7 @@ class Variable:
     description: str
     type: Type = "real"
     unit: str | None = None
+    display: str | None = None
     start: float = 0.0
     minimum: float | None = None
     maximum: float | None = None
@@ -57,11 +58,20 @@ class Variable:
 
 
 @dataclass(frozen=True)
+class Terminal:
+    """Variables that are connected together; ``members`` maps the plug's names to them."""
+
+    description: str
+    members: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class Model:
     """What model.toml says, and the C files that go with it.
 
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
-    ``sampled`` says that it does nothing between the samples it takes.
+    ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
+    polylines on a tile of 100 by 100.
     """
 
     name: str
@@ -72,6 +82,8 @@ class Model:
     sampled: bool
     variables: tuple[Variable, ...]
     fields: Mapping[Role, tuple[tuple[str, tuple[int, ...]], ...]]
+    terminals: Mapping[str, Terminal]
+    icon: tuple[tuple[float, ...], ...]
     folder: Path
 
     @property
@@ -142,10 +154,20 @@ def read_model(folder: Path) -> Model:
             sampled=content.get("sampled", False),
             variables=tuple(variables),
             fields=fields,
+            terminals=_terminals(content.get("terminals", {}), {v.name for v in variables}),
+            icon=tuple(map(tuple, content["icon"])),
             folder=folder,
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None
+
+
+def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:
+    terminals = {name: Terminal(t["description"], t["members"]) for name, t in tables.items()}
+    for name, terminal in terminals.items():
+        if strangers := set(terminal.members.values()) - known:
+            raise DescriptionError(f"terminal {name}: there is no variable {min(strangers)}")
+    return terminals
 
 
 def _read_toml(path: Path) -> dict[str, Any]:
@@ -164,6 +186,8 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
         raise DescriptionError(f"{where}: a description is missing")
     if table.get("unit", "1") not in UNITS:
         raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
+    if (shown := table.get("display")) and shown not in DISPLAY.get(table.get("unit", "1"), {}):
+        raise DescriptionError(f"{where}: {shown} is no display unit of {table.get('unit')}")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = list(itertools.product(*(range(1, n + 1) for n in size)))
@@ -176,6 +200,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             description=table["description"],
             type=table.get("type", "real"),
             unit=table.get("unit"),
+            display=table.get("display"),
             start=start[place if len(start) > 1 else 0],
             minimum=table.get("min"),
             maximum=table.get("max"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from models.export import xml
 from models.export.description import Model, Variable
+from models.export.sources import c_files, compiled
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 _INITIAL = {
@@ -53,6 +54,10 @@ def model_description(model: Model, token: str) -> str:
         root.set("numberOfEventIndicators", "0")
         xml.child(root, "ModelExchange", **capabilities, completedIntegratorStepNotNeeded=True)
     xml.child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
+    for interface in root:
+        listed = xml.child(interface, "SourceFiles")
+        for path in compiled(c_files(model, 2)):
+            xml.child(listed, "File", name=path)
     xml.add_units(root, model)
     xml.add_log_categories(root)
     xml.add_default_experiment(root, model)
@@ -74,6 +79,7 @@ def model_description(model: Model, token: str) -> str:
             scalar,
             _TAGS[v.type],
             unit=v.unit,
+            displayUnit=v.display,
             **xml.limits(v),
             nominal=v.nominal,
             derivative=place[v.of] if v.of else None,

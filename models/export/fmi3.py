@@ -43,6 +43,7 @@ def model_description(model: Model, token: str) -> str:
             variability=v.variability,
             initial=initial(v),
             unit=v.unit,
+            displayUnit=v.display,
             **xml.limits(v),
             nominal=v.nominal,
             derivative=place[v.of] if v.of else None,

@@ -15,6 +15,15 @@ UNITS: dict[str, dict[str, int]] = {
 }
 
 
+DISPLAY = {
+    "m": {"mm": 1e3, "um": 1e6},
+    "m/s": {"mm/s": 1e3},
+    "s": {"ms": 1e3},
+    "N/m": {"N/um": 1e-6},
+}
+"""Unit -> what people read it in, and how many of those it is."""
+
+
 def rate_unit(unit: str) -> str:
     """Return the unit of a derivative by time."""
     exponents = {"s": 0, **UNITS[unit]}

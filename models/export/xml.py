@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from models.export.description import Model, Variable
-from models.export.units import UNITS
+from models.export.units import DISPLAY, UNITS
 
 Attributes = dict[str, str]
 
 LOG_CATEGORIES = {
     "logStatusError": "Calls that failed, and why",
+    "logStatusDiscard": "Points at which the equations cannot be evaluated",
     "logEvents": "Phases of the life cycle",
+    "logAll": "All of these",
 }
 
 
@@ -64,7 +66,10 @@ def add_units(parent: ET.Element, model: Model) -> None:
     """Append the UnitDefinitions of the units that the model uses."""
     definitions = child(parent, "UnitDefinitions")
     for unit in sorted({v.unit for v in model.variables if v.unit}):
-        child(child(definitions, "Unit", name=unit), "BaseUnit", **UNITS[unit])
+        element = child(definitions, "Unit", name=unit)
+        child(element, "BaseUnit", **UNITS[unit])
+        for name, factor in DISPLAY.get(unit, {}).items():
+            child(element, "DisplayUnit", name=name, factor=factor)
 
 
 def add_log_categories(parent: ET.Element) -> None:

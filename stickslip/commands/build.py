@@ -28,6 +28,11 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="PLATFORM",
         help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
     )
+    parser.add_argument(
+        "--cross-check",
+        action="store_true",
+        help="also write inputs and expected results as the FMI Cross-Check wants them",
+    )
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -48,6 +53,8 @@ def run(options: argparse.Namespace) -> None:
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         for path in pool.map(build, itertools.product(names, versions)):
             print(path)
+            if options.cross_check:
+                models.write_cross_check(path.stem, path.parent)
 
 
 def _platforms(names: list[str]) -> list[Platform]:

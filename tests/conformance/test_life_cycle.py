@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import subprocess
 import sys
 from pathlib import Path
@@ -160,6 +161,23 @@ def test_events_are_logged_when_asked_for(fmu, slave):
         instance.initialize(start=1.5)
     assert quiet.messages == []
     assert talking.messages == [(0, "logEvents", "initialized at t = 1.5 s")]
+
+
+@pytest.mark.parametrize(
+    ("categories", "heard"),
+    [([], True), (["logEvents"], True), (["logAll"], True), (["logStatusError"], False)],
+)
+def test_categories_choose_what_is_logged(fmu, slave, categories, heard):
+    instance = slave(fmu)
+    assert {c.name for c in fmu.description.logCategories} >= set(categories)
+    if fmu.version == 2:
+        names = (ctypes.c_char_p * len(categories))(*(c.encode() for c in categories))
+        instance.api.fmi2SetDebugLogging(instance.api.component, 1, len(categories), names)
+    else:
+        instance.api.setDebugLogging(True, categories)
+    instance.initialize(start=1.5)
+    assert [text for *_, text in instance.messages] == ["initialized at t = 1.5 s"] * heard
+    _refused(instance, lambda: instance.api.doStep(1.5, -1.0), "must be positive")
 
 
 def _refused(instance, call, *words):
