@@ -27,7 +27,7 @@ _SECTIONS: dict[str, Role] = {
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
-    *("output", "derivative", "depends", "variability"),
+    *("output", "derivative", "depends", "uses", "variability"),
 }
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -38,7 +38,8 @@ class Variable:
 
     ``start``, ``minimum``, ``maximum`` and ``nominal`` are in ``unit``; booleans are 0 and 1.
     ``depends`` says of an output or a derivative on which inputs and states it depends and how
-    (FMI 2.0.4 and 3.0.2, dependenciesKind); ``of`` says of a derivative whose it is.
+    (FMI 2.0.4 and 3.0.2, dependenciesKind), ``uses`` on which parameters and, where it has no
+    derivative, on which states; ``of`` says of a derivative whose it is.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Variable:
     nominal: float | None = None
     is_output: bool = False
     depends: Mapping[str, Kind] = field(default_factory=dict)
+    uses: tuple[str, ...] = ()
     of: str | None = None
     variability: str = "continuous"
 
@@ -207,6 +209,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             nominal=table.get("nominal"),
             is_output=role == "output" or table.get("output", False),
             depends=_depends(where, table),
+            uses=tuple(table.get("uses", ())),
             variability=table.get("variability", _default_variability(role)),
         )
         _check_range(variable, variable.start, DescriptionError, file)
@@ -220,6 +223,7 @@ def _derivative(state: str, table: dict[str, Any]) -> Variable:
         description=f"Derivative of: {table['description']}",
         unit=rate_unit(table["unit"]),
         depends=_depends(state, {"depends": table["derivative"]}),
+        uses=tuple(table.get("uses", ())),
         of=state,
     )
 

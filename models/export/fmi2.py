@@ -98,7 +98,11 @@ def model_description(model: Model, token: str) -> str:
         if unknowns:
             section = xml.child(structure, tag)
         for v in unknowns:
-            depends = {} if tag == "InitialUnknowns" else xml.dependencies(v, known, place)
+            depends = (
+                xml.initial_dependencies(v, place)
+                if tag == "InitialUnknowns"
+                else xml.dependencies(v, known, place)
+            )
             xml.child(section, "Unknown", index=place[v.name], **depends)
     return xml.document(root)
 

@@ -54,6 +54,8 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "fmiVersion": version,
             "modelName": model.name,
             "description": f"{model.title}. {model.description}",
+            "author": "The stickslip authors",
+            "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
             "generationTool": "stickslip",
             "variableNamingConvention": "structured",
@@ -82,7 +84,12 @@ def add_log_categories(parent: ET.Element) -> None:
 def add_default_experiment(parent: ET.Element, model: Model) -> None:
     """Append the DefaultExperiment."""
     child(
-        parent, "DefaultExperiment", startTime=0.0, stopTime=float(model.stop), stepSize=model.step
+        parent,
+        "DefaultExperiment",
+        startTime=0.0,
+        stopTime=float(model.stop),
+        tolerance=1e-6 if model.is_continuous else None,
+        stepSize=model.step,
     )
 
 
@@ -100,6 +107,15 @@ def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict
     return {
         "dependencies": " ".join(str(k) for k in sorted(listed)),
         "dependenciesKind": " ".join(listed[k] for k in sorted(listed)),
+    }
+
+
+def initial_dependencies(v: Variable, place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of InitialUnknowns, where parameters count as well."""
+    listed = sorted(place[name] for name in {*v.depends, *v.uses})
+    return {
+        "dependencies": " ".join(map(str, listed)),
+        "dependenciesKind": " ".join("dependent" for _ in listed),
     }
 
 
