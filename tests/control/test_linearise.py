@@ -82,6 +82,15 @@ def test_a_linear_system_comes_back(dt, version, tmp_path):
     assert back.output_labels == system.output_labels
 
 
+def test_a_linear_system_comes_back_in_continuous_time(version, tmp_path):
+    np.random.seed(8)  # noqa: NPY002 - python-control draws from it
+    system = random_system(0.0)
+    back = linearise(models.export_lti(system, tmp_path, fmi=version))
+    for name in "ABCD":
+        np.testing.assert_array_equal(getattr(back, name), getattr(system, name))
+    assert back.dt == 0
+
+
 def test_a_loop_of_fmus_is_the_closed_loop(tmp_path):
     plant = control.ss([[0.9, 0.1], [0, 0.8]], [[0], [0.1]], [[1, 0]], 0, 0.01, name="plant")
     pi = control.ss(
@@ -158,4 +167,4 @@ def test_wrong_names_are_told(tmp_path):
             linearise(path, **options)
         assert said in str(error.value)
     with pytest.raises(LinearisationError, match=r"give step="):
-        linearise(models.export_lti(control.ss(-1, 1, 1, 0), tmp_path, name="lag"))
+        linearise(models.export_lti(control.ss(0.5, 1, 1, 0, 0.1), tmp_path, name="lag"))

@@ -1,0 +1,22 @@
+/* Products with the matrix of partial derivatives of derivatives and outputs by states and inputs,
+ * at the present values: those that FMI calls directional and adjoint derivatives. */
+#ifndef SLOPES_H
+#define SLOPES_H
+
+#include "instance.h"
+
+/* Variables by value reference. */
+typedef struct {
+    const uint32_t *references;
+    size_t count;
+} Chosen;
+
+/* sensitivity[k] = sum over l of d unknown k / d known l * seed[l] */
+Status slopes_directional(Instance *instance, Chosen unknowns, Chosen knowns, const double seed[],
+                          double sensitivity[], const char *call);
+
+/* sensitivity[l] = sum over k of seed[k] * d unknown k / d known l */
+Status slopes_adjoint(Instance *instance, Chosen unknowns, Chosen knowns, const double seed[],
+                      double sensitivity[], const char *call);
+
+#endif
