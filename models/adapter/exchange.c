@@ -2,8 +2,6 @@
 
 #include "model.h"
 
-static bool finite(double value) { return value - value == 0.0; }
-
 bool exchange_update(Instance *i, double *next) {
     *next = 0.0;
 #if IS_SAMPLED
@@ -38,7 +36,7 @@ Status exchange_set_states(Instance *i, const double states[], size_t count) {
     if (require_count(i, count) != OK)
         return ERROR;
     for (size_t k = 0; k < count; k++) {
-        if (!finite(states[k]))
+        if (!is_finite(states[k]))
             return instance_report(i, DISCARD, "logStatusDiscard", "%s = %g is not possible",
                                    VARIABLES[STATES_AT + k].name, states[k]);
         i->now.values[STATES_AT + k] = states[k];
@@ -61,7 +59,7 @@ Status exchange_get_derivatives(Instance *i, double derivatives[], size_t count)
     instance_refresh(i);
     for (size_t k = 0; k < count; k++) {
         derivatives[k] = i->now.values[DERIVATIVES_AT + k];
-        if (!finite(derivatives[k]))
+        if (!is_finite(derivatives[k]))
             return instance_report(i, DISCARD, "logStatusDiscard", "%s is not finite at t = %g s",
                                    VARIABLES[DERIVATIVES_AT + k].name, i->now.values[0]);
     }

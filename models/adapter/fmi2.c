@@ -183,8 +183,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi2Status)slopes_directional(c, (Chosen){unknown, nUnknown}, (Chosen){known, nKnown},
-                                          dvKnown, dvUnknown, __func__);
+    return (fmi2Status)slopes_multiply(c, DIRECTIONAL, (Chosen){unknown, nUnknown},
+                                       (Chosen){known, nKnown}, dvKnown, dvUnknown, __func__);
 }
 
 /* Not declared in modelDescription.xml. */

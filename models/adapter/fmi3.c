@@ -99,8 +99,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
     REQUIRE_COUNT(nKnowns, nSeed);
     REQUIRE_COUNT(nUnknowns, nSensitivity);
-    return (fmi3Status)slopes_directional(instance, (Chosen){unknowns, nUnknowns},
-                                          (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
+    return (fmi3Status)slopes_multiply(instance, DIRECTIONAL, (Chosen){unknowns, nUnknowns},
+                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
@@ -110,8 +110,8 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
     REQUIRE_COUNT(nUnknowns, nSeed);
     REQUIRE_COUNT(nKnowns, nSensitivity);
-    return (fmi3Status)slopes_adjoint(instance, (Chosen){unknowns, nUnknowns},
-                                      (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
+    return (fmi3Status)slopes_multiply(instance, ADJOINT, (Chosen){unknowns, nUnknowns},
+                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {

@@ -7,7 +7,7 @@
 #define UNAVAILABLE return (fmi3Status)instance_unavailable(instance, __func__)
 
 /* No model here has variables of these types. */
-#define ACCESS(Name)                                                                               \
+#define REFUSE(Name)                                                                               \
     fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t count, fmi3##Name values[], size_t nValues) {                  \
         UNAVAILABLE;                                                                               \
@@ -17,15 +17,15 @@
         UNAVAILABLE;                                                                               \
     }
 
-ACCESS(Float32)
-ACCESS(Int8)
-ACCESS(UInt8)
-ACCESS(Int16)
-ACCESS(UInt16)
-ACCESS(UInt32)
-ACCESS(Int64)
-ACCESS(UInt64)
-ACCESS(String)
+REFUSE(Float32)
+REFUSE(Int8)
+REFUSE(UInt8)
+REFUSE(Int16)
+REFUSE(UInt16)
+REFUSE(UInt32)
+REFUSE(Int64)
+REFUSE(UInt64)
+REFUSE(String)
 
 fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,

@@ -33,8 +33,6 @@ static const char *phase_name(Phase phase) {
     }
 }
 
-static bool finite(double value) { return value - value == 0.0; }
-
 Status instance_report(Instance *i, Status status, const char *category, const char *format, ...) {
     char message[512];
     va_list arguments;
@@ -91,7 +89,7 @@ Status instance_require(Instance *i, int phases, const char *call) {
 }
 
 Status instance_set_time(Instance *i, double start) {
-    if (!finite(start))
+    if (!is_finite(start))
         return instance_report(i, ERROR, "logStatusError", "start time %g s is not finite", start);
     i->now.values[0] = start;
     return OK;
@@ -135,7 +133,7 @@ Status instance_exit_initialization(Instance *i) {
 }
 
 Status instance_step(Instance *i, double time, double h) {
-    if (!(h > 0.0) || !finite(time) || !finite(h))
+    if (!(h > 0.0) || !is_finite(time) || !is_finite(h))
         return instance_report(
             i, ERROR, "logStatusError",
             "a step of %g s from t = %g s is not possible; the step must be positive", h, time);

@@ -61,6 +61,8 @@ typedef struct {
     char name[]; /* with the 0 */
 } Instance;
 
+static inline bool is_finite(double value) { return value - value == 0.0; }
+
 /* NULL with a message when the token is not the one this binary was built with, or when the model
  * has no Model Exchange. */
 Instance *instance_new(const char *name, const char *token, bool model_exchange, Logger logger);

@@ -43,56 +43,34 @@ static Status require(Instance *i, Chosen chosen, bool (*fits)(uint32_t), const 
     return OK;
 }
 
-static Status prepare(Instance *i, Chosen unknowns, Chosen knowns, const char *call,
-                      Matrix *matrix) {
+Status slopes_multiply(Instance *i, Product product, Chosen unknowns, Chosen knowns,
+                       const double seed[], double sensitivity[], const char *call) {
     if (require(i, unknowns, is_unknown, "a derivative or an output", call) != OK ||
         require(i, knowns, is_known, "a continuous state or an input", call) != OK)
         return ERROR;
     const double *values = i->now.values;
     const Memory *memory = (const Memory *)(values + MEMORY_AT);
+    Matrix matrix = {0};
     instance_refresh(i);
-    *matrix = (Matrix){0};
     model_jacobian(values[0], (const States *)(values + STATES_AT),
                    i->model_exchange ? NULL : memory, (const Inputs *)(values + INPUTS_AT),
-                   (const Parameters *)(values + PARAMETERS_AT), &matrix->named);
-    return OK;
-}
-
-Status slopes_directional(Instance *i, Chosen unknowns, Chosen knowns, const double seed[],
-                          double sensitivity[], const char *call) {
-    Matrix matrix;
-    if (prepare(i, unknowns, knowns, call, &matrix) != OK)
-        return ERROR;
-    for (size_t k = 0; k < unknowns.count; k++) {
+                   (const Parameters *)(values + PARAMETERS_AT), &matrix.named);
+    const size_t results = product == DIRECTIONAL ? unknowns.count : knowns.count;
+    for (size_t k = 0; k < results; k++)
         sensitivity[k] = 0.0;
-        for (size_t l = 0; l < knowns.count; l++)
-            sensitivity[k] +=
-                slope(&matrix, unknowns.references[k], knowns.references[l]) * seed[l];
-    }
-    return OK;
-}
-
-Status slopes_adjoint(Instance *i, Chosen unknowns, Chosen knowns, const double seed[],
-                      double sensitivity[], const char *call) {
-    Matrix matrix;
-    if (prepare(i, unknowns, knowns, call, &matrix) != OK)
-        return ERROR;
-    for (size_t l = 0; l < knowns.count; l++) {
-        sensitivity[l] = 0.0;
-        for (size_t k = 0; k < unknowns.count; k++)
-            sensitivity[l] +=
-                seed[k] * slope(&matrix, unknowns.references[k], knowns.references[l]);
-    }
+    for (size_t k = 0; k < unknowns.count; k++)
+        for (size_t l = 0; l < knowns.count; l++) {
+            const double by = slope(&matrix, unknowns.references[k], knowns.references[l]);
+            if (product == DIRECTIONAL)
+                sensitivity[k] += by * seed[l];
+            else
+                sensitivity[l] += seed[k] * by;
+        }
     return OK;
 }
 #else
-Status slopes_directional(Instance *i, Chosen unknowns, Chosen knowns, const double seed[],
-                          double sensitivity[], const char *call) {
-    return instance_unavailable(i, call);
-}
-
-Status slopes_adjoint(Instance *i, Chosen unknowns, Chosen knowns, const double seed[],
-                      double sensitivity[], const char *call) {
+Status slopes_multiply(Instance *i, Product product, Chosen unknowns, Chosen knowns,
+                       const double seed[], double sensitivity[], const char *call) {
     return instance_unavailable(i, call);
 }
 #endif

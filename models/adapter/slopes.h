@@ -11,12 +11,11 @@ typedef struct {
     size_t count;
 } Chosen;
 
-/* sensitivity[k] = sum over l of d unknown k / d known l * seed[l] */
-Status slopes_directional(Instance *instance, Chosen unknowns, Chosen knowns, const double seed[],
-                          double sensitivity[], const char *call);
+/* DIRECTIONAL: sensitivity[k] = sum over l of d unknown k / d known l * seed[l].
+ * ADJOINT: sensitivity[l] = sum over k of seed[k] * d unknown k / d known l. */
+typedef enum { DIRECTIONAL, ADJOINT } Product;
 
-/* sensitivity[l] = sum over k of seed[k] * d unknown k / d known l */
-Status slopes_adjoint(Instance *instance, Chosen unknowns, Chosen knowns, const double seed[],
-                      double sensitivity[], const char *call);
+Status slopes_multiply(Instance *instance, Product product, Chosen unknowns, Chosen knowns,
+                       const double seed[], double sensitivity[], const char *call);
 
 #endif

@@ -23,6 +23,7 @@ from models.export.sources import (
     build_description,
     c_files,
     fmi_headers,
+    grouped,
     text,
 )
 from models.export.terminals import terminals_and_icons
@@ -136,7 +137,7 @@ def _binaries(
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
     headers = fmi_headers(fmi)
-    files = files | {f"system/{path}": content for path, content in headers.items()}
+    files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
 
     def build(platform: Platform) -> Path:
         # A fixed interface has parameters that not every model needs.

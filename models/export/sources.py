@@ -46,6 +46,14 @@ def compiled(files: Iterable[str]) -> list[str]:
     return sorted(path for path in files if path.endswith(".c"))
 
 
+def grouped(files: dict[str, str]) -> dict[str, str]:
+    """Return the same C with the adapter in one file, which compiles in half the time."""
+    adapter = [path for path in compiled(files) if "/" not in path and path != "model.c"]
+    return {f"{path}.inc" if path in adapter else path: text for path, text in files.items()} | {
+        "adapter.c": "".join(f'#include "{path}.inc"\n' for path in adapter)
+    }
+
+
 @cache
 def fmi_headers(fmi: FmiVersion) -> dict[str, str]:
     """Return the headers of the FMI project by name, which FMPy's wheel carries."""

@@ -75,6 +75,14 @@ class Fmu:
             for k, (name, size) in enumerate(self.sizes().items())
         }
 
+    def points(self, count: int) -> Iterator[dict[str, float]]:
+        """Yield inputs and states as large as their nominals and down to a tenthousandth."""
+        rng = np.random.default_rng(7)
+        chosen = [v for v in self.model.variables if v.role in ("input", "state")]
+        for k in range(count):
+            scale = 10.0 ** -(k % 5)
+            yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}
+
 
 class Slave:
     """One instance with the same face for FMI 2.0 and FMI 3.0.

@@ -19,7 +19,7 @@ from lxml import etree
 
 import models
 import toolchain
-from models.export.sources import fmi_headers
+from models.export.sources import fmi_headers, grouped
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 ROOT = Path(models.__file__).parent.parent
@@ -44,7 +44,7 @@ def test_the_sources_are_those_of_the_binary(fmu):
     own = {path: text for path, text in files.items() if path not in headers}
     system = {f"system/{path}": text for path, text in headers.items()}
     library = toolchain.shared_library(
-        fmu.model.name, own | system, flags=["-Wno-unused-parameter"], standalone=True
+        fmu.model.name, grouped(own) | system, flags=["-Wno-unused-parameter"], standalone=True
     )
     [binary] = [path for path in content if path.startswith("binaries/")]
     assert library.read_bytes() == content[binary]

@@ -22,15 +22,6 @@ SAMPLED = [name for name in models.model_names() if models.load_model(name).samp
 VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 
 
-def points(fmu, count=40):
-    """Yield inputs and states as large as their nominals, some of them in the bristles' reach."""
-    rng = np.random.default_rng(7)
-    chosen = [v for v in fmu.model.variables if v.role in ("input", "state")]
-    for k in range(count):
-        scale = 10.0 ** -(k % 5)
-        yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}
-
-
 def parameters(fmu):
     return {v.name: v.start for v in fmu.model.variables if v.role == "parameter"}
 
@@ -74,7 +65,7 @@ def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged
     fmu = build(name, version)
     instance = exchanged(fmu).initialize()
     instance.api.enterContinuousTimeMode()
-    for point in points(fmu):
+    for point in fmu.points(40):
         found, expected = at(instance, point), equations.OF[name](point, parameters(fmu))
         assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
         derivatives = [found[n] for n in fmu.names("derivative")]
@@ -88,7 +79,7 @@ def test_both_versions_give_the_same_bits(build, exchanged, name):
     second, third = (exchanged(build(name, version)).initialize() for version in (2, 3))
     for instance in (second, third):
         instance.api.enterContinuousTimeMode()
-    for point in points(second.fmu):
+    for point in second.fmu.points(40):
         assert at(second, point) == at(third, point)
 
 

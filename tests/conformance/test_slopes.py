@@ -22,15 +22,6 @@ pytestmark = [
 ]
 
 
-def points(fmu, count=30):
-    """Yield inputs and states from rest to fast sliding, forward and backward."""
-    rng = np.random.default_rng(3)
-    chosen = [v for v in fmu.model.variables if v.role in ("input", "state")]
-    for k in range(count):
-        scale = 10.0 ** -(k % 5)
-        yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}
-
-
 def unknowns(fmu):
     return fmu.names("derivative", "output")
 
@@ -68,7 +59,7 @@ def solved(build, exchanged, name, version):
 def test_they_equal_complex_steps_of_the_equations(solved):
     fmu = solved.fmu
     p = {v.name: v.start for v in fmu.model.variables if v.role == "parameter"} | {"b": 6.0}
-    for point in points(fmu):
+    for point in fmu.points(40):
         moved(solved, point)
         exact = equations.jacobian(fmu.model.name, point, p)
         expected = [[exact[u][k] for k in knowns(fmu)] for u in unknowns(fmu)]
@@ -77,7 +68,7 @@ def test_they_equal_complex_steps_of_the_equations(solved):
 
 def test_they_equal_central_differences(solved):
     fmu = solved.fmu
-    for point in points(fmu, 10):
+    for point in fmu.points(10):
         differences = []
         for known in knowns(fmu):
             h = 1e-5 * abs(point[known])
@@ -106,7 +97,7 @@ def test_a_direction_is_a_sum_of_columns(solved):
     fmu = solved.fmu
     of, by = references(fmu, unknowns(fmu)), references(fmu, knowns(fmu))
     seed = np.linspace(-1.0, 2.0, len(by))
-    for point in points(fmu, 5):
+    for point in fmu.points(5):
         moved(solved, point)
         found = solved.api.getDirectionalDerivative(of, by, seed.tolist())
         np.testing.assert_allclose(found, matrix(solved) @ seed, rtol=1e-13)
@@ -118,7 +109,7 @@ def test_the_adjoint_is_the_transpose(solved):
     fmu = solved.fmu
     of, by = references(fmu, unknowns(fmu)), references(fmu, knowns(fmu))
     seed = np.linspace(-1.0, 2.0, len(of))
-    for point in points(fmu, 5):
+    for point in fmu.points(5):
         moved(solved, point)
         found = solved.api.getAdjointDerivative(of, by, seed.tolist(), len(by))
         np.testing.assert_allclose(found, matrix(solved).T @ seed, rtol=1e-12)
@@ -128,7 +119,7 @@ def test_declared_dependencies_are_the_places_of_the_matrix(solved):
     """None is missing; one of kind constant or fixed is the same everywhere."""
     fmu = solved.fmu
     at = []
-    for point in points(fmu):
+    for point in fmu.points(40):
         moved(solved, point)
         at.append(matrix(solved))
     structure = fmu.description.outputs + fmu.description.derivatives
