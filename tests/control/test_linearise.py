@@ -126,6 +126,17 @@ def test_the_stage_slides_as_the_closed_form_says(tmp_path):
     assert found.B[v, 0] == pytest.approx((1 - decay) / b, rel=1e-5)
 
 
+def test_the_stage_at_rest_is_held_by_its_bristles(version, tmp_path):
+    """A spring sigma_0 and a damper sigma_1, by the derivatives that the FMU gives."""
+    m, b, sigma_0, sigma_1 = 5.557, 6.6135, 3.9162e5, 4.4248e3
+    found = linearise(models.build_fmu("stage", tmp_path, fmi=version))
+    A = [[0, 1, 0], [0, -(b + sigma_1) / m, -sigma_0 / m], [0, 1, 0]]
+    np.testing.assert_allclose(found.A, A, rtol=1e-14)
+    np.testing.assert_allclose(found.B, [[0], [1 / m], [0]], rtol=1e-14)
+    F_f = found.output_labels.index("F_f")
+    np.testing.assert_allclose(found.C[F_f], [0, sigma_1, sigma_0], rtol=1e-14)
+
+
 def test_a_system_in_discrete_time_runs_in_python_control(tmp_path):
     stage = models.build_fmu("stage", tmp_path)
     system = cosim.System()
