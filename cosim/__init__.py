@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from cosim.container import write_fmu
 from cosim.coupling import Adaptive, Coupling
 from cosim.errors import (
     ConnectionFault,
@@ -21,8 +22,9 @@ from cosim.errors import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.record import Deviation, Record
 from cosim.result import Result
-from cosim.scaling import Link, Scaling
+from cosim.scaling import Link, Scaling, ValueMap
 from cosim.scenario import Scenario
 from cosim.signals import Signal, SineSweep, Table, Trapezoid
 from cosim.simulation import Simulation, Specification
@@ -38,11 +40,13 @@ __all__ = [
     "CosimError",
     "Coupling",
     "DefaultExperiment",
+    "Deviation",
     "ExperimentError",
     "Fmu",
     "FmuError",
     "Link",
     "ParameterError",
+    "Record",
     "Result",
     "Scaling",
     "Scenario",
@@ -57,9 +61,11 @@ __all__ = [
     "Table",
     "Trapezoid",
     "Unit",
+    "ValueMap",
     "Variable",
     "read_ssp",
     "read_tables",
     "variants",
+    "write_fmu",
     "write_ssp",
 ]

@@ -25,7 +25,7 @@ class Checkpoint:
     ----------
     identity : what must be the same for the run to go on: times, coupling, signals and FMUs
     step : number of steps done
-    row : all signals at that time
+    row : all signals at that time, then the sums of squares up to there
     states : component -> state of its FMU
     """
 

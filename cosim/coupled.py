@@ -14,7 +14,8 @@ from cosim.kernel import coupling as tables
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import Group
-from cosim.names import component_of, suggestion, variable_of
+from cosim.names import component_of, suggestion
+from cosim.wiring import fed_inputs
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -44,6 +45,8 @@ class Coupled:
         self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
         self._group = {name: g for g in groups for name in g.components}
         self._groups = groups
+        jacobi = coupling.method == "jacobi"
+        self._inputs = fed_inputs(system, layout, list(self._place), jacobi=jacobi)
         self.accuracy = coupling.order
         self._check()
 
@@ -191,17 +194,17 @@ class Coupled:
 
     def _member(self, name: str, slot: kernel.Component) -> Any:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
-        fed = {t: s for t, s in self._system.sources().items() if component_of(t) == name}
-        targets = {self._system.variable(target).reference: target for target in fed}
-        shown = [variable_of(output) for output in self._layout.outputs[name]]
+        fed = self._system.sources()
+        shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
         interpolates = fmu.interpolates_inputs and degree > 0 and name not in self._facades
         links = (tables.Link * n)()
-        for i, link in enumerate(links):
-            target = targets[slot.input_references[i]]
+        for link, (_, target) in zip(links, self._inputs[name], strict=True):
             link.column = self._layout.columns[fed[target]]
             link.fresh = self._is_fresh(fed[target], name)
+            variable = self._system.variable(target)
+            link.holds = variable.is_discrete
             link.feeds_through = any(
-                variable_of(target) in fmu.feedthrough.get(output, ()) for output in shown
+                variable.owner in fmu.feedthrough.get(output, ()) for output in shown
             )
         shows = any(link.feeds_through for link in links)
         member = tables.Member(links=links, values=(ctypes.c_double * n)())

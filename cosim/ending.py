@@ -1,4 +1,4 @@
-"""A run that an FMU asked to end: when, why, and what is kept of it."""
+"""A run that an FMU asked to end: when, why, and with which outputs."""
 
 from __future__ import annotations
 
@@ -47,20 +47,8 @@ def ending(
     return None
 
 
-def kept_rows(
-    run: kernel.Run, record: Array, rows: Array, slot: kernel.Component, end: Ending
-) -> Array:
-    """Return the record up to an ending, (n, n_selected), and a last row at its time.
-
-    That row is left out where the FMU did not come further. In it the FMU that ended the run has
-    its last outputs, and all others have those of the row before.
-    """
-    selected = np.array(run.selected[: run.n_selected], dtype=np.int64)
-    first = run.block_start if run.record else 0
-    present = rows[: run.done - first + 1]
-    if end.time <= run.start + run.done * run.step:
-        return np.vstack([record[:first], present[:, selected]])
-    last = present[-1].copy()
+def last_outputs(slot: kernel.Component) -> Array:
+    """Return the outputs (n_outputs,) of an FMU that ended a run."""
     outputs = np.empty(slot.n_outputs)
     get = ctypes.CFUNCTYPE(
         ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
@@ -69,8 +57,7 @@ def kept_rows(
     more = [len(outputs)] if slot.version == 3 else []
     references = ctypes.cast(slot.output_references, ctypes.c_void_p)
     get(slot.instance, references, len(outputs), outputs.ctypes.data, *more)
-    last[slot.column : slot.column + len(outputs)] = outputs
-    return np.vstack([record[:first], present[:, selected], last[selected]])
+    return outputs
 
 
 _GETTERS = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}

@@ -12,7 +12,7 @@ from cosim.errors import ExperimentError
 class DefaultExperiment:
     """What an FMU or an SSP proposes. All times in s; None where it proposes nothing.
 
-    ``tolerance`` is the relative one of Model Exchange.
+    ``tolerance`` is the relative one of solvers.
     """
 
     start: float | None = None
@@ -44,3 +44,15 @@ def count_steps(start: float, stop: float, step: float) -> int:
             f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s"
         )
     return n
+
+
+def check_tolerance(tolerance: float | None) -> None:
+    """Check a relative tolerance of solvers.
+
+    Raises
+    ------
+    ExperimentError
+        When it is no number between 0 and 1.
+    """
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise ExperimentError(f"tolerance is {tolerance}, expected a number between 0 and 1")

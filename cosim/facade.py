@@ -15,8 +15,8 @@ from cosim.kernel import facade as mirror
 from cosim.library import Library
 from cosim.variables import Value, Variable
 
-# Of Model Exchange; a finer one that the FMU proposes is taken instead.
-TOLERANCE = 1e-8
+# Of Model Exchange, where neither the FMU nor the caller proposes one; that of FMPy.
+TOLERANCE = 1e-5
 
 
 def wants_facade(fmu: Fmu, signals: Iterable[Variable]) -> bool:
@@ -38,6 +38,7 @@ class Facade:
     inputs : those that are fed, in the order in which the kernel sets them
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
+    tolerance : relative, of Model Exchange; that which the FMU proposes where None
 
     Attributes
     ----------
@@ -52,12 +53,13 @@ class Facade:
         inputs: Sequence[Variable],
         ahead: Sequence[bool],
         arrays: Mapping[str, Variable],
+        tolerance: float | None,
     ) -> None:
         self._arrays = arrays
         self.is_thin = not (fmu.interface == "model_exchange" or fmu.event_mode or fmu.has_arrays)
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
-        self._starts: tuple[list[Batch], list[Batch]] = ([], [])
+        self._starts: tuple[list[Batch], ...] = ()
         self.c = mirror.Facade(
             version=fmu.version,
             model_exchange=fmu.interface == "model_exchange",
@@ -70,7 +72,7 @@ class Facade:
             n_inputs=len(inputs),
             before=(ctypes.c_double * len(inputs))(),
             after=(ctypes.c_double * len(inputs))(),
-            tolerance=min(fmu.experiment.tolerance or TOLERANCE, TOLERANCE),
+            tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
         )
@@ -96,10 +98,10 @@ class Facade:
         )
         return save, restore, free
 
-    def start_with(self, structure: list[Batch], starts: list[Batch]) -> None:
-        """Take start values from here: those of structural parameters and all others."""
-        self._starts = (structure, starts)
-        self.c.structure, self.c.starts = _groups(structure), _groups(starts)
+    def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
+        """Take start values from here: of structural parameters, most others, and inputs."""
+        self._starts = (structure, starts, late)
+        self.c.structure, self.c.starts, self.c.late = map(_groups, self._starts)
 
     def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
         """Let elements of fed arrays that are not fed themselves have their start values."""

@@ -115,7 +115,7 @@ class Fmu:
             _number(getattr(times, "startTime", None)),
             _number(getattr(times, "stopTime", None)),
             _number(getattr(times, "stepSize", None)),
-            _number(getattr(times, "tolerance", None)),
+            _positive(getattr(times, "tolerance", None)),
         )
         if self.needs_tool:
             _log.warning("%s: needs the tool that made it installed on this machine", self.path)
@@ -248,3 +248,8 @@ def _flag(interface: Any, name: str) -> bool:
 
 def _number(text: str | None) -> float | None:
     return None if text is None else float(text)
+
+
+def _positive(text: str | None) -> float | None:
+    number = _number(text)
+    return number if number is not None and 0 < number < 1 else None

@@ -1,44 +1,135 @@
-"""The arrays that the kernel writes a run into."""
+"""Where the kernel writes the signals of a run, and what is kept of them."""
 
 from __future__ import annotations
+
+import ctypes
 
 import numpy as np
 
 from cosim import kernel
+from cosim.errors import ExperimentError
+from cosim.layout import Layout
+from cosim.record import Deviation, Record
 from cosim.result import Array
+from cosim.span import Span
 
 
 class Memory:
-    """Room for the signals of one run; the kernel writes there as long as this exists.
+    """Rows of all signals, the record and the sums; the kernel uses them as long as this exists.
 
-    Attributes
+    The rows of all points in time are the record where all signals of all of them are kept. Else
+    there are those of a block of steps, used again for the next.
+
+    Parameters
     ----------
-    record : (n_steps + 1, n_selected), what is kept
-    rows : what the kernel steps through, all signals: the record itself, or one block
+    run : of the kernel, wired
+    layout : of a row
+    record : what to keep
+    time : (n_steps + 1,) s
+
+    Raises
+    ------
+    ExperimentError
+        When a span to sum up holds no point in time.
     """
 
-    def __init__(self, run: kernel.Run, external: Array, block: Array | None) -> None:
+    def __init__(self, run: kernel.Run, layout: Layout, record: Record, time: Array) -> None:
         self._run = run
-        self._external = external
-        self.record: Array = np.empty((run.n_steps + 1, run.n_selected))
-        self._all = block is None
-        self.rows = self.record if block is None else block
-        if self._all:
-            run.rows = self.record.ctypes.data
-        else:  # the rows of a block are the run's already
-            run.record = self.record.ctypes.data
-        run.external = external.ctypes.data if external.size else None
+        self._time = time
+        self._labels = list(layout.summed)
+        self._only_last = record.keep == "last"
+        self._columns = [layout.columns[name] for name in layout.recorded]
+        whole = len(self._columns) == run.width and record.every == 1 and not self._only_last
+        self._recorded = 0 if whole or self._only_last else len(self._columns)
+        self._every = record.every
+        run.used_again = not whole
+        run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
+        run.n_selected = self._recorded
+        run.every = record.every
+        entries = [_entry(label, d, layout, time) for label, d in layout.summed.items()]
+        self._sums = (kernel.SumOfSquares * len(entries))(*entries)
+        run.sums, run.n_sums = self._sums, len(entries)
+        if not whole:
+            self._rows: Array = np.empty((run.block + 1, run.width))
+            run.rows = self._rows.ctypes.data
 
-    def row(self, step: int) -> Array:
-        """Return a copy of all signals at the end of the last step done."""
-        row: Array = self.rows[self._place(step)].copy()
+    def prepare(self, external: Array) -> None:
+        """Make room for a run.
+
+        Parameters
+        ----------
+        external : (n_steps + 1, number of exposed inputs)
+        """
+        run = self._run
+        self._external = external
+        run.external = external.ctypes.data if external.size else None
+        if not run.used_again:
+            self._rows = np.empty((run.n_steps + 1, run.width))
+            run.rows = self._rows.ctypes.data
+        self._record = np.empty((run.n_steps // self._every + 1, self._recorded))
+        run.record = self._record.ctypes.data if self._recorded else None
+
+    def state(self) -> Array:
+        """Return the signals at the end of the last step done, and the sums up to there."""
+        return np.append(self._row(self._run.done), list(self.sums.values()))
+
+    def go_on(self, step: int, state: Array) -> None:
+        """Let the run go on after a step that left this state."""
+        run = self._run
+        run.block_start = run.done = run.closed = step
+        self._row(step)[:] = state[: run.width]
+        if step % self._every == 0:
+            self._record[step // self._every] = self._row(step)[self._columns[: self._recorded]]
+        for entry, value in zip(self._sums, state[run.width :], strict=True):
+            entry.sum = value
+
+    def append(self, first: int, outputs: Array) -> None:
+        """Add a row that is the last but for some outputs, from a column on."""
+        run = self._run
+        last = self._row(run.done)
+        run.done += 1
+        row = self._row(run.done)
+        row[:] = last
+        row[first : first + len(outputs)] = outputs
+
+    def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
+        """Return the time and the record of steps first .. last, the last one surely if it ended.
+
+        Returns
+        -------
+        time : (n,) s
+        values : (n, number of recorded signals)
+        """
+        if self._only_last:
+            return self._time[last : last + 1], self._row(last)[self._columns][None]
+        begin, end = -(-first // self._every), last // self._every + 1
+        record = self._record if self._run.used_again else self._rows
+        time = self._time[begin * self._every : last + 1 : self._every]
+        values: Array = record[begin:end]
+        if ended and last % self._every:
+            time = np.append(time, self._time[last])
+            values = np.vstack([values, self._row(last)[self._columns]])
+        return time, values
+
+    @property
+    def sums(self) -> dict[str, float]:
+        """Return the sums of squares by label."""
+        return {label: entry.sum for label, entry in zip(self._labels, self._sums, strict=True)}
+
+    def _row(self, step: int) -> Array:
+        row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]
         return row
 
-    def begin(self, step: int, row: Array) -> None:
-        """Let the run go on after a step that left these signals."""
-        self._run.done = self._run.block_start = step
-        self.rows[self._place(step)] = row
-        self.record[step] = row if self._all else row[self._run.selected[: self._run.n_selected]]
 
-    def _place(self, step: int) -> int:
-        return step if self._all else step - int(self._run.block_start)
+def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> kernel.SumOfSquares:
+    steps = np.flatnonzero(Span(what.begin, what.end).covers(time))
+    if not len(steps):
+        raise ExperimentError(
+            f"cannot sum up {label!r}: no point in time lies in {what.begin} .. {what.end} s"
+        )
+    entry = kernel.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
+    if isinstance(what.reference, str):
+        entry.reference = layout.columns[what.reference]
+    else:
+        entry.constant = what.reference
+    return entry

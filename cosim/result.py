@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,14 +23,15 @@ Array = NDArray[np.float64]
 
 
 class Result:
-    """Signals over time; ``result["drive.v"]`` is an array (n_steps + 1,) float64.
+    """Signals over time; ``result["drive.v"]`` is an array (n,) float64.
 
     Attributes
     ----------
-    time : (n_steps + 1,) float64, s
+    time : (n,) float64, s; n is n_steps + 1 unless the record says otherwise
     stopped : who asked to end the run before its time and when; None where the run is whole
     names : of the signals
-    values : (n_steps + 1, len(names)) float64, each in its unit
+    values : (n, len(names)) float64, each in its unit
+    sum_of_squares : label -> sum that the record asked for, in the unit of its signal squared
     """
 
     def __init__(
@@ -40,11 +41,13 @@ class Result:
         names: Sequence[str],
         system: System,
         stopped: str | None = None,
+        sum_of_squares: Mapping[str, float] | None = None,
     ) -> None:
         self.stopped = stopped
         self.time = time
         self.values = values
         self.names = tuple(names)
+        self.sum_of_squares = dict(sum_of_squares or {})
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
@@ -56,7 +59,7 @@ class Result:
             raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}") from None
 
     def _array(self, name: str) -> Array | None:
-        """Return an array of which all elements were recorded, (n_steps + 1, *dimensions)."""
+        """Return an array of which all elements were recorded, (n, *dimensions)."""
         if not any(known.startswith(f"{name}[") for known in self.names):
             return None
         variable = self._system.variable(name)

@@ -1,8 +1,10 @@
-"""Straight lines between the number at one end of a connection and the number at the other."""
+"""What a connection makes of the number at its one end: a straight line, or pairs of values."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Self
 
 
 @dataclass(frozen=True)
@@ -22,10 +24,18 @@ class Scaling:
         """Return y."""
         return x if self == IDENTITY else self.factor * x + self.offset
 
-    def then(self, following: Scaling) -> Scaling:
-        """Return the scaling that does this one first and ``following`` on its result."""
-        if self == IDENTITY:
-            return following
+    def then(self, following: Transform) -> Transform:
+        """Return what does this one first and ``following`` on its result.
+
+        Raises
+        ------
+        TypeError
+            When one is a straight line and the other a map: these are of different types.
+        """
+        if IDENTITY in (self, following):
+            return following if self == IDENTITY else self
+        if isinstance(following, ValueMap):
+            raise TypeError
         factor = following.factor * self.factor
         return Scaling(factor, following(self.offset))
 
@@ -38,16 +48,60 @@ IDENTITY = Scaling()
 
 
 @dataclass(frozen=True)
+class ValueMap:
+    """Pairs for signals that are integers, Booleans (0 and 1) or enumerations.
+
+    Attributes
+    ----------
+    pairs : (x, y), each x once; any other x stays as it is
+    """
+
+    pairs: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(cls, pairs: Mapping[int, int]) -> Self:
+        """Return the map of x -> y."""
+        return cls(tuple((int(x), int(y)) for x, y in pairs.items()))
+
+    def __call__(self, x: float) -> float:
+        """Return y."""
+        return next((y for other, y in self.pairs if other == x), x)
+
+    def then(self, following: Transform) -> Transform:
+        """Return what does this one first and ``following`` on its result.
+
+        Raises
+        ------
+        TypeError
+            When the other is a straight line.
+        """
+        if following == IDENTITY:
+            return self
+        if isinstance(following, Scaling):
+            raise TypeError
+        known = dict.fromkeys(x for x, _ in (*self.pairs, *following.pairs))
+        return ValueMap(tuple((x, int(following(self(x)))) for x in known))
+
+    def inverse(self, y: float) -> float:
+        """Return an x that leads to y, which is y itself where no pair does."""
+        return next((x for x, other in self.pairs if other == y), y)
+
+
+Transform = Scaling | ValueMap
+
+
+@dataclass(frozen=True)
 class Link:
     """How a connection treats the number that it carries.
 
     Attributes
     ----------
-    scaling : applied last, to the number in the unit of the target
+    scaling : applied last, to the number in the unit of the target; a ValueMap for signals that
+        are no floating-point numbers
     convert : whether the number is converted from the unit of the source before
     """
 
-    scaling: Scaling = IDENTITY
+    scaling: Transform = IDENTITY
     convert: bool = True
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from cosim.errors import SignalError
 from cosim.signals import Array, Input, sampled
+from cosim.span import Span
 
 
 class Event(Protocol):
@@ -20,18 +21,7 @@ class Event(Protocol):
 
 
 @dataclass(frozen=True)
-class _Span:
-    begin: float
-    end: float
-
-    def covers(self, time: Array) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        # a time that is meant to be a point of the run may miss it by a rounding error
-        slack = 1e-9 * max(1e-300, float(time[-1] - time[0])) / max(1, len(time) - 1)
-        return (time >= self.begin - slack) & (time < self.end - slack)
-
-
-@dataclass(frozen=True)
-class _Override(_Span):
+class _Override(Span):
     name: str
     value: Input
 
@@ -42,7 +32,7 @@ class _Override(_Span):
 
 
 @dataclass(frozen=True)
-class _Noise(_Span):
+class _Noise(Span):
     deviation: float
     seed: int
 
@@ -53,7 +43,7 @@ class _Noise(_Span):
 
 
 @dataclass(frozen=True)
-class _Stuck(_Span):
+class _Stuck(Span):
     def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002 - one face
         keep[self.covers(time)] = math.nan
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from cosim import kernel
 from cosim.batch import batches
@@ -17,6 +17,10 @@ from cosim.variables import Value, Variable
 
 if TYPE_CHECKING:
     from cosim.system import System
+
+
+# When a start value is set: in Configuration Mode, when instantiated, or in Initialization Mode.
+_Phase = Literal["structure", "early", "late"]
 
 
 class Settings:
@@ -36,12 +40,11 @@ class Settings:
     ) -> None:
         self._variables = {name: system.variable(name) for name in names}
         self.names = self._variables.keys()
-        owners: dict[tuple[str, bool], dict[str, Variable]] = defaultdict(dict)
+        owners: dict[tuple[str, _Phase], dict[str, Variable]] = defaultdict(dict)
         for name, variable in self._variables.items():
             component = component_of(name)
-            structural = variable.causality == "structuralParameter"
             owner = system.variable(f"{component}.{variable.owner}")
-            owners[component, structural][owner.name] = owner
+            owners[component, _phase(variable)][owner.name] = owner
         self._batches = {
             key: batches(libraries[key[0]], variables.values(), "Set")
             for key, variables in owners.items()
@@ -51,8 +54,7 @@ class Settings:
         self._slots = {
             name: next(
                 batch
-                for structural in (False, True)
-                for batch in self._batches.get((component_of(name), structural), ())
+                for batch in self._batches[component_of(name), _phase(variable)]
                 if batch.holds(variable)
             )
             for name, variable in self._variables.items()
@@ -65,14 +67,15 @@ class Settings:
 
     def attach(self, component: str, slot: kernel.Component) -> None:
         """Let a component of the kernel take its start values from here."""
-        starts = self._batches.get((component, False), [])
+        structure, early, late = (self._batches.get((component, p), []) for p in get_args(_Phase))
         if component in self._facades:
-            structure = self._batches.get((component, True), [])
-            self._facades[component].start_with(structure, starts)
+            self._facades[component].start_with(structure, early, late)
             return
+        starts = [*early, *late]
         table = (kernel.Setting * len(starts))()
         for setting, batch in zip(table, starts, strict=True):
             setting.set, setting.call = batch.address, batch.call.encode()
+            setting.late = batch in late
             setting.n, setting.references = len(batch.references), batch.references
             setting.values = ctypes.cast(batch.values, ctypes.c_void_p)
         self._tables[component] = table
@@ -94,6 +97,12 @@ class Settings:
                     if component_of(name) == component
                 }
             )
+
+
+def _phase(variable: Variable) -> _Phase:
+    if variable.causality == "structuralParameter":
+        return "structure"
+    return "late" if variable.causality == "input" else "early"
 
 
 def check_length(system: System, name: str, value: Value) -> None:

@@ -17,9 +17,9 @@ from cosim.checkpoint import Checkpoint
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling, Method
 from cosim.disturbances import disturb
-from cosim.ending import Ending, ending, kept_rows
+from cosim.ending import Ending, ending, last_outputs
 from cosim.errors import ExperimentError, SimulationError
-from cosim.experiment import count_steps
+from cosim.experiment import check_tolerance, count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -27,6 +27,7 @@ from cosim.loops import group
 from cosim.memory import Memory
 from cosim.once import claim, give_up
 from cosim.pace import Pace
+from cosim.record import Record
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
@@ -50,10 +51,11 @@ class Specification:
     step: float
     stop: float
     start: float = 0.0
-    record: tuple[str, ...] | None = None
+    record: Record | tuple[str, ...] | None = None
     coupling: Coupling | Method = "gauss_seidel"
     constant_step: bool = False
     compiled: bool = False
+    tolerance: float | None = None
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""
@@ -78,31 +80,34 @@ class Simulation:
         system = spec.system
         coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
+        check_tolerance(spec.tolerance)
         jacobi = coupling.method == "jacobi"
         groups = group(system, coupling)
         self.spec = spec
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
-        self._halted: Memory | None = None
+        self._halted = False
         self.order = [name for members in groups for name in members.components]
-        self._layout = Layout.of(system, spec.record)
+        record = Record.of(spec.record)
+        self._layout = Layout.of(system, record)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
-            system, self._layout, self.order, self._libraries, jacobi=jacobi
+            system,
+            self._layout,
+            self.order,
+            self._libraries,
+            jacobi=jacobi,
+            tolerance=spec.tolerance,
         )
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
         )
-        self._coupled.attach(self._run)
         self._run.constant_step = spec.constant_step
         self._run.n_steps = n_steps
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
-        self._block: Array | None = None  # rows of a block of steps, unless the rows are the record
-        if self._run.n_selected < self._run.width:
-            self._block = np.empty((self._run.block + 1, self._run.width))
-            self._run.rows = self._block.ctypes.data
         self._coupled.attach(self._run)
+        self._memory = Memory(self._run, self._layout, record, self.time)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -148,9 +153,8 @@ class Simulation:
             check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
         self._disturb(scenario, external)
-        self._begin(values)
-        memory = Memory(self._run, external, self._block)
-        return self._step(memory, 0, self._place(until), real_time, progress)
+        self._begin(values, external)
+        return self._step(0, self._place(until), real_time, progress)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
@@ -162,7 +166,7 @@ class Simulation:
             more state than the FMUs': Model Exchange, event mode, arrays, a coupling that is not
             plain.
         """
-        if self._halted is None:
+        if not self._halted:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
         components = self.spec.system.components
         if mute := [name for name, fmu in components.items() if not fmu.serializes]:
@@ -181,7 +185,7 @@ class Simulation:
                 " arrays has more than the FMU's own"
             )
         states = {name: self._state_of(name).save() for name in self.order}
-        row = self._halted.row(self._run.done)
+        row = self._memory.state()
         return Checkpoint(self._identity(), self._run.done, row, states).write(path)
 
     def resume(
@@ -218,13 +222,12 @@ class Simulation:
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
         self._disturb(scenario, external)
-        self._begin(system.parameters)
-        memory = Memory(self._run, external, self._block)
-        self._advance(0, memory)  # initialised, the FMUs are in a mode that takes a state
+        self._begin(system.parameters, external)
+        self._advance(0)  # initialised, the FMUs are in a mode that takes a state
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])
-        memory.begin(checkpoint.step, checkpoint.row)
-        return self._step(memory, checkpoint.step, last, real_time, progress)
+        self._memory.go_on(checkpoint.step, checkpoint.row)
+        return self._step(checkpoint.step, last, real_time, progress)
 
     def _disturb(self, scenario: Scenario | None, external: Array) -> None:
         if scenario or self._run.disturbed:
@@ -232,18 +235,18 @@ class Simulation:
                 scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
             )
 
-    def _begin(self, values: Mapping[str, Value]) -> None:
-        """Make FMUs and start values ready for a new run."""
+    def _begin(self, values: Mapping[str, Value], external: Array) -> None:
+        """Make FMUs, start values and memory ready for a new run."""
         if values.keys() != self._settings.names:
             self._attach(self._new_settings(values))
         self._settings.fill(values)
         self._instantiate()
-        self._halted = None
+        self._memory.prepare(external)
+        self._halted = False
         self._run.done = -1
 
     def _step(
         self,
-        memory: Memory,
         first: int,
         last: int,
         real_time: float | None,
@@ -260,19 +263,16 @@ class Simulation:
         elif progress:
             look = max(1, look // 100)
         for halt in [*range(first + look, last, look), last]:
-            if end := self._advance(halt, memory):
-                return self._ended(end, memory, first)
+            if end := self._advance(halt):
+                return self._ended(end, first)
             if self.pace:
                 self.pace.keep(self.time[halt])
             if progress:
                 progress(float(self.time[halt]))
-        shown = slice(first, last + 1)
-        return Result(
-            self.time[shown], memory.record[shown], self._layout.recorded, self.spec.system
-        )
+        return self._result(*self._memory.kept(first, last))
 
-    def _advance(self, halt: int, memory: Memory) -> Ending | None:
-        self._halted = None
+    def _advance(self, halt: int) -> Ending | None:
+        self._halted = False
         self._run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
@@ -285,17 +285,31 @@ class Simulation:
                 raise self._failure()
             return end
         if outcome == kernel.HALTED:
-            self._halted = memory
+            self._halted = True
         return None
 
-    def _ended(self, end: Ending, memory: Memory, first: int) -> Result:
-        """Return what there is of a run from a step on that an FMU ended."""
+    def _ended(self, end: Ending, first: int) -> Result:
+        """Return what there is of a run from a step on that an FMU ended.
+
+        In the last row it has its last outputs, and all others have those of the row before. That
+        row is left out where the FMU did not come further.
+        """
         run = self._run
         name = self.order[run.failed]
-        kept = kept_rows(run, memory.record, memory.rows, self._slots[name], end)
-        time = np.append(self.time[: run.done + 1], end.time)[: len(kept)]
-        stopped = f"{name}: {end.reason} at t = {end.time:.9g} s"
-        return Result(time[first:], kept[first:], self._layout.recorded, self.spec.system, stopped)
+        further = end.time > run.start + run.done * run.step
+        if further:
+            slot = self._slots[name]
+            self._memory.append(slot.column, last_outputs(slot))
+        if not self._kernel.close_rows(run):
+            raise self._failure()
+        time, values = self._memory.kept(first, run.done, ended=True)
+        if further:
+            time = np.append(time[:-1], end.time)
+        return self._result(time, values, f"{name}: {end.reason} at t = {end.time:.9g} s")
+
+    def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
+        names, sums = self._layout.recorded, self._memory.sums
+        return Result(time, values, names, self.spec.system, stopped, sums)
 
     def _place(self, until: float | None) -> int:
         """Return the number of the step that ends at a time."""
@@ -315,9 +329,9 @@ class Simulation:
     def _identity(self) -> str:
         spec = self.spec
         tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
-        columns = list(self._layout.columns)
+        signals = list(self._layout.columns), self._layout.summed
         coupling = Coupling.of(spec.coupling)
-        return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, columns))
+        return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, signals))
 
     @property
     def accuracy(self) -> int:
@@ -334,7 +348,7 @@ class Simulation:
 
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
-        self._halted = None
+        self._halted = False
         self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)

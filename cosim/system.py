@@ -10,7 +10,8 @@ from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
 from cosim.names import component_of, suggestion, variable_of
-from cosim.scaling import PLAIN, Link, Scaling
+from cosim.record import Record
+from cosim.scaling import PLAIN, Link, Transform, ValueMap
 from cosim.simulation import Simulation, Specification
 from cosim.units import Unit
 from cosim.variables import Value, Variable
@@ -187,7 +188,7 @@ class System:
             near = suggestion(component, self.components)
             raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
         fmu = self.components[component]
-        found = fmu.find(variable, self._lengths(component, fmu))
+        found = fmu.find(variable, self.lengths(component))
         if found is None:
             near = suggestion(variable, fmu.variables)
             raise error(
@@ -195,6 +196,12 @@ class System:
                 f" {variable!r}{near}"
             )
         return found
+
+    def lengths(self, component: str) -> dict[str, int]:
+        """Return the structural parameters of a component that were set, by variable."""
+        names = ((n, f"{component}.{n}") for n in self.components[component].structural)
+        values = ((name, self.parameters.get(key)) for name, key in names)
+        return {name: value for name, value in values if isinstance(value, int)}
 
     def unit(self, name: str) -> str | None:
         """Return the unit of an exposed input or of ``component.variable``."""
@@ -207,7 +214,7 @@ class System:
             return self.input_units.get(name) or self.unit_of(self.inputs[name][0])
         return self._fmu(name).unit(self.variable(name))
 
-    def scaling(self, source: str, target: str) -> Scaling:
+    def scaling(self, source: str, target: str) -> Transform:
         """Return what is done to a number on its way from what feeds an input into it."""
         link = self.links.get(target, PLAIN)
         return self._scaling(source, self.unit_of(source), target, link)
@@ -231,18 +238,18 @@ class System:
         step: float,
         stop: float,
         start: float = 0.0,
-        record: Sequence[str] | None = None,
+        record: Record | str | Sequence[str] | None = None,
         coupling: Coupling | Method = "gauss_seidel",
         constant_step: bool = False,
         compiled: bool = False,
+        tolerance: float | None = None,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
         Parameters
         ----------
         step, stop, start : communication step and interval, s
-        record : names or patterns (``drive.*``) of what to keep; every output and exposed input by
-            default. A pattern stands for outputs and exposed inputs, a name for any real variable
+        record : a Record of what to keep, or its names; every output and exposed input by default
         coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
             order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
             delays every connection by one step; ``iterative`` repeats steps until all agree
@@ -251,14 +258,19 @@ class System:
             point and step size add up exactly
         compiled : whether to compile the steps of this system into C of their own: under a second
             once, then up to a quarter less for cheap FMUs. The values are the same
+        tolerance : relative, of the solver of Model Exchange and of those within FMUs.
+            By default each FMU has the one that it proposes; where it proposes none, Model Exchange
+            takes 1e-5 (as FMPy does) and Co-Simulation is told none
 
         Raises
         ------
         ExperimentError, ConnectionFault, FmuError
         """
-        names = None if record is None else tuple(record)
+        kept = record if record is None or isinstance(record, Record) else Record(record).wanted
         return Simulation(
-            Specification(self.copy(), step, stop, start, names, coupling, constant_step, compiled)
+            Specification(
+                self.copy(), step, stop, start, kept, coupling, constant_step, compiled, tolerance
+            )
         )
 
     def copy(self) -> System:
@@ -273,12 +285,6 @@ class System:
         twin.parameters = dict(self.parameters)
         twin.origin = self.origin
         return twin
-
-    def _lengths(self, component: str, fmu: Fmu) -> dict[str, int]:
-        """Return the structural parameters that were set."""
-        names = ((name, f"{component}.{name}") for name in fmu.structural)
-        values = ((name, self.parameters.get(key)) for name, key in names)
-        return {name: value for name, value in values if isinstance(value, int)}
 
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]
@@ -315,9 +321,9 @@ class System:
                 f" expected an {causality} that is a number or Boolean{hint}"
             )
 
-    def _scaling(self, source: str, unit: Unit | None, target: str, link: Link) -> Scaling:
+    def _scaling(self, source: str, unit: Unit | None, target: str, link: Link) -> Transform:
         wanted = self.unit_of(target)
-        if not (unit and wanted and link.convert):
+        if isinstance(link.scaling, ValueMap) or not (unit and wanted and link.convert):
             return link.scaling
         converted = unit.to(wanted)
         if converted is None:
@@ -327,17 +333,32 @@ class System:
             )
         return converted.then(link.scaling)
 
+    def _check_kinds(self, like: str, target: str, link: Link, purpose: str) -> None:
+        start, end = self.variable(like), self.variable(target)
+        if isinstance(link.scaling, ValueMap):
+            if not (start.is_mapped and end.is_mapped):
+                raise ConnectionFault(
+                    f"{purpose}: {like} is a {start.kind}, {target} a {end.kind}; values are mapped"
+                    " between integers, Booleans and enumerations"
+                )
+            for _, value in link.scaling.pairs:
+                try:
+                    end.checked(value, target)
+                except ParameterError as fault:
+                    raise ConnectionFault(f"{purpose}: {fault}") from None
+        elif start.kind != end.kind:
+            raise ConnectionFault(
+                f"{purpose}: {like} is a {start.kind}, {target} a {end.kind}; only equal types"
+                " connect, others with pairs of values (ValueMap)"
+            )
+
     def _check_feed(
         self, source: str, like: str, unit: Unit | None, target: str, link: Link
     ) -> None:
         """Check that ``target`` can be fed by ``source``, which is a variable like ``like``."""
         purpose = f"cannot connect {source} to {target}"
         self._check_end(target, "input", purpose)
-        kind, wanted_kind = self.variable(like).kind, self.variable(target).kind
-        if kind != wanted_kind:
-            raise ConnectionFault(
-                f"{purpose}: {like} is a {kind}, {target} a {wanted_kind}; only equal types connect"
-            )
+        self._check_kinds(like, target, link, purpose)
         self._scaling(source, unit, target, link)
         if feeder := self.sources().get(target):
             raise ConnectionFault(f"{purpose}: {target} is fed by {feeder} already")

@@ -77,6 +77,8 @@ class Variable:
     dimensions : length of each; empty for a scalar
     structure : for each dimension the structural parameter that sets its length, None where fixed
     array, element : of an element of an array, the array's name and the place in it, row by row
+    enumeration : name of its type, of an enumeration
+    items : (name, number) of that type
     """
 
     name: str
@@ -95,6 +97,8 @@ class Variable:
     structure: tuple[str | None, ...] = ()
     array: str | None = None
     element: int = 0
+    enumeration: str | None = None
+    items: tuple[tuple[str, int], ...] = ()
 
     @classmethod
     def from_fmpy(cls, variable: Any) -> Variable:
@@ -124,6 +128,7 @@ class Variable:
                 None if length.variable is None else length.variable.name
                 for length in variable.dimensions
             ),
+            **_enumeration(variable),
         )
 
     @property
@@ -140,6 +145,11 @@ class Variable:
     def is_discrete(self) -> bool:
         """Whether it jumps: its values are held, never interpolated."""
         return self.type not in _FLOATS or self.variability != "continuous"
+
+    @property
+    def is_mapped(self) -> bool:
+        """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
+        return self.type not in _FLOATS | _NOT_NUMBERS
 
     @property
     def kind(self) -> str:
@@ -269,6 +279,13 @@ class Variable:
             raise ParameterError(
                 f"{label} = {value}{unit} is outside its range {lowest} .. {highest}{unit}"
             )
+
+
+def _enumeration(variable: Any) -> dict[str, Any]:
+    kind = variable.declaredType
+    if variable.type != "Enumeration" or kind is None:
+        return {}
+    return {"enumeration": kind.name, "items": tuple((i.name, int(i.value)) for i in kind.items)}
 
 
 def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:

@@ -13,7 +13,7 @@ from cosim.facade import Facade, wants_facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of
-from cosim.scaling import IDENTITY
+from cosim.scaling import IDENTITY, Scaling, Transform, ValueMap
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -30,20 +30,25 @@ def wire(
     libraries: Mapping[str, Library],
     *,
     jacobi: bool,
+    tolerance: float | None,
 ) -> tuple[kernel.Run, dict[str, Facade]]:
     """Return a run that lacks its times, its memory and the instances of the FMUs.
 
-    With it come the facades of the components that need one.
+    With it come the facades of the components that need one. ``tolerance`` is the relative one of
+    all solvers; where None, each FMU has the one that it proposes.
     """
     facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
-    inputs = _inputs(system, layout, order, jacobi=jacobi)
+    inputs = fed_inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
-        slot.version = system.components[name].version
+        fmu = system.components[name]
+        slot.version = fmu.version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
         slot.log = ctypes.pointer(kernel.Log())
+        if fmu.interface == "co_simulation":
+            slot.tolerance = tolerance or fmu.experiment.tolerance or 0.0
 
         outputs = layout.outputs[name]
         slot.n_linked = layout.linked[name]
@@ -56,9 +61,7 @@ def wire(
         slot.input_references = _references(system, [target for _, target in inputs[name]])
         scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
         scaled = any(scaling != IDENTITY for scaling in scales)
-        if scaled:
-            numbers = [s.factor for s in scales] + [s.offset for s in scales]
-            slot.scales = (ctypes.c_double * len(numbers))(*numbers)
+        _transform(slot, scales)
         if not offsets:
             slot.inputs = kernel.NONE
         elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
@@ -68,10 +71,9 @@ def wire(
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
         targets = [(target, offset >= width) for offset, target in inputs[name]]
-        if facade := _facade(system, name, libraries[name], outputs, targets):
+        if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
             facades[name] = facade
             facade.dress(slot)
-    selected = [columns[name] for name in layout.recorded]
     run = kernel.Run(
         components=components,
         n_components=len(order),
@@ -79,10 +81,24 @@ def wire(
         n_external=len(system.inputs),
         width=width,
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
-        selected=(ctypes.c_int64 * len(selected))(*selected),
-        n_selected=len(selected),
     )
     return run, facades
+
+
+def _transform(slot: kernel.Component, transforms: Sequence[Transform]) -> None:
+    """Let the inputs of a component be scaled or mapped."""
+    lines = [t if isinstance(t, Scaling) else IDENTITY for t in transforms]
+    if any(line != IDENTITY for line in lines):
+        slot.scales = _doubles([s.factor for s in lines] + [s.offset for s in lines])
+    if any(isinstance(t, ValueMap) for t in transforms):
+        pairs = [t.pairs if isinstance(t, ValueMap) else () for t in transforms]
+        slot.maps = (kernel.Map * len(pairs))(
+            *(kernel.Map(len(p), _doubles([x for pair in p for x in pair])) for p in pairs)
+        )
+
+
+def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
+    return (ctypes.c_double * len(numbers))(*numbers)
 
 
 def _facade(
@@ -91,6 +107,7 @@ def _facade(
     library: Library,
     outputs: Sequence[str],
     targets: Sequence[tuple[str, bool]],
+    tolerance: float | None,
 ) -> Facade | None:
     """Return a facade for a component that the kernel does not take as it is."""
     fmu = system.components[name]
@@ -100,13 +117,15 @@ def _facade(
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
     arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
-    return Facade(fmu, library, read, fed, ahead, arrays)
+    return Facade(fmu, library, read, fed, ahead, arrays, tolerance)
 
 
-def _inputs(
+def fed_inputs(
     system: System, layout: Layout, order: Sequence[str], *, jacobi: bool
 ) -> dict[str, list[tuple[int, str]]]:
     """Return per component its fed inputs with their offsets from the row of the present time.
+
+    The kernel sets them in this order.
 
     What was computed earlier in the same step is read from the next row, and so are the exposed
     inputs of Model Exchange, which takes a straight line from one to the other.

@@ -6,17 +6,17 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import cosim
 import ga
 import models
 import toolchain
 from cosim.control import ControlError
-from stickslip.commands import build, design, export, identify, reproduce, simulate, validate
+from stickslip.commands import build, check, design, export, identify, reproduce, simulate, validate
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, design, identify, validate, export)
+COMMANDS = (reproduce, build, simulate, check, design, identify, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
     options = _parser().parse_args(arguments)
     try:
-        options.run(options)
+        status = options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("stickslip: interrupted", file=sys.stderr)
         return 130
-    return 0
+    return status or 0
 
 
 class _Parser(argparse.ArgumentParser):
@@ -64,11 +64,19 @@ def _parser() -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in COMMANDS:
         command.add_to(subparsers)
-    for subparser in subparsers.choices.values():
-        subparser.add_argument(
+    _take_debug(subparsers)
+    return parser
+
+
+def _take_debug(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Let ``--debug`` stand behind every command too."""
+    for parser in subparsers.choices.values():
+        parser.add_argument(
             "--debug", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS
         )
-    return parser
+        for action in parser._actions:  # noqa: SLF001 - argparse has no public way to them
+            if isinstance(action.choices, dict):  # commands of its own
+                _take_debug(action)
 
 
 def _line(error: BaseException) -> str:

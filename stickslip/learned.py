@@ -51,7 +51,11 @@ def read_learned(path: Path) -> dict[str, float]:
         document = json.loads(path.read_text(encoding="utf-8"))
         return {name: float(document["parameters"][name]["value"]) for name in LUGRE}
     except (ValueError, KeyError, TypeError) as error:
-        reason = f"{error} is missing" if isinstance(error, KeyError) else error
+        reason = str(error)
+        if isinstance(error, KeyError):
+            reason = f"{error} is missing"
+        elif isinstance(error, TypeError):
+            reason = "it has another structure"
         raise UsageError(
             f"{path}: not a learned.json: {reason}; expected parameters {', '.join(LUGRE)}, "
             "each with a value"

@@ -6,6 +6,7 @@ from ctypes import (
     CDLL,
     POINTER,
     Structure,
+    c_bool,
     c_char,
     c_char_p,
     c_double,
@@ -33,6 +34,7 @@ class Setting(Structure):
     _fields_ = (
         ("set", c_void_p),
         ("call", c_char_p),
+        ("late", c_int64),
         ("n", c_size_t),
         ("references", POINTER(c_uint32)),
         ("values", c_void_p),
@@ -49,6 +51,25 @@ class Disturbance(Structure):
     """What a scenario does to one signal."""
 
     _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
+
+
+class Map(Structure):
+    """Pairs of values of one input."""
+
+    _fields_ = (("n", c_size_t), ("pairs", POINTER(c_double)))
+
+
+class SumOfSquares(Structure):
+    """A sum of (signal - reference)^2 over time."""
+
+    _fields_ = (
+        ("column", c_int64),
+        ("reference", c_int64),
+        ("constant", c_double),
+        ("first", c_int64),
+        ("end", c_int64),
+        ("sum", c_double),
+    )
 
 
 class Component(Structure):
@@ -68,6 +89,7 @@ class Component(Structure):
         ("input_offsets", POINTER(c_int64)),
         ("gathered", POINTER(c_double)),
         ("scales", POINTER(c_double)),
+        ("maps", POINTER(Map)),
         ("n_linked", c_size_t),
         ("used", c_int64),
         ("n_settings", c_size_t),
@@ -75,6 +97,7 @@ class Component(Structure):
         ("log", POINTER(Log)),
         ("n_disturbances", c_size_t),
         ("disturbances", POINTER(Disturbance)),
+        ("tolerance", c_double),
     )
 
 
@@ -95,11 +118,16 @@ class Run(Structure):
         ("rows", c_void_p),
         ("width", c_int64),
         ("block", c_int64),
+        ("used_again", c_int64),
         ("record", c_void_p),
         ("selected", POINTER(c_int64)),
         ("n_selected", c_int64),
+        ("every", c_int64),
+        ("sums", POINTER(SumOfSquares)),
+        ("n_sums", c_int64),
         ("block_start", c_int64),
         ("done", c_int64),
+        ("closed", c_int64),
         ("t", c_double),
         ("h", c_double),
         ("failed", c_int64),
@@ -169,6 +197,8 @@ def load(steps: str | None = None) -> CDLL:
     library.release.argtypes = (POINTER(Component),)
     library.advance.argtypes = library.forget.argtypes = (POINTER(Run),)
     library.advance.restype = c_int
+    library.close_rows.argtypes = (POINTER(Run),)
+    library.close_rows.restype = c_bool
     return library
 
 

@@ -69,6 +69,16 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
     return passed(run, c, "fmi3DoStep", (int)status);
 }
 
+/* In place; rare, and kept out of the way of what is not. */
+__attribute__((noinline, unused)) static void map_inputs(const Component *c, double *values) {
+    for (size_t i = 0; i < c->n_inputs; i++) {
+        const double x = values[i], *pair = c->maps[i].pairs;
+        for (size_t j = 0; j < c->maps[i].n; j++) {
+            values[i] = pair[2 * j] == x ? pair[2 * j + 1] : values[i];
+        }
+    }
+}
+
 INLINE const double *gather(const Component *c, const double *row) {
 #pragma clang loop unroll(disable) vectorize(disable)
     for (size_t i = 0; i < c->n_inputs; i++) {
@@ -78,6 +88,9 @@ INLINE const double *gather(const Component *c, const double *row) {
         for (size_t i = 0; i < c->n_inputs; i++) {
             c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
         }
+    }
+    if (UNLIKELY(c->maps != NULL)) {
+        map_inputs(c, c->gathered);
     }
     return c->gathered;
 }
@@ -97,9 +110,12 @@ INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
 
 INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }
 
-INLINE bool set_start_values(Run *run, const Component *c) {
+INLINE bool set_start_values(Run *run, const Component *c, bool late) {
     for (size_t i = 0; i < c->n_settings; i++) {
         const Setting *s = &c->settings[i];
+        if ((s->late != 0) != late) {
+            continue;
+        }
         const int status =
             c->version == 2 ? (int)s->set.fmi2(c->instance, s->references, s->n, s->values)
                             : (int)s->set.fmi3(c->instance, s->references, s->n, s->values, s->n);
@@ -111,17 +127,20 @@ INLINE bool set_start_values(Run *run, const Component *c) {
 }
 
 INLINE bool enter_initialization(Run *run, const Component *c) {
+    const bool told = c->tolerance > 0.0;
     if (LIKELY(c->version == 2)) {
-        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, fmi2False, 0.0,
+        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance,
                                                                run->start, fmi2True, run->stop);
-        return passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c) &&
-               passed(run, c, "fmi2EnterInitializationMode",
-                      (int)c->call.fmi2.EnterInitializationMode(c->instance));
+        TRY(passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c, false) &&
+            passed(run, c, "fmi2EnterInitializationMode",
+                   (int)c->call.fmi2.EnterInitializationMode(c->instance)));
+    } else {
+        TRY(set_start_values(run, c, false) &&
+            passed(run, c, "fmi3EnterInitializationMode",
+                   (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
+                                                             run->start, true, run->stop)));
     }
-    return set_start_values(run, c) &&
-           passed(run, c, "fmi3EnterInitializationMode",
-                  (int)c->call.fmi3.EnterInitializationMode(c->instance, false, 0.0, run->start,
-                                                            true, run->stop));
+    return set_start_values(run, c, true);
 }
 
 INLINE bool exit_initialization(Run *run, const Component *c) {

@@ -33,6 +33,14 @@ static Polynomial scaled(Polynomial p, const Component *c, size_t i) {
     return p;
 }
 
+static Polynomial followed(const Run *run, const Link *link, double t, double h) {
+    if (link->holds) {
+        const Coupling *k = run->coupling;
+        return (Polynomial){{(link->fresh ? k->next : k->past)[link->column]}};
+    }
+    return hold(run, link->column, link->fresh, t, h);
+}
+
 static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Part part) {
     const Coupling *k = run->coupling;
     const Component *c = &run->components[index];
@@ -40,7 +48,7 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
     const size_t n = c->n_inputs;
     for (size_t i = 0; i < n; i++) {
         const Link *link = &m->links[i];
-        const Polynomial p = scaled(hold(run, link->column, link->fresh, t, h), c, i);
+        const Polynomial p = scaled(followed(run, link, t, h), c, i);
         m->values[i] = m->interpolates ? p.a[0] : held(p, link, part, h);
         for (size_t j = 0; m->interpolates && j < (size_t)k->degree; j++) {
             m->derivatives[j * n + i] = (double)(j + 1) * p.a[j + 1]; /* 1 a1, 2 a2 */
@@ -48,6 +56,9 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
     }
     if (n == 0) {
         return true;
+    }
+    if (c->maps) {
+        map_inputs(c, m->values);
     }
     if (c->version == 3) {
         const fmi3Status status =
@@ -172,8 +183,8 @@ bool couple_until(Run *run, int64_t end) {
         const int64_t next = run->done + 1;
         const double t = run->start + (double)run->done * run->step;
         const double t_next = run->start + (double)next * run->step;
-        double *row = run->rows + (run->record ? next - run->block_start : next) * run->width;
-        if (!step_coupled(run, row, t, run->constant_step ? run->step : t_next - t)) {
+        const double h = run->constant_step ? run->step : t_next - t;
+        if (!step_coupled(run, row_of(run, next), t, h)) {
             return false;
         }
     }

@@ -16,6 +16,7 @@ typedef struct {
     int64_t column;
     int64_t fresh;         /* not 0: the value at the end of the step is known */
     int64_t feeds_through; /* not 0: outputs show its value at the end of the step */
+    int64_t holds;         /* not 0: a discrete value, which follows no polynomial */
 } Link;
 
 /* Both versions agree in these, but for the name of the status type. */

@@ -11,7 +11,12 @@ MAX_PAST = MAX_DEGREE + 1
 class Link(Structure):
     """What one input follows."""
 
-    _fields_ = (("column", c_int64), ("fresh", c_int64), ("feeds_through", c_int64))
+    _fields_ = (
+        ("column", c_int64),
+        ("fresh", c_int64),
+        ("feeds_through", c_int64),
+        ("holds", c_int64),
+    )
 
 
 class Member(Structure):

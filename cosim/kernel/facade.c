@@ -67,6 +67,7 @@ fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fm
     Facade *f = c;
     f->time = f->start = start;
     f->stop = stop;
+    f->told_tolerance = has_tolerance ? tolerance : 0.0;
     f->next_event = INFINITY;
     f->running = 0;
     f->called = NULL;
@@ -88,12 +89,15 @@ fmi2Status facade_EnterInitializationMode(fmi2Component c) {
     }
     TRY_STATUS(set_groups(f, &f->starts));
     if (f->version == 2) {
-        return plain(f, ENTER_INITIALIZATION);
+        TRY_STATUS(plain(f, ENTER_INITIALIZATION));
+    } else {
+        AnyCall *call = f->call[ENTER_INITIALIZATION];
+        TRY_STATUS(noted(
+            f, ENTER_INITIALIZATION,
+            (int)((fmi3EnterInitializationModeTYPE *)call)(
+                f->instance, f->told_tolerance > 0.0, f->told_tolerance, f->start, true, f->stop)));
     }
-    AnyCall *call = f->call[ENTER_INITIALIZATION];
-    return noted(f, ENTER_INITIALIZATION,
-                 (int)((fmi3EnterInitializationModeTYPE *)call)(f->instance, false, 0.0, f->start,
-                                                                true, f->stop));
+    return set_groups(f, &f->late);
 }
 
 fmi2Status facade_ExitInitializationMode(fmi2Component c) {

@@ -100,12 +100,14 @@ typedef struct {
     AnyCall *call[N_CALLS];
     Groups structure; /* start values of structural parameters */
     Groups starts;    /* of all others */
+    Groups late;      /* those of inputs, set in Initialization Mode */
     Groups inputs, outputs;
     const Port *input_ports, *output_ports;
     size_t n_inputs;
     double *before, *after; /* n_inputs, values of the input ports at the two ends of a step */
     const Cvode *cvode;     /* Model Exchange */
-    double tolerance;       /* relative; times the nominal value it is the absolute one */
+    double tolerance; /* relative, of Model Exchange; times the nominal value the absolute one */
+    double told_tolerance; /* Co-Simulation: 0 where the FMU is not told one */
     size_t n_states, n_indicators;
     void *instance;
     Integrator *integrator;

@@ -11,7 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef _WIN32
+#ifdef EXPORT /* a container exports the functions of the standard only */
+#elif defined _WIN32
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
@@ -54,6 +55,7 @@ typedef struct {
         fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
     } set;
     const char *call;
+    int64_t late; /* in Initialization Mode, as inputs are; else before it */
     size_t n;
     const uint32_t *references; /* n */
     const void *values;         /* n, of the type that set takes */
@@ -66,6 +68,22 @@ typedef struct {
     const double *keep; /* n_steps + 1 */
     const double *add;  /* n_steps + 1 */
 } Disturbance;
+
+/* Pairs x, y of values that an input maps: x becomes y, any other value stays. */
+typedef struct {
+    size_t n;            /* 0: the input is not mapped */
+    const double *pairs; /* n pairs */
+} Map;
+
+/* The sum of (signal - reference)^2 over the points in time from a step on, and before another; row
+ * after row. */
+typedef struct {
+    int64_t column;
+    int64_t reference; /* a column; -1 where it is the constant */
+    double constant;
+    int64_t first, end; /* steps */
+    double sum;
+} SumOfSquares;
 
 /* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
 typedef struct {
@@ -96,6 +114,7 @@ typedef struct {
     const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
+    const Map *maps;      /* n_inputs; NULL where nothing is mapped */
     size_t n_linked;      /* the first outputs: those that other components read */
     int64_t used;         /* not 0: must be reset before the next run */
     size_t n_settings;
@@ -103,6 +122,7 @@ typedef struct {
     Log *log;
     size_t n_disturbances;
     const Disturbance *disturbances;
+    double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
@@ -119,14 +139,19 @@ typedef struct {
     double start, stop, step; /* s */
     const double *external;   /* (n_steps + 1, n_external), or NULL where n_external is 0 */
     int64_t n_external;
-    double *rows;   /* (n_steps + 1, width), or (block + 1, width) where there is a record */
-    int64_t width;  /* of a row */
-    int64_t block;  /* steps between two looks at the values and the clock */
-    double *record; /* (n_steps + 1, n_selected), or NULL where the rows are the record */
+    double *rows;       /* (n_steps + 1, width), or (block + 1, width) where they are used again */
+    int64_t width;      /* of a row */
+    int64_t block;      /* steps between two looks at the values and the clock */
+    int64_t used_again; /* not 0: the rows of a block are those of the next */
+    double *record;     /* (n_steps / every + 1, n_selected), or NULL */
     const int64_t *selected; /* columns */
     int64_t n_selected;
-    int64_t block_start; /* the step to which the first row belongs, where there is a record */
+    int64_t every; /* steps from one row of the record to the next */
+    SumOfSquares *sums;
+    int64_t n_sums;
+    int64_t block_start; /* the step to which the first row belongs, where rows are used again */
     int64_t done;        /* steps completed; -1 before initialisation */
+    int64_t closed;      /* the last step whose row is in the record and the sums */
     double t, h;         /* s, of the present step: in memory, where no call can lose them */
     int64_t failed;      /* component */
     int64_t output;      /* of that component, where its value is not finite */
@@ -148,5 +173,14 @@ void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
  * HALTED when step halt is reached: with another halt, it goes on from there. */
 EXPORT enum Outcome advance(Run *run);
+
+/* Check the rows up to the last step done, and take them into record and sums: what advance does
+ * but in a block whose last step failed. False where a value is not finite. */
+EXPORT bool close_rows(Run *run);
+
+/* The row of step n. */
+static inline double *row_of(const Run *run, int64_t n) {
+    return run->rows + (run->used_again ? n - run->block_start : n) * run->width;
+}
 
 #endif

@@ -1,6 +1,7 @@
 #include "calls.h"
 #include "coupling.h"
 #include "disturbed.h"
+#include "record.h"
 #include "steps.h"
 #include <math.h>
 #include <string.h>
@@ -79,8 +80,8 @@ static bool trace_back(Run *run, int64_t first) {
     return false;
 }
 
-/* Check rows first .. last, and copy what is recorded of them. */
-static bool close_rows(Run *run, int64_t first, int64_t last) {
+bool close_rows(Run *run) {
+    const int64_t first = run->closed + 1, last = run->done;
     const double *values = row_of(run, first);
     const int64_t n_values = (last - first + 1) * run->width;
     uint64_t overflows = 0;
@@ -90,21 +91,17 @@ static bool close_rows(Run *run, int64_t first, int64_t last) {
     for (int64_t n = first; overflows >> 63 && n <= last; n++) {
         TRY(finite(run, n, run->components + run->n_components));
     }
-    for (int64_t i = 0; run->record && i < run->n_selected; i++) {
-        const double *value = values + run->selected[i];
-        double *record = run->record + first * run->n_selected + i;
-        for (int64_t n = first; n <= last; n++) {
-            *record = *value;
-            record += run->n_selected;
-            value += run->width;
-        }
+    record_rows(run, first, last);
+    for (int64_t i = 0; i < run->n_sums; i++) {
+        add_squares(run, &run->sums[i], first, last);
     }
+    run->closed = last;
     return true;
 }
 
 static bool step_block(Run *run, int64_t end) {
     const int64_t first = run->done;
-    if (run->record) {
+    if (run->used_again) {
         memmove(run->rows, row_of(run, first), (size_t)run->width * sizeof(double));
         run->block_start = first;
     }
@@ -116,19 +113,26 @@ static bool step_block(Run *run, int64_t end) {
                          : run->coupling          ? couple_until(run, end)
                                                   : step_until(run, end);
     TRY(stepped || trace_back(run, first + 1));
-    return close_rows(run, first + 1, end);
+    return close_rows(run);
 }
 
 enum Outcome advance(Run *run) {
     if (run->done < 0) {
         run->block_start = 0;
-        if (!initialise(run) || !close_rows(run, 0, 0)) {
+        run->closed = -1;
+        for (int64_t i = 0; i < run->n_sums; i++) {
+            run->sums[i].sum = 0.0;
+        }
+        if (!initialise(run)) {
+            return FAILED;
+        }
+        run->done = 0;
+        if (!close_rows(run)) {
             return FAILED;
         }
         if (run->coupling) {
             begin_coupled(run);
         }
-        run->done = 0;
     }
     const time_t second = time(NULL);
     while (run->done < run->halt) {

@@ -25,7 +25,7 @@ static bool step_until(Run *run, int64_t end) {{ return walk(run, end, step); }}
 def unroll(run: kernel.Run) -> str | None:
     """Return ``steps.h`` for the components of a run; None where the tables serve better."""
     n = run.n_components
-    if not 0 < n <= MOST_COMPONENTS:
+    if not 0 < n <= MOST_COMPONENTS or any(run.components[i].maps for i in range(n)):
         return None
     size = _GROUP if run.jacobi else 1
     lists, calls = [], []

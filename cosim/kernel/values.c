@@ -29,18 +29,24 @@ fmi2Status set_groups(Facade *f, const Groups *groups) {
     return fmi2OK;
 }
 
-/* Numbers beyond a type's range are held at its ends; the value is known to be finite. */
+/* Numbers beyond a type's range are held at its ends; the value is known to be finite. The ends of
+ * 64 bits are no doubles: they round to powers of two beyond. */
+static int64_t to_INT64(double value) { return value >= 0x1p63 ? INT64_MAX : (int64_t)value; }
+static uint64_t to_UINT64(double value) { return value >= 0x1p64 ? UINT64_MAX : (uint64_t)value; }
+
 #define STORE(place_, type)                                                                        \
     case place_:                                                                                   \
-        ((type *)g->values)[place] = (type)value;                                                  \
+        ((type *)g->values)[place] = place_ == INT64    ? (type)to_INT64(value)                    \
+                                     : place_ == UINT64 ? (type)to_UINT64(value)                   \
+                                                        : (type)value;                             \
         break;
 void store(const Group *g, int64_t place, double value) {
     static const double lowest[] = {
         [INT8] = INT8_MIN, [INT16] = INT16_MIN, [INT32] = INT32_MIN, [INT64] = -0x1p63, [TEXT] = 0};
     static const double highest[] = {
-        [INT8] = INT8_MAX,       [UINT8] = UINT8_MAX,      [INT16] = INT16_MAX,
-        [UINT16] = UINT16_MAX,   [INT32] = INT32_MAX,      [UINT32] = UINT32_MAX,
-        [INT64] = 0x1p63 - 1024, [UINT64] = 0x1p64 - 2048, [BOOLEAN] = 1};
+        [INT8] = INT8_MAX,     [UINT8] = UINT8_MAX, [INT16] = INT16_MAX,
+        [UINT16] = UINT16_MAX, [INT32] = INT32_MAX, [UINT32] = UINT32_MAX,
+        [INT64] = 0x1p63,      [UINT64] = 0x1p64,   [BOOLEAN] = 1};
     if (g->stored > FLOAT32 && g->stored < BOOLEAN) {
         value = fmax(lowest[g->stored], fmin(highest[g->stored], value));
     }

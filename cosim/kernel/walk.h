@@ -7,11 +7,6 @@
 /* Read inputs from row now and, where they are fresh, from row next; write outputs to row next. */
 typedef bool Step(Run *run, const double *now, double *next);
 
-/* The row of step n. All rows are kept, or those of one block, which the next block overwrites. */
-static inline double *row_of(const Run *run, int64_t n) {
-    return run->rows + (run->record ? n - run->block_start : n) * run->width;
-}
-
 INLINE bool walk(Run *run, int64_t end, Step step_all) {
     const int64_t width = run->width;
     double *now = row_of(run, run->done);

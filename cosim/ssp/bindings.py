@@ -16,7 +16,7 @@ from cosim.ssp.members import Members, file_name, free_name
 from cosim.ssp.names import component, path_of, tag
 from cosim.ssp.package import Package
 from cosim.ssp.parameters import read_parameters
-from cosim.ssp.values import add_values, can_change, change, file_of, parameter_set
+from cosim.ssp.values import add_values, can_change, change, file_of, parameter_set, whole_arrays
 from cosim.system import System
 from cosim.variables import Value
 
@@ -31,6 +31,8 @@ def edit_parameters(
     SspError
     """
     values = _changed_values(before, system)
+    if editor.has_arrays:
+        values = whole_arrays(values, system)
     given = read_parameters(editor.graph) if package and values else {}
     uses = Counter(id(element) for _, element in given.values())
     fresh: dict[str, dict[str, Value]] = defaultdict(dict)
@@ -106,7 +108,7 @@ def _bind(
     version = editor.document.root.get("version")
     source = free_name(f"resources/{file}", ".ssv", members)
     title = component(node.path)
-    members[source] = text_of(parameter_set(title, values, system.components[name], version))
+    members[source] = text_of(parameter_set(title, values, name, system, version))
     add(group(node.element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
     editor.changed = True
 
@@ -120,7 +122,7 @@ def _bind_on_top(
     for name, value in values.items():
         owner = component_of(name)
         prefix = ".".join(path_of(owner)) + "."
-        add_values(root, {variable_of(name): value}, system.components[owner], version, prefix)
+        add_values(root, {variable_of(name): value}, owner, system, version, prefix)
     source = free_name("resources/settings", ".ssv", members)
     members[source] = text_of(root)
     body = editor.graph.nodes[()].body

@@ -74,11 +74,44 @@ def discard(element: Any) -> None:
         parent.getparent().remove(parent)
 
 
-def add_connector(element: Any, name: str, kind: str, type_name: str, unit: Unit | None) -> None:
-    """Give an element a connector."""
+def add_connector(
+    root: Any,
+    element: Any,
+    name: str,
+    kind: str,
+    variable: Variable,
+    version: str,
+    unit: Unit | None,
+) -> None:
+    """Give an element of a description a connector for a variable."""
     connector = add(group(element, "ssd:Connectors"), "ssd:Connector", name=name, kind=kind)
-    says = unit is not None and unit.exponents and type_name in _FLOATS
-    add(connector, f"ssc:{type_name}", **({"unit": unit.name} if unit and says else {}))
+    type_name = type_of(variable, version)
+    attributes = {}
+    if type_name == "Enumeration":
+        attributes["name"] = add_enumeration(root, variable)
+    elif unit and unit.exponents and type_name in _FLOATS:
+        attributes["unit"] = unit.name
+    add(connector, f"ssc:{type_name}", **attributes)
+    for length in variable.dimensions:
+        add(connector, "ssc:Dimension", size=str(length))
+
+
+def add_enumeration(root: Any, variable: Variable) -> str:
+    """Define the enumeration of a variable that has no definition yet; return its name."""
+    known = {
+        enumeration.get("name"): [(item.get("name"), item.get("value")) for item in enumeration]
+        for enumeration in root.iter(tag("ssc:Enumeration"))
+        if len(enumeration)
+    }
+    wanted = [(name, str(value)) for name, value in variable.items]
+    name = variable.enumeration or "Enumeration"
+    while known.get(name, wanted) != wanted:
+        name += "_"
+    if name not in known:
+        new = add(group(root, "ssd:Enumerations"), "ssc:Enumeration", name=name)
+        for item, value in wanted:
+            add(new, "ssc:Item", name=item, value=value)
+    return name
 
 
 def add_units(root: Any, name: str, units: Iterable[Unit]) -> None:
@@ -100,6 +133,8 @@ def add_units(root: Any, name: str, units: Iterable[Unit]) -> None:
 
 def type_of(variable: Variable, version: str) -> str:
     """Return the type of SSP for a variable: FMI 3.0 has its own in SSP 2.0 only."""
+    if variable.type == "Enumeration" and not variable.items:
+        return "Integer" if version == "1.0" else "Int64"
     if variable.type in _OTHERS or variable.type in {"Real", "Integer"} or version != "1.0":
         return variable.type
     return "Real" if variable.type in _FLOATS else "Integer"

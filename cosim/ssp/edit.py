@@ -5,11 +5,16 @@ from __future__ import annotations
 from cosim.errors import SspError
 from cosim.fmu import Fmu
 from cosim.scaling import IDENTITY, PLAIN, Link
-from cosim.ssp.compose import add, add_connector, add_units, discard, group, type_of
+from cosim.ssp.compose import add, add_connector, add_units, discard, group
+from cosim.ssp.connectors import Connector
 from cosim.ssp.graph import Edge, End, Graph
 from cosim.ssp.names import FMU, Path, component
-from cosim.ssp.structure import Connector, Document, Node
+from cosim.ssp.structure import Document, Node
+from cosim.ssp.transformation import add_transformation
 from cosim.units import Unit
+from cosim.variables import Variable
+
+_TEXTS = {"String", "Binary"}
 
 
 class Editor:
@@ -20,6 +25,7 @@ class Editor:
     graph : of the description
     document : of the outermost system
     changed : whether anything was
+    has_arrays : whether the version of SSP knows arrays
     """
 
     def __init__(self, graph: Graph, version: str) -> None:
@@ -27,6 +33,7 @@ class Editor:
         self.document: Document = graph.nodes[()].document
         self.changed = False
         self._version = version
+        self.has_arrays = version != "1.0"
 
     def add(self, path: Path, fmu: Fmu, source: str) -> None:
         """Add a component, and the systems around it that do not exist."""
@@ -39,7 +46,8 @@ class Editor:
         fmus[path] = fmu
         self.graph.fmus = fmus
         for variable in fmu.variables.values():
-            if variable.causality == "output" and variable.is_signal:
+            is_array = variable.dimensions and self.has_arrays and variable.type not in _TEXTS
+            if variable.causality == "output" and (variable.is_signal or is_array):
                 self._declare((path, variable.name))
         add_units(self.document.root, "ssd:Units", fmu.units.values())
 
@@ -60,10 +68,11 @@ class Editor:
         self.changed = True
 
     def disconnect(self, target: End) -> None:
-        """Remove the connection that leads to an end."""
-        edge = self.graph.edges.pop(target)
-        self.graph.onward[edge.source].remove(edge)
-        discard(edge.element)
+        """Remove the connection that leads to an end; of a whole array, that of each element."""
+        element = self.graph.edges[target].element
+        for edge in [e for e in self.graph.edges.values() if e.element is element]:
+            self.graph.drop(edge)
+        discard(element)
         self.changed = True
 
     def connect(self, source: End, target: End, link: Link = PLAIN) -> None:
@@ -119,7 +128,7 @@ class Editor:
 
     def _new_connector(self, path: Path, kind: str, like: End) -> End:
         name = f"{like[0][-1]}_{like[1]}"  # with a dot FMPy takes it for what is inside
-        while name in self.graph.nodes[path].connectors:
+        while self.graph.connector((path, name)):
             name += "_"
         self._declare((path, name), kind, like)
         return path, name
@@ -127,21 +136,41 @@ class Editor:
     def _join(self, system: Path, source: End, target: End, link: Link) -> None:
         node = self._own(self.graph.nodes[system])
         attributes = {}
-        for which, (path, name) in (("start", source), ("end", target)):
+        for which, end in (("start", source), ("end", target)):
+            path, name = end
             if path != system:
                 attributes[f"{which}Element"] = path[-1]
-                self._declare((path, name))
-            attributes[f"{which}Connector"] = name
+                self._declare(end)
+            array = self._array(end)
+            attributes[f"{which}Connector"] = array or name
+            if array:
+                attributes[f"{which}Indices"] = name[len(array) + 1 : -1].replace(",", " ")
         if not link.convert:
             attributes["suppressUnitConversion"] = "true"
         element = add(group(node.body, "ssd:Connections"), "ssd:Connection", **attributes)
         if link.scaling != IDENTITY:
-            line = {"factor": repr(link.scaling.factor), "offset": repr(link.scaling.offset)}
-            add(element, "ssc:LinearTransformation", **line)
-        edge = Edge(source, target, link.scaling, link.convert, element)
-        self.graph.edges[target] = edge
-        self.graph.onward[source].append(edge)
+            ends = (self._variable(self._behind(end)) for end in (source, target))
+            add_transformation(element, link.scaling, *ends)
+        self.graph.put(Edge(source, target, link.scaling, link.convert, element))
         self.changed = True
+
+    def _array(self, end: End) -> str | None:
+        """Return the name of the connector that is an array and has an end as its element."""
+        connector = self.graph.connector(end)
+        return connector.name if connector and connector.name != end[1] else None
+
+    def _behind(self, end: End) -> End:
+        """Return an end at a component that an end of a system leads to."""
+        while end[0] not in self.graph.fmus:
+            edge = self.graph.edges.get(end)
+            end = edge.source if edge else self.graph.onward[end][0].target
+        return end
+
+    def _variable(self, end: End) -> Variable:
+        variable = self.graph.variable(end)
+        if variable is None:
+            raise SspError(f"{component(end[0])} has no variable {end[1]!r}")
+        return variable
 
     def _declare(
         self, end: End, kind: str = "", like: End | None = None, unit: Unit | None = None
@@ -149,20 +178,20 @@ class Editor:
         """Make sure that an end has a connector."""
         path, name = end
         node = self.graph.nodes[path]
-        if name in node.connectors:
+        if self.graph.connector(end):
             return
-        leaf = like or end
-        while leaf[0] not in self.graph.fmus:  # a connector of a system: look at what is behind
-            edge = self.graph.edges.get(leaf)
-            leaf = edge.source if edge else self.graph.onward[leaf][0].target
-        variable = self.graph.fmus[leaf[0]].variables[leaf[1]]
+        leaf = self._behind(like or end)
+        variable = self._variable(leaf)
+        if variable.array and self.has_arrays and not like:
+            name, variable = variable.array, self._variable((path, variable.array))
         unit = unit or self.graph.inner_unit(leaf)
         kind = kind or variable.causality
         self._own(node)
-        add_connector(node.body, name, kind, type_of(variable, self._version), unit)
+        add_connector(self.document.root, node.body, name, kind, variable, self._version, unit)
         if unit:
             add_units(self.document.root, "ssd:Units", [unit])
-        node.connectors[name] = Connector(name, kind, unit if unit and unit.exponents else None)
+        there = unit if unit and unit.exponents else None
+        node.connectors[name] = Connector(name, kind, there, dimensions=variable.dimensions)
         self.changed = True
 
     def _system(self, path: Path) -> Node:

@@ -10,15 +10,20 @@ from typing import Any
 from cosim.errors import SspError
 from cosim.fmu import Fmu
 from cosim.names import suggestion
-from cosim.scaling import IDENTITY, PLAIN, Link, Scaling
+from cosim.scaling import IDENTITY, PLAIN, Link, Scaling, Transform
+from cosim.ssp.connectors import FAMILY, Connector, Items
 from cosim.ssp.markup import attribute, place, truth
 from cosim.ssp.names import NAMESPACES, Path, component
 from cosim.ssp.structure import Node
-from cosim.ssp.transformation import scaling_of
+from cosim.ssp.transformation import check_types, transform_of
 from cosim.units import Unit
+from cosim.variables import Variable, parse_element
 
 End = tuple[Path, str]
-"""Path of an element and name of its connector; a dictionary ends its path with a blank name."""
+"""Path of an element and name of its connector; a dictionary ends its path with a blank name.
+
+An element of an array is called ``name[i,j]``, counted from 1.
+"""
 
 _GIVES = {"output", "calculatedParameter", "local", "constant"}
 _TAKES = {"input", "parameter", "structuralParameter"}
@@ -30,7 +35,7 @@ class Edge:
 
     source: End
     target: End
-    scaling: Scaling
+    scaling: Transform
     convert: bool
     element: Any
 
@@ -42,6 +47,7 @@ class Graph:
     ----------
     nodes : path -> element, the outermost system at ()
     fmus : path -> FMU of each component
+    lengths : path -> structural parameters of a component that have not their start values
     edges : target -> the one connection that leads there
     onward : source -> the connections that lead away from there
 
@@ -49,17 +55,39 @@ class Graph:
     ------
     SspError
         When a connection has an end that does not exist, joins two ends that both give or both
-        take, or leads to an end that is fed already.
+        take, leads to an end that is fed already, or joins types that do not fit.
     """
 
     def __init__(self, top: Node, fmus: Mapping[Path, Fmu]) -> None:
         self.nodes = {node.path: node for node in top.walk()}
         self.fmus = fmus
+        self.lengths: dict[Path, Mapping[str, int]] = {}
         self.edges: dict[End, Edge] = {}
         self.onward: dict[End, list[Edge]] = defaultdict(list)
         for node in top.walk():
             for element in node.body.iterfind("ssd:Connections/ssd:Connection", NAMESPACES):
                 self._join(node, element)
+
+    def put(self, edge: Edge) -> None:
+        """Add a connection.
+
+        Raises
+        ------
+        SspError
+            When its target is fed already.
+        """
+        if other := self.edges.get(edge.target):
+            raise SspError(
+                f"{place(edge.element)}: {label(edge.target)} is fed already, by the connection in"
+                f" {place(other.element)}; leave one of them"
+            )
+        self.edges[edge.target] = edge
+        self.onward[edge.source].append(edge)
+
+    def drop(self, edge: Edge) -> None:
+        """Remove a connection."""
+        del self.edges[edge.target]
+        self.onward[edge.source].remove(edge)
 
     def way_to(self, target: End) -> list[Edge]:
         """Return the connections that lead to an end, the one farthest from it first."""
@@ -87,34 +115,59 @@ class Graph:
 
     def unit(self, end: End) -> Unit | None:
         """Return the unit at an end; at a component what its connector says, else its FMU."""
-        path, name = end
-        if path and not path[-1]:
-            return self.nodes[path[:-2]].dictionaries[path[-2]][name]
-        connector = self.nodes[path].connectors.get(name)
+        connector = self.connector(end)
         return (connector and connector.unit) or self.inner_unit(end)
+
+    def connector(self, end: End) -> Connector | None:
+        """Return the connector at an end, of an element that of its array; None without one."""
+        path, name = end
+        known: Mapping[str, Connector] = (
+            self.nodes[path[:-2]].dictionaries[path[-2]]
+            if path and not path[-1]
+            else self.nodes[path].connectors
+        )
+        element = parse_element(name)
+        return known.get(name) or (known.get(element[0]) if element else None)
+
+    def variable(self, end: End) -> Variable | None:
+        """Return the FMU's variable at an end, None at other ends."""
+        fmu = self.fmus.get(end[0])
+        return fmu.find(end[1], self.lengths.get(end[0])) if fmu else None
+
+    def type(self, end: End) -> str | None:
+        """Return the type at an end, of SSP or FMI; None where nothing says it."""
+        variable, connector = self.variable(end), self.connector(end)
+        said = variable or connector
+        return said.type if said else None
+
+    def items(self, end: End) -> Items:
+        """Return the items of the enumeration at an end."""
+        variable, connector = self.variable(end), self.connector(end)
+        return (connector and connector.items) or dict(variable.items if variable else ())
 
     def inner_unit(self, end: End) -> Unit | None:
         """Return the unit of an FMU's variable, None at other ends."""
-        fmu = self.fmus.get(end[0])
-        variable = fmu and fmu.variables.get(end[1])
-        return fmu.unit(variable) if fmu and variable else None
+        variable = self.variable(end)
+        return self.fmus[end[0]].unit(variable) if variable else None
 
-    def scaling(self, way: list[Edge], unit: Unit | None) -> Scaling:
+    def scaling(self, way: list[Edge], unit: Unit | None) -> Transform:
         """Return what is done to a number in ``unit`` on a way, up to the FMU at its end."""
-        total = IDENTITY
+        total: Transform = IDENTITY
         for edge in way:
             there = self.unit(edge.target)
             if edge.convert:
-                total = total.then(_converted(unit, there, edge))
-            total = total.then(edge.scaling)
+                total = _then(total, _converted(unit, there, edge), edge)
+            total = _then(total, edge.scaling, edge)
             unit = there or (unit if edge.convert and edge.scaling == IDENTITY else None)
-        return total.then(_converted(unit, self.inner_unit(way[-1].target), way[-1]))
+        last = _converted(unit, self.inner_unit(way[-1].target), way[-1])
+        return _then(total, last, way[-1])
 
     def link(self, way: list[Edge]) -> Link:
         """Return a way from an FMU or from a connector of the whole as a single connection."""
         source, target = way[0].source, way[-1].target
         start = self.unit(source)
-        total = _converted(self.inner_unit(source), start, way[0]).then(self.scaling(way, start))
+        first = _converted(self.inner_unit(source), start, way[0])
+        total = _then(first, self.scaling(way, start), way[0])
         scaled = [i for i, edge in enumerate(way) if edge.scaling != IDENTITY]
         if all(edge.convert for edge in way) and len(scaled) <= 1:
             wanted = self.inner_unit(target)
@@ -126,40 +179,54 @@ class Graph:
 
     def _join(self, node: Node, element: Any) -> None:
         start, end = (self._end(node, element, which) for which in ("start", "end"))
+        for inner in (start, end):
+            self._check_declared(inner, element)
         gives, takes = self._role(start, node.path), self._role(end, node.path)
         if gives == takes and gives != "either":
             raise SspError(f"{_connection(element)}: both ends {gives} a signal")
         if gives == "take" or takes == "give":  # start and end say nothing about the direction
             start, end = end, start
-        if end in self.edges:
-            other = place(self.edges[end].element)
-            raise SspError(
-                f"{place(element)}: {component(end[0])}.{end[1]} is fed already, by the connection"
-                f" in {other}"
-            )
+        check_types(element, [(label(e), self.type(e)) for e in (start, end)])
         convert = not truth(element, "suppressUnitConversion")
-        edge = Edge(start, end, scaling_of(element), convert, element)
-        self.edges[end] = edge
-        self.onward[start].append(edge)
+        scaling = transform_of(element, self.items(start), self.items(end))
+        self.put(Edge(start, end, scaling, convert, element))
 
     def _end(self, node: Node, element: Any, which: str) -> End:
         name = attribute(element, f"{which}Connector")
         inner = element.get(f"{which}Element")
-        if element.get(f"{which}Indices"):
-            raise SspError(f"{place(element)}: connections of single array elements are not read")
+        indices = element.get(f"{which}Indices", "").split()
+        at = f"[{','.join(indices)}]" if indices else ""
+        if "0" in indices:
+            raise SspError(f"{place(element)}: {which}Indices count from 1, got 0")
         if not inner:
             self._expect(name, node.connectors, f"the system has no connector {name!r}", element)
-            return node.path, name
+            return node.path, name + at
         self._expect(inner, node.children, f"there is no component {inner!r}", element)
         child = node.children[inner]
         if child.dictionary is not None:
             path = self._dictionary(child, element)
             entries = self.nodes[path[:-2]].dictionaries[path[-2]]
             self._expect(name, entries, f"the dictionary has no entry {name!r}", element)
-            return path, name
+            return path, name + at
         known = [*child.connectors, *(self.fmus[child.path].variables if child.fmu else ())]
-        self._expect(name, known, f"{component(child.path)} has no connector {name!r}", element)
-        return child.path, name
+        if self.variable((child.path, name)) is None:
+            self._expect(name, known, f"{component(child.path)} has no connector {name!r}", element)
+        return child.path, name + at
+
+    def _check_declared(self, end: End, element: Any) -> None:
+        """Check what a component's connector says of its FMU's variable."""
+        variable, connector = self.variable(end), self.connector(end)
+        if variable is None or connector is None:
+            return
+        roles = {connector.kind, variable.causality}
+        said, is_ = FAMILY.get(connector.type or ""), FAMILY.get(variable.type)
+        whole = {"integer", "enumeration"}  # of one underlying type
+        if roles == {"input", "output"} or (said and said != is_ and not {said, is_} <= whole):
+            raise SspError(
+                f"{place(element)}: {label(end)} is declared as {connector.kind}"
+                f" {connector.type or ''}, its FMU has {variable.causality} {variable.type};"
+                " correct the connector"
+            )
 
     def _dictionary(self, reference: Node, element: Any) -> Path:
         name = reference.dictionary or ""
@@ -174,17 +241,27 @@ class Graph:
             raise SspError(f"{_connection(element)}: {message}{near}")
 
     def _role(self, end: End, system: Path) -> str:
-        path, name = end
+        path = end[0]
         if path and not path[-1]:
             return "either"
-        connector = self.nodes[path].connectors.get(name)
+        connector, variable = self.connector(end), self.variable(end)
         kind = connector.kind if connector else "unspecified"
-        if kind == "unspecified" and path in self.fmus:
-            kind = self.fmus[path].variables[name].causality
+        if kind == "unspecified" and variable:
+            kind = variable.causality
         if kind not in _GIVES | _TAKES:
             return "either"
         gives = kind in _GIVES
         return "give" if gives != (path == system) else "take"
+
+
+def _then(first: Transform, following: Transform, edge: Edge) -> Transform:
+    try:
+        return first.then(following)
+    except TypeError:
+        raise SspError(
+            f"{place(edge.element)}: a LinearTransformation and pairs of values meet on the way to"
+            f" {label(edge.target)}; let the one or the other stand alone"
+        ) from None
 
 
 def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
@@ -192,9 +269,12 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
         return IDENTITY
     scaling = unit.to(other)
     if scaling is None:
+        undefined = [
+            f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None
+        ]
         raise SspError(
-            f"{place(edge.element)}: cannot connect {_label(edge.source)} to {_label(edge.target)}:"
-            f" {unit.name!r} cannot be converted to {other.name!r}"
+            f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
+            f" {unit.name!r} cannot be converted to {other.name!r}{''.join(undefined)}"
         )
     return scaling
 
@@ -208,5 +288,6 @@ def _connection(element: Any) -> str:
     return f"{place(element)}: cannot connect {start} to {end}"
 
 
-def _label(end: End) -> str:
+def label(end: End) -> str:
+    """Return an end as messages name it."""
     return f"{component(end[0])}.{end[1]}" if end[0] else end[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -10,7 +11,7 @@ from urllib.parse import unquote, urlsplit
 from lxml import etree
 
 from cosim.errors import SspError
-from cosim.ssp.names import NAMESPACES, VERSIONS
+from cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
 from cosim.ssp.schema import violation
 
 
@@ -29,18 +30,25 @@ def parse(file: Path, part: str) -> Any:
     try:
         root = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
     except (etree.XMLSyntaxError, OSError) as fault:
-        raise SspError(f"{file.name}: {fault}") from fault
+        raise SspError(f"{file.name}: {fault}{_remedy(str(fault))}") from fault
     check(root, part)
     return root
 
 
 def check(root: Any, part: str) -> None:
     """Raise SspError unless an element is of a version that is known, and valid."""
+    if root.tag != tag(ROOTS[part]):
+        raise SspError(
+            f"{place(root)}: the root element is {root.tag}, expected {tag(ROOTS[part])} (in SSP"
+            " 1.0 and 2.0 alike); export it again for one of these"
+        )
     version = root.get("version", "")
     if version not in VERSIONS:
         raise SspError(f"{place(root)}: version is {version!r}, expected '1.0' or '2.0'")
     if fault := violation(root, part, version):
-        raise SspError(f"{_file_name(root)}, line {fault[0]}: {fault[1]}")
+        newer = version == "1.0" and not violation(root, part, "2.0")
+        hint = "; SSP 2.0 allows this: set version='2.0'" if newer else ""
+        raise SspError(f"{_file_name(root)}, line {fault[0]}: {short(fault[1]).rstrip('.')}{hint}")
 
 
 def place(element: Any) -> str:
@@ -77,6 +85,14 @@ def number(element: Any, name: str, default: float) -> float:
     return value
 
 
+def integer(text: str, element: Any) -> int:
+    """Return an integer that an element holds as text."""
+    try:
+        return int(text)
+    except ValueError:
+        raise SspError(f"{place(element)}: {text!r} is no integer") from None
+
+
 def truth(element: Any, name: str) -> bool:
     """Return an attribute that is true or false, false where it is missing."""
     return element.get(name, "false").strip() in {"true", "1"}
@@ -103,16 +119,36 @@ def inside(top: Path, base: Path, element: Any, attribute_name: str = "source") 
         When the file is missing or lies elsewhere.
     """
     source = attribute(element, attribute_name)
-    uri = urlsplit(source)
-    file = (base / unquote(uri.path)).resolve()
+    try:
+        uri = urlsplit(source)
+        file = (base / unquote(uri.path)).resolve()
+        found = file.is_file()
+    except (OSError, ValueError):  # no name that a file can have
+        raise SspError(f"{place(element)}: source {source[:99]!r} names no file") from None
     if uri.scheme or uri.netloc or not file.is_relative_to(top.resolve()):
         raise SspError(
-            f"{place(element)}: source {source!r} lies outside the package;"
-            " only its own files are read"
+            f"{place(element)}: source {source!r} lies outside the package; only its own files are"
+            " read: copy it into resources/"
         )
-    if not file.is_file():
+    if not found:
         raise SspError(f"{place(element)}: source {source!r} is missing from the package")
     return file
+
+
+def short(message: str) -> str:
+    """Return a message with prefixes in place of the namespaces of SSP."""
+    for prefix, namespace in NAMESPACES.items():
+        message = message.replace(f"{{{namespace}}}", f"{prefix}:")
+    return message
+
+
+def _remedy(message: str) -> str:
+    missing = re.search(r"Namespace prefix (\S+)", message)
+    if not missing:
+        return ""
+    prefix = missing[1]
+    uri = (NAMESPACES | {"osp": OSP}).get(prefix, "...")
+    return f'; declare it at the root: xmlns:{prefix}="{uri}"'
 
 
 def _file_name(element: Any) -> str:

@@ -12,6 +12,12 @@ NAMESPACES = {
         ("ssb", "SignalDictionary"),
     )
 }
+ROOTS = {
+    "ssd": "ssd:SystemStructureDescription",
+    "ssv": "ssv:ParameterSet",
+    "ssm": "ssm:ParameterMapping",
+    "ssb": "ssb:SignalDictionary",
+}
 VERSIONS = ("1.0", "2.0")
 STRUCTURE = "SystemStructure.ssd"
 FMU = "application/x-fmu-sharedlibrary"

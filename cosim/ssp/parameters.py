@@ -9,17 +9,21 @@ from typing import Any
 from cosim.archive import unpack
 from cosim.errors import SspError
 from cosim.names import suggestion
-from cosim.scaling import IDENTITY, Scaling
+from cosim.scaling import IDENTITY, Transform, ValueMap
+from cosim.ssp.connectors import FAMILY, Definitions, Items
 from cosim.ssp.graph import End, Graph
-from cosim.ssp.markup import attribute, check, find, inside, local, parse, place, truth
+from cosim.ssp.markup import attribute, check, find, inside, integer, local, parse, place, truth
 from cosim.ssp.names import NAMESPACES, component, tag
-from cosim.ssp.structure import Node, read_units
-from cosim.ssp.transformation import pairs_of, scaling_of
+from cosim.ssp.structure import Node
+from cosim.ssp.transformation import pairs_of_names, transform_of
 from cosim.units import Unit
 from cosim.variables import Value
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
-_NUMBERS = {"Real", "Float64", "Float32"}
+_WORDS = {"true": 1, "false": 0}
+
+Raw = float | str | tuple[float, ...]
+"""A number, the numbers of an array, or any other value as the file writes it."""
 
 
 @dataclass(frozen=True)
@@ -28,22 +32,24 @@ class Given:
 
     Attributes
     ----------
-    value : a number or text
+    value : a number, numbers or text; of an enumeration the name of the item
     unit : of the number, None where none is said
     element : for messages
     convert : whether the number is converted to the unit of what it is given to
     scaling : applied to it after that
+    items : of the enumeration, as the file defines it; None for other types
     """
 
-    value: float | str
+    value: Raw
     unit: Unit | None
     element: Any
     convert: bool = True
-    scaling: Scaling = IDENTITY
+    scaling: Transform = IDENTITY
+    items: Items | None = None
 
-    def at(self, unit: Unit | None) -> float | str:
-        """Return the value for something that has this unit."""
-        value: float | str = self.value
+    def at(self, unit: Unit | None, items: Items) -> Raw:
+        """Return the value for something that has this unit or these items of an enumeration."""
+        value = self.value if self.items is None else self._number({**self.items, **items})
         if self.unit and unit and self.convert:
             converted = self.unit.to(unit)
             if converted is None:
@@ -53,6 +59,15 @@ class Given:
                 )
             value = _scaled(value, converted, self.element)
         return _scaled(value, self.scaling, self.element)
+
+    def _number(self, items: Items) -> str:
+        if self.value not in items:
+            near = suggestion(str(self.value), items)
+            raise SspError(
+                f"{place(self.element)}: no enumeration with an item {self.value!r} is"
+                f" defined{near}"
+            )
+        return str(items[str(self.value)])
 
 
 def read_parameters(graph: Graph) -> dict[str, tuple[Value, Any]]:
@@ -83,11 +98,11 @@ def _bindings_of(node: Node) -> Iterator[tuple[Node, Any]]:
 
 def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     root = _content(binding, node, _SET, "ssv", "ssd:ParameterValues/ssv:ParameterSet")
-    units = dict(node.document.units) | read_units(root)
+    definitions = Definitions.of(root).within(node.document.definitions)
     prefix = binding.get("prefix", "")
     given = {}
     for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
-        given[prefix + attribute(parameter, "name")] = _read_value(parameter, units, root, node)
+        given[prefix + attribute(parameter, "name")] = _read_value(parameter, definitions)
     mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
     if mapping is None:
         return given
@@ -114,42 +129,34 @@ def _content(element: Any, node: Node, kind: str, part: str, path: str) -> Any:
     return parse(inside(folder, folder, element), part)
 
 
-def _read_value(parameter: Any, units: dict[str, Unit], root: Any, node: Node) -> Given:
+def _read_value(parameter: Any, definitions: Definitions) -> Given:
     element = next(parameter.iterchildren(tag("ssv:*")), None)
     if element is None:
         raise SspError(f"{place(parameter)}: parameter {parameter.get('name')!r} has no value")
-    text, unit = attribute(element, "value"), element.get("unit")
-    kind = local(element)
-    if kind in _NUMBERS:
-        given = units.get(unit, Unit(unit)) if unit else None
-        return Given(_number(text, element), given, parameter)
-    if kind == "Enumeration":
-        text = _item(element, text, root, node)
+    text, family = attribute(element, "value"), FAMILY.get(local(element))
+    if family == "number":
+        return Given(_numbers(text, element), definitions.unit(element.get("unit")), parameter)
+    if family == "enumeration":
+        return Given(text, None, parameter, items=_items(element.get("name"), definitions))
     return Given(text, None, parameter)
 
 
-def _number(text: str, element: Any) -> float:
+def _items(name: str | None, definitions: Definitions) -> Items:
+    """Return the items of an enumeration, of all that are defined where it has no name."""
+    if name is not None:
+        return definitions.enumerations.get(name, {})
+    return {item: n for items in definitions.enumerations.values() for item, n in items.items()}
+
+
+def _numbers(text: str, element: Any) -> float | tuple[float, ...]:
+    """Return the number that a text holds, or the numbers of an array row by row."""
     try:
-        return float(text)
+        numbers = tuple(float(word) for word in text.split())
     except ValueError:
-        raise SspError(
-            f"{place(element)}: value is {text!r}, expected one number;"
-            " parameters that are arrays are not supported"
-        ) from None
-
-
-def _item(element: Any, text: str, root: Any, node: Node) -> str:
-    """Return the number of an item of an enumeration as text."""
-    name = element.get("name")
-    for source in (root, node.document.root):
-        for enumeration in source.iter(tag("ssc:Enumeration")):
-            if name is None or enumeration.get("name") == name:
-                for item in enumeration.iterfind("ssc:Item", NAMESPACES):
-                    if item.get("name") == text:
-                        return attribute(item, "value")
-    raise SspError(
-        f"{place(element)}: no enumeration {name or ''} with an item {text!r} is defined"
-    )
+        numbers = ()
+    if not numbers:
+        raise SspError(f"{place(element)}: value is {text!r}, expected a number or several")
+    return numbers if len(numbers) > 1 else numbers[0]
 
 
 def _mapped(entry: Any, given: dict[str, Given]) -> Given:
@@ -159,27 +166,30 @@ def _mapped(entry: Any, given: dict[str, Given]) -> Given:
             f"{place(entry)}: there is no parameter {source!r}{suggestion(source, given)}"
         )
     value = given[source]
-    pairs = pairs_of(entry)
-    if pairs is not None:
-        if value.value not in pairs:
-            raise SspError(f"{place(entry)}: no pair for the value {value.value!r}")
-        return replace(value, value=pairs[str(value.value)], element=entry)
+    if pairs := pairs_of_names(entry):
+        if value.items is None:
+            raise SspError(
+                f"{place(entry)}: an EnumerationMappingTransformation is for enumerations,"
+                f" {source!r} is none"
+            )
+        return replace(value, value=pairs.get(str(value.value), value.value), element=entry)
     convert = not truth(entry, "suppressUnitConversion")
-    return replace(value, convert=convert, scaling=scaling_of(entry), element=entry)
+    return replace(value, convert=convert, scaling=transform_of(entry, {}, {}), element=entry)
 
 
 def _resolve(graph: Graph, node: Node, name: str, given: Given) -> Iterator[tuple[End, Value]]:
     """Yield the variables of components that a parameter reaches, with its value there."""
     if node.fmu is not None:
         end = (node.path, name)
-        yield end, given.at(graph.inner_unit(end))
+        yield end, given.at(graph.inner_unit(end), graph.items(end))
         return
     first, _, rest = name.partition(".")
     if name in node.connectors:
         unit = node.connectors[name].unit
         for way in graph.ways_from((node.path, name)):
             scaling = graph.scaling(way, unit or given.unit)
-            yield way[-1].target, _scaled(given.at(unit), scaling, given.element)
+            items = graph.items((node.path, name)) or graph.items(way[-1].target)
+            yield way[-1].target, _scaled(given.at(unit, items), scaling, given.element)
     elif first in node.children and rest:
         yield from _resolve(graph, node.children[first], rest, given)
     else:
@@ -187,7 +197,12 @@ def _resolve(graph: Graph, node: Node, name: str, given: Given) -> Iterator[tupl
         raise SspError(f"{place(given.element)}: no parameter {name!r}{suggestion(name, known)}")
 
 
-def _scaled(value: float | str, scaling: Scaling, element: Any) -> float | str:
+def _scaled(value: Raw, scaling: Transform, element: Any) -> Raw:
     if scaling == IDENTITY:
         return value
-    return scaling(value if isinstance(value, float) else _number(value, element))
+    if isinstance(scaling, ValueMap):
+        text = str(value).strip()
+        return str(int(scaling(_WORDS[text] if text in _WORDS else integer(text, element))))
+    if isinstance(value, str):
+        value = _numbers(value, element)
+    return tuple(map(scaling, value)) if isinstance(value, tuple) else scaling(value)

@@ -11,8 +11,10 @@ from typing import Any
 from cosim.errors import CosimError, SspError
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.names import component_of, variable_of
 from cosim.scaling import Link
-from cosim.ssp.graph import End, Graph
+from cosim.ssp.arrays import expand
+from cosim.ssp.graph import Graph, label
 from cosim.ssp.markup import number, place
 from cosim.ssp.names import ANNOTATION, NAMESPACES, OSP, Path, component
 from cosim.ssp.package import Package
@@ -38,8 +40,8 @@ def read_ssp(
     Raises
     ------
     SspError
-        When the file is no SSP package, or holds what cannot be run: components that are no FMUs,
-        mappings of Boolean, Integer or Enumeration signals, parameters that are arrays.
+        When the file is no SSP package, or holds what cannot be run, such as components that are
+        no FMUs.
     """
     package = Package.open(path, variant)
     try:
@@ -64,13 +66,25 @@ def read_package(package: Package) -> tuple[System, DefaultExperiment, Graph]:
                 system.add(component(node.path), node.fmu)
             fmus[node.path] = system.components[component(node.path)]
     graph = Graph(top, fmus)
-    _connect(system, graph)
-    _show_outputs(system, graph)
-    for name, (value, element) in read_parameters(graph).items():
+    for name, (value, element) in _structure_first(read_parameters(graph), system):
         with _blaming(element):
             system.set(name, value)
+    graph.lengths = {path: system.lengths(component(path)) for path in fmus}
+    expand(graph)
+    _connect(system, graph)
+    _show_outputs(system, graph)
     system.origin = package
     return system, read_experiment(top.document.root), graph
+
+
+def _structure_first(given: Mapping[str, Any], system: System) -> list[tuple[str, Any]]:
+    """Return start values, those ahead that say how long arrays are."""
+
+    def is_other(item: tuple[str, Any]) -> bool:
+        name = item[0]
+        return variable_of(name) not in system.components[component_of(name)].structural
+
+    return sorted(given.items(), key=is_other)
 
 
 def read_experiment(root: Any) -> DefaultExperiment:
@@ -83,35 +97,43 @@ def read_experiment(root: Any) -> DefaultExperiment:
         f"/{{{OSP}}}Algorithm/{{{OSP}}}FixedStepAlgorithm",
         NAMESPACES,
     )
-    return DefaultExperiment(
+    times = DefaultExperiment(
         _time(element, "startTime"),
         _time(element, "stopTime"),
         None if step is None else _time(step, "baseStepSize"),
     )
+    if times.stop is not None and times.stop <= (times.start or 0.0):
+        raise SspError(
+            f"{place(element)}: stopTime is {times.stop} s, expected a time after startTime ="
+            f" {times.start or 0.0} s"
+        )
+    if times.step is not None and times.step <= 0:
+        raise SspError(f"{place(step)}: baseStepSize is {times.step} s, expected a positive one")
+    return times
 
 
 def _connect(system: System, graph: Graph) -> None:
     exposed: dict[str, dict[str, Link]] = defaultdict(dict)
     for target in [end for end in graph.edges if graph.is_component(end)]:
         way = graph.way_to(target)
-        source, name = way[0].source, _label(target)
+        source, name = way[0].source, label(target)
         kind = system.variable(name).causality
         if kind != "input":
             if graph.is_component(source):
                 raise SspError(
-                    f"{place(way[-1].element)}: {_label(source)} cannot feed {name}: it is a {kind}"
+                    f"{place(way[-1].element)}: {label(source)} cannot feed {name}: it is a {kind}"
                 )
             continue  # a parameter that a binding sets through a connector
         link = graph.link(way)
         with _blaming(way[-1].element):
             if graph.is_component(source):
-                system.connect(_label(source), name, link)
+                system.connect(label(source), name, link)
             elif source[0] == ():
                 exposed[source[1]][name] = link
     for name, links in exposed.items():
-        connector = graph.nodes[()].connectors[name]
         with _blaming(graph.onward[(), name][0].element):
-            system.expose(name, *links, unit=_other(connector.unit, links, system), links=links)
+            unit = _other(graph.unit(((), name)), links, system)
+            system.expose(name, *links, unit=unit, links=links)
 
 
 def _other(unit: Any, links: Mapping[str, Link], system: System) -> Any:
@@ -121,16 +143,11 @@ def _other(unit: Any, links: Mapping[str, Link], system: System) -> Any:
 
 
 def _show_outputs(system: System, graph: Graph) -> None:
-    for name, connector in graph.nodes[()].connectors.items():
-        if connector.kind == "output":
-            way = graph.way_to(((), name))
-            if way and graph.is_component(way[0].source):
-                with _blaming(way[-1].element):
-                    system.expose_output(name, _label(way[0].source))
-
-
-def _label(end: End) -> str:
-    return f"{component(end[0])}.{end[1]}"
+    for path, name in [end for end in graph.edges if end[0] == ()]:
+        way, connector = graph.way_to((path, name)), graph.connector((path, name))
+        if connector and connector.kind == "output" and graph.is_component(way[0].source):
+            with _blaming(way[-1].element):
+                system.expose_output(name, label(way[0].source))
 
 
 def _time(element: Any, name: str) -> float | None:

@@ -9,12 +9,9 @@ from typing import Any
 
 from cosim.archive import unpack
 from cosim.errors import SspError
-from cosim.ssp.markup import attribute, check, find, inside, number, parse, place
+from cosim.ssp.connectors import Connector, Definitions, read_connectors, read_entries
+from cosim.ssp.markup import attribute, check, find, inside, parse, place
 from cosim.ssp.names import FMU, NAMESPACES, NESTED, SEPARATOR, STRUCTURE, Path, component, tag
-from cosim.units import BASE_UNITS, Unit
-
-Entries = Mapping[str, Unit | None]
-"""Signals of a dictionary by name."""
 
 
 @dataclass(frozen=True)
@@ -26,32 +23,23 @@ class Document:
     file : where it lies; its URIs start from there
     top : the unpacked package, which no URI may leave
     root : SystemStructureDescription
-    units : name -> Unit
+    definitions : of units and enumerations
     """
 
     file: File
     top: File
     root: Any
-    units: Mapping[str, Unit]
+    definitions: Definitions
 
     @classmethod
     def read(cls, file: File, top: File) -> Document:
         """Read a file of an unpacked package."""
         root = parse(file, "ssd")
-        return cls(file, top, root, read_units(root))
+        return cls(file, top, root, Definitions.of(root))
 
     def locate(self, element: Any) -> File:
         """Return the file that the element's source names."""
         return inside(self.top, self.file.parent, element)
-
-
-@dataclass(frozen=True)
-class Connector:
-    """A place where a signal enters or leaves an element."""
-
-    name: str
-    kind: str
-    unit: Unit | None
 
 
 @dataclass
@@ -78,7 +66,7 @@ class Node:
     fmu: File | None = None
     dictionary: str | None = None
     children: dict[str, Node] = field(default_factory=dict)
-    dictionaries: dict[str, Entries] = field(default_factory=dict)
+    dictionaries: dict[str, Mapping[str, Connector]] = field(default_factory=dict)
 
     def walk(self) -> Iterator[Node]:
         """Yield this element and all inside, parents first."""
@@ -98,15 +86,11 @@ def read_structure(file: File, top: File) -> Node:
     return _system((), find(document.root, "ssd:System"), document, (file,))
 
 
-def read_units(root: Any) -> dict[str, Unit]:
-    """Return all units defined below an element."""
-    return {unit.name: unit for unit in map(_read_unit, root.iter(tag("ssc:Unit")))}
-
-
 def _system(
     path: Path, body: Any, document: Document, files: tuple[File, ...], element: Any = None
 ) -> Node:
-    node = Node(path, document, element, body, document, read_connectors(body, document.units))
+    connectors = read_connectors(body, document.definitions)
+    node = Node(path, document, element, body, document, connectors)
     for entry in body.iterfind("ssd:SignalDictionaries/ssd:SignalDictionary", NAMESPACES):
         node.dictionaries[attribute(entry, "name")] = _entries(entry, document)
     for child in body.iterfind("ssd:Elements/*", NAMESPACES):
@@ -125,7 +109,7 @@ def _system(
 def _element(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     if element.tag == tag("ssd:System"):
         return _system(path, element, document, files, element)
-    connectors = read_connectors(element, document.units)
+    connectors = read_connectors(element, document.definitions)
     node = Node(path, document, element, element, document, connectors)
     if element.tag == tag("ssd:SignalDictionaryReference"):
         node.dictionary = attribute(element, "dictionary")
@@ -138,6 +122,11 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
             f"{place(element)}: component {component(path)!r} is of the type {kind!r};"
             " only FMUs and SSP systems can be run"
         )
+    if element.get("source") is None:  # SSP 2.0 allows it
+        raise SspError(
+            f"{place(element)}: component {component(path)!r} has no source, so there is nothing to"
+            " run; give it an FMU"
+        )
     node.fmu = document.locate(element)
     return node
 
@@ -145,7 +134,15 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
 def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...]) -> Node:
     file, top = document.locate(element), document.top
     if element.get("type") == NESTED[1]:
-        top = unpack(file, "ssps", SspError)
+        try:
+            top = unpack(file, "ssps", SspError)
+        except SspError as fault:
+            raise SspError(f"{place(element)}: {fault}") from fault
+        if not (top / STRUCTURE).is_file():
+            raise SspError(
+                f"{place(element)}: {element.get('source')!r} has no {STRUCTURE}; it is no system"
+                " structure package"
+            )
         file = top / STRUCTURE
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
@@ -155,44 +152,10 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
     return node
 
 
-def read_connectors(element: Any, units: Mapping[str, Unit]) -> dict[str, Connector]:
-    """Return the connectors of an element by name."""
-    connectors = {}
-    for connector in element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
-        name = attribute(connector, "name")
-        kind = attribute(connector, "kind")
-        connectors[name] = Connector(name, kind, _unit_inside(connector, units))
-    return connectors
-
-
-def _entries(element: Any, document: Document) -> Entries:
+def _entries(element: Any, document: Document) -> dict[str, Connector]:
     if element.get("source"):
         root = parse(document.locate(element), "ssb")
     else:
         root = find(element, "ssb:SignalDictionary")
         check(root, "ssb")
-    units = dict(document.units) | read_units(root)
-    return {
-        attribute(entry, "name"): _unit_inside(entry, units)
-        for entry in root.iterfind("ssb:DictionaryEntry", NAMESPACES)
-    }
-
-
-def _unit_inside(element: Any, units: Mapping[str, Unit]) -> Unit | None:
-    """Return the unit of the type that an element mentions first."""
-    for kind in element.iterchildren(*(tag(f"ssc:{name}") for name in _WITH_UNIT)):
-        if unit := kind.get("unit"):
-            return units.get(unit, Unit(unit))
-    return None
-
-
-def _read_unit(element: Any) -> Unit:
-    base = find(element, "ssc:BaseUnit")
-    exponents = tuple(int(number(base, name, 0)) for name in BASE_UNITS)
-    factor, offset = number(base, "factor", 1.0), number(base, "offset", 0.0)
-    if factor == 0:
-        raise SspError(f"{place(base)}: the factor of a unit cannot be 0")
-    return Unit(attribute(element, "name"), exponents, factor, offset)
-
-
-_WITH_UNIT = ("Real", "Float64", "Float32")
+    return read_entries(root, Definitions.of(root).within(document.definitions))

@@ -1,36 +1,145 @@
-"""Transformations of SSP: a straight line for numbers, a list of pairs for other values."""
+"""Transformations of SSP: a straight line for numbers, pairs for other values."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from cosim.errors import SspError
-from cosim.scaling import IDENTITY, Scaling
-from cosim.ssp.markup import attribute, local, number, place
+from cosim.names import suggestion
+from cosim.scaling import IDENTITY, Scaling, Transform, ValueMap
+from cosim.ssp.compose import add
+from cosim.ssp.connectors import FAMILY, Items
+from cosim.ssp.markup import attribute, integer, local, number, place
 from cosim.ssp.names import NAMESPACES, tag
+from cosim.variables import Variable
 
-_MAPS = [tag(f"ssc:{name}MappingTransformation") for name in ("Boolean", "Integer", "Enumeration")]
+_WORDS = {"true": 1, "1": 1, "false": 0, "0": 0}
+_FITS = {
+    "Linear": {"number", "integer"},
+    "BooleanMapping": {"Boolean"},
+    "IntegerMapping": {"integer", "enumeration"},
+    "EnumerationMapping": {"enumeration"},
+}
 
 
-def scaling_of(element: Any) -> Scaling:
-    """Return the line that a connection or a mapping entry holds, y = x where there is none.
+def transform_of(element: Any, start: Items, end: Items) -> Transform:
+    """Return what a connection or mapping entry does to a value, nothing where it says nothing.
+
+    Parameters
+    ----------
+    start, end : items of the enumerations at its ends
 
     Raises
     ------
     SspError
-        When it holds a list of pairs: signals are numbers on their way.
+        When a pair names no value of its type, or two pairs are for one value.
     """
-    for mapping in element.iterchildren(*_MAPS):
-        raise SspError(f"{place(mapping)}: {local(mapping)} of a signal is not supported")
-    line = element.find("ssc:LinearTransformation", NAMESPACES)
-    if line is None:
+    found = _transformation(element)
+    if found is None:
         return IDENTITY
-    return Scaling(number(line, "factor", 1.0), number(line, "offset", 0.0))
+    kind = _kind(found)
+    if kind == "Linear":
+        return Scaling(number(found, "factor", 1.0), number(found, "offset", 0.0))
+    pairs: dict[int, int] = {}
+    for entry in found.iterfind("ssc:MapEntry", NAMESPACES):
+        x, y = (
+            _value(kind, attribute(entry, which), entry, items)
+            for which, items in (("source", start), ("target", end))
+        )
+        if pairs.setdefault(x, y) != y:
+            raise SspError(
+                f"{place(entry)}: {local(found)} maps {entry.get('source')!r} twice; leave one"
+                " MapEntry for each source"
+            )
+    return ValueMap.of(pairs)
 
 
-def pairs_of(element: Any) -> dict[str, str] | None:
-    """Return the list of pairs source -> target that a mapping entry holds, None without one."""
-    for mapping in element.iterchildren(*_MAPS):
-        entries = mapping.iterfind("ssc:MapEntry", NAMESPACES)
-        return {attribute(entry, "source"): attribute(entry, "target") for entry in entries}
-    return None
+def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
+    """Check that the ends of a connection have types that fit together and its transformation.
+
+    Parameters
+    ----------
+    ends : name, for messages, and type of SSP or FMI, None where nothing is known
+
+    Raises
+    ------
+    SspError
+    """
+    known = [(name, kind, FAMILY[kind]) for name, kind in ends if kind in FAMILY]
+    found = _transformation(element)
+    if found is not None:
+        wanted = _FITS[_kind(found)]
+        for name, kind, family in known:
+            if family not in wanted:
+                raise SspError(
+                    f"{place(found)}: {local(found)} is for {' and '.join(sorted(wanted))} values,"
+                    f" {name} is of the type {kind}"
+                )
+    if (found is None or _kind(found) == "Linear") and len({family for *_, family in known}) > 1:
+        said = " and ".join(f"{name} ({kind})" for name, kind, _ in known)
+        raise SspError(
+            f"{place(element)}: cannot connect {said}: only equal types connect; integers and"
+            " enumerations do by an IntegerMappingTransformation"
+        )
+
+
+def add_transformation(
+    element: Any, transform: Transform, source: Variable, target: Variable
+) -> None:
+    """Write what a connection does to a value.
+
+    Raises
+    ------
+    SspError
+        When SSP has no words for it.
+    """
+    if isinstance(transform, Scaling):
+        line = {"factor": repr(transform.factor), "offset": repr(transform.offset)}
+        add(element, "ssc:LinearTransformation", **line)
+        return
+    families = {FAMILY.get(source.type), FAMILY.get(target.type)}
+    names = [{str(n): item for item, n in variable.items} for variable in (source, target)]
+    pairs = [tuple(map(str, pair)) for pair in transform.pairs]
+    kind = "Integer"
+    if families == {"Boolean"}:
+        kind, names = "Boolean", [{"1": "true", "0": "false"}] * 2
+    elif not families <= {"integer", "enumeration"}:
+        raise SspError(
+            f"SSP has no pairs of {source.type} and {target.type} values; put a component between"
+        )
+    elif families == {"enumeration"} and all(x in names[0] and y in names[1] for x, y in pairs):
+        kind = "Enumeration"
+    mapping = add(element, f"ssc:{kind}MappingTransformation")
+    for x, y in pairs:
+        if kind != "Integer":
+            x, y = names[0][x], names[1][y]
+        add(mapping, "ssc:MapEntry", source=x, target=y)
+
+
+def pairs_of_names(element: Any) -> dict[str, str]:
+    """Return the pairs of item names that a mapping entry holds."""
+    entries = element.iterfind("ssc:EnumerationMappingTransformation/ssc:MapEntry", NAMESPACES)
+    return {attribute(entry, "source"): attribute(entry, "target") for entry in entries}
+
+
+def _transformation(element: Any) -> Any:
+    names = (tag(f"ssc:{kind}Transformation") for kind in _FITS)
+    return next(element.iterchildren(*names), None)
+
+
+def _kind(transformation: Any) -> str:
+    return local(transformation).removesuffix("Transformation")
+
+
+def _value(kind: str, text: str, entry: Any, items: Items) -> int:
+    if kind == "IntegerMapping":
+        return integer(text, entry)
+    known = _WORDS if kind == "BooleanMapping" else items
+    if text in known:
+        return known[text]
+    if known:
+        raise SspError(f"{place(entry)}: {text!r} is no value of its type{suggestion(text, known)}")
+    raise SspError(
+        f"{place(entry)}: what is {text!r}? neither ssd:Enumerations nor the FMU says which items"
+        " the enumeration at this end has"
+    )

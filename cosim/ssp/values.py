@@ -6,46 +6,94 @@ from collections.abc import Mapping
 from pathlib import Path as File
 from typing import Any
 
-from cosim.fmu import Fmu
+from cosim.errors import SspError
+from cosim.names import component_of
 from cosim.ssp.compose import add, add_units, group, new_root
 from cosim.ssp.markup import local
 from cosim.ssp.names import tag
-from cosim.variables import Value
+from cosim.system import System
+from cosim.variables import Value, Variable
 
+_FLOATS = {"Real", "Float64", "Float32"}
 _TYPES = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}
 
 
 def parameter_set(
-    name: str, values: Mapping[str, Value], fmu: Fmu, version: str, prefix: str = ""
+    name: str, values: Mapping[str, Value], component: str, system: System, version: str
 ) -> Any:
     """Return a new ssv:ParameterSet with values of one component, by variable."""
     root = new_root("ssv:ParameterSet", name, version)
-    add_values(root, values, fmu, version, prefix)
+    add_values(root, values, component, system, version)
     return root
 
 
 def add_values(
-    root: Any, values: Mapping[str, Value], fmu: Fmu, version: str, prefix: str = ""
+    root: Any,
+    values: Mapping[str, Value],
+    component: str,
+    system: System,
+    version: str,
+    prefix: str = "",
 ) -> None:
-    """Put values of one component into an ssv:ParameterSet, in place of those of the same name."""
+    """Put values of one component into an ssv:ParameterSet, in place of those of the same name.
+
+    Raises
+    ------
+    SspError
+        When there is no word for a value in this version.
+    """
     parameters = group(root, "ssv:Parameters")
     given = {p.get("name"): p for p in parameters.iterchildren(tag("ssv:Parameter"))}
-    for variable, value in values.items():
-        name = prefix + variable
-        if name in given:
-            parameters.remove(given[name])
-        parameter = add(parameters, "ssv:Parameter", name=name)
-        kind = _type_of(fmu, variable, value, version)
+    for name, value in values.items():
+        variable = system.variable(f"{component}.{name}")
+        if prefix + name in given:
+            parameters.remove(given[prefix + name])
+        parameter = add(parameters, "ssv:Parameter", name=prefix + name)
+        kind = _type_of(variable, value, version)
+        if kind is None:
+            raise SspError(
+                f"{component}.{name}: SSP {version} has no values that are arrays or binary; write"
+                " version='2.0'"
+            )
         element = add(parameter, f"ssv:{kind}", value=text_of_value(value))
-        unit = fmu.unit(fmu.variables[variable])
-        if isinstance(value, float) and unit and unit.exponents:
+        for length in variable.dimensions:
+            add(parameter, "ssc:Dimension", size=str(length))
+        unit = system.components[component].unit(variable)
+        if kind in _FLOATS and unit and unit.exponents:
             element.set("unit", unit.name)
             add_units(root, "ssv:Units", [unit])
 
 
 def text_of_value(value: Value) -> str:
-    """Return a value as XML wants it."""
+    """Return a value as XML wants it, arrays row by row."""
+    if isinstance(value, tuple):
+        return " ".join(map(text_of_value, value))
+    if isinstance(value, bytes):
+        return value.hex()
     return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def whole_arrays(values: Mapping[str, Value], system: System) -> dict[str, Value]:
+    """Return values in which those of single elements have become those of their arrays.
+
+    Raises
+    ------
+    SspError
+        When the other elements of an array have no value.
+    """
+    result: dict[str, Value] = {}
+    for name, value in values.items():
+        variable = system.variable(name)
+        if variable.array is None:
+            result[name] = value
+            continue
+        array = f"{component_of(name)}.{variable.array}"
+        before = result.get(array, system.parameters.get(array, system.variable(array).start))
+        if not isinstance(before, tuple) or isinstance(value, tuple):
+            raise SspError(f"{array}: its other elements have no start value; set it as a whole")
+        i = variable.element
+        result[array] = (*before[:i], value, *before[i + 1 :])
+    return result
 
 
 def change(parameter: Any, value: Value) -> None:
@@ -58,9 +106,7 @@ def can_change(parameter: Any, value: Value) -> bool:
     if local(parameter) != "Parameter":
         return False
     kind = local(next(parameter.iterchildren(tag("ssv:*"))))
-    return (kind in {"Real", "Float64", "Float32"}) == isinstance(value, float) and (
-        kind != "Enumeration"
-    )
+    return (kind in _FLOATS) == isinstance(value, float) and kind not in {"Enumeration", "Binary"}
 
 
 def file_of(element: Any) -> File | None:
@@ -69,6 +115,7 @@ def file_of(element: Any) -> File | None:
     return File(url) if url else None
 
 
-def _type_of(fmu: Fmu, variable: str, value: Value, version: str) -> str:
-    kind = fmu.variables[variable].type
-    return kind if version != "1.0" and kind not in {"Enumeration"} else _TYPES[type(value)]
+def _type_of(variable: Variable, value: Value, version: str) -> str | None:
+    if version != "1.0" and variable.type != "Enumeration":
+        return variable.type
+    return _TYPES.get(type(value[0] if version != "1.0" and isinstance(value, tuple) else value))

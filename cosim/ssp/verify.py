@@ -7,10 +7,13 @@ import tempfile
 from pathlib import Path as File
 
 from cosim.errors import CosimError, SspError
+from cosim.names import component_of
+from cosim.scaling import Scaling, Transform
 from cosim.ssp.members import Members
 from cosim.ssp.package import Package
 from cosim.ssp.read import read_package
 from cosim.system import System
+from cosim.variables import Value
 
 
 def verify(members: Members, structure: str, system: System) -> None:
@@ -37,14 +40,24 @@ def verify(members: Members, structure: str, system: System) -> None:
             raise SspError(f"the changed package would have the {part} {found}")
     for target, source in system.sources().items():
         wanted, found = system.scaling(source, target), again.scaling(source, target)
-        if not (
-            math.isclose(wanted.factor, found.factor, rel_tol=1e-12)
-            and math.isclose(wanted.offset, found.offset, rel_tol=1e-12, abs_tol=1e-300)
-        ):
+        if not _same(wanted, found):
             raise SspError(f"the changed package would scale {target} by {found}, not {wanted}")
     for parameter, value in system.parameters.items():
-        if again.parameters.get(parameter) != value:
-            raise SspError(
-                f"the changed package would give {parameter} ="
-                f" {again.parameters.get(parameter)!r}, not {value!r}"
-            )
+        if (found := _value(again, parameter)) != value:
+            raise SspError(f"the changed package would give {parameter} = {found!r}, not {value!r}")
+
+
+def _same(wanted: Transform, found: Transform) -> bool:
+    if not (isinstance(wanted, Scaling) and isinstance(found, Scaling)):
+        return wanted == found
+    return math.isclose(wanted.factor, found.factor, rel_tol=1e-12) and math.isclose(
+        wanted.offset, found.offset, rel_tol=1e-12, abs_tol=1e-300
+    )
+
+
+def _value(system: System, name: str) -> Value | None:
+    """Return a start value; of an element it may be that in its array."""
+    variable = system.variable(name)
+    whole = system.parameters.get(f"{component_of(name)}.{variable.array}")
+    inside = whole[variable.element] if isinstance(whole, tuple) else None
+    return system.parameters.get(name, inside)

@@ -7,15 +7,10 @@ from collections.abc import Mapping
 from lxml import etree
 
 from cosim.errors import SspError
-from cosim.ssp.names import NAMESPACES, tag
+from cosim.ssp.markup import short
+from cosim.ssp.names import NAMESPACES, ROOTS, tag
 from cosim.ssp.schema import violation
 
-_ROOTS = {
-    "ssd": tag("ssd:SystemStructureDescription"),
-    "ssv": tag("ssv:ParameterSet"),
-    "ssm": tag("ssm:ParameterMapping"),
-    "ssb": tag("ssb:SignalDictionary"),
-}
 _WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}
 
@@ -33,11 +28,11 @@ def as_version(members: Mapping[str, bytes], version: str) -> dict[str, bytes]:
 
 def _converted(name: str, data: bytes, version: str) -> bytes:
     part = name.rpartition(".")[2]
-    if part not in _ROOTS:
+    if part not in ROOTS:
         return data
     parser = etree.XMLParser(resolve_entities=False, no_network=True)
     root = etree.fromstring(data, parser)
-    roots = [element for kind in _ROOTS.values() for element in root.iter(kind)]
+    roots = [element for kind in ROOTS.values() for element in root.iter(tag(kind))]
     if all(element.get("version") == version for element in roots):
         return data
     for element in roots:
@@ -48,6 +43,6 @@ def _converted(name: str, data: bytes, version: str) -> bytes:
                 for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
                     element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
     if fault := violation(root, part, version):
-        raise SspError(f"{name}, line {fault[0]}: SSP {version} cannot say this: {fault[1]}")
+        raise SspError(f"{name}, line {fault[0]}: SSP {version} cannot say this: {short(fault[1])}")
     text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return text

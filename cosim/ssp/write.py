@@ -7,6 +7,7 @@ from it, so that geometry, annotations, other variants and files stay as they we
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path as File
 from typing import Literal
 
@@ -17,8 +18,10 @@ from cosim.errors import CosimError, SspError
 from cosim.experiment import DefaultExperiment
 from cosim.names import component_of, variable_of
 from cosim.scaling import PLAIN, Link
+from cosim.ssp.arrays import expand
 from cosim.ssp.bindings import edit_parameters
 from cosim.ssp.compose import add, group, new_root, text_of
+from cosim.ssp.connectors import Definitions
 from cosim.ssp.edit import Editor
 from cosim.ssp.graph import End, Graph
 from cosim.ssp.members import Members, file_name, free_name, zipped
@@ -82,6 +85,7 @@ def _members(system: System, experiment: DefaultExperiment | None, version: str 
         }
     structure = package.structure if package else STRUCTURE
     document = graph.nodes[()].document
+    graph.lengths = {path_of(name): system.lengths(name) for name in system.components}
     editor = Editor(graph, version or document.root.get("version"))
     _edit_components(editor, before, system, members)
     edit_parameters(editor, before, system, members, package)
@@ -100,7 +104,7 @@ def _members(system: System, experiment: DefaultExperiment | None, version: str 
 def _nothing(system: System, version: str) -> tuple[System, Graph, Members]:
     root = new_root("ssd:SystemStructureDescription", system.name, version)
     body = add(root, "ssd:System", name=system.name)
-    document = Document(File(STRUCTURE), File(), root, {})
+    document = Document(File(STRUCTURE), File(), root, Definitions.of(root))
     return (
         System(system.name),
         Graph(Node((), document, None, body, document, {}), {}),
@@ -130,14 +134,40 @@ def _edit_connections(editor: Editor, before: System, system: System) -> None:
         same = new.get(target) == source and before.links.get(target) == system.links.get(target)
         if not same and end in editor.graph.edges:
             editor.disconnect(end)
-    for target, source in new.items():
+    missing = {t: s for t, s in new.items() if _end(t) not in editor.graph.edges}
+    for target, source in missing.items():
         end = _end(target)
         if end in editor.graph.edges:
+            continue  # with the rest of its array
+        if editor.has_arrays and (whole := _whole(system, missing, target)):
+            editor.connect(_end(whole[0]), _end(whole[1]))
+            expand(editor.graph)
             continue
         if source in system.inputs:
             editor.expose(source, "input", end, system.unit_of(source))
         start: End = ((), source) if source in system.inputs else _end(source)
-        editor.connect(start, end, _written_out(system, source, target))
+        try:
+            editor.connect(start, end, _written_out(system, source, target))
+        except SspError as fault:
+            raise SspError(f"{source} to {target}: {fault}") from None
+
+
+def _whole(system: System, sources: Mapping[str, str], target: str) -> tuple[str, str] | None:
+    """Return source and target as arrays, where all their elements are connected as they are."""
+    names = [sources[target], target]
+    if names[0] in system.inputs:
+        return None
+    owners = [system.variable(name).array for name in names]
+    if None in owners:
+        return None
+    arrays = [f"{component_of(name)}.{owner}" for name, owner in zip(names, owners, strict=True)]
+    starts, ends = (
+        [f"{component_of(array)}.{v.name}" for v in system.variable(array).elements()]
+        for array in arrays
+    )
+    pairs = dict(zip(ends, starts, strict=False))
+    plain = len(starts) == len(ends) and not pairs.keys() & system.links.keys()
+    return (arrays[0], arrays[1]) if plain and pairs.items() <= sources.items() else None
 
 
 def _written_out(system: System, source: str, target: str) -> Link:

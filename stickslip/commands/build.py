@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import models
-from stickslip.errors import UsageError
-from toolchain import PLATFORMS, Platform, host_platform
+from stickslip.commands.platforms import add_platform_option, parse_platforms
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
@@ -21,13 +20,7 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser = subparsers.add_parser("build", help="build FMUs of the models")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
-    parser.add_argument(
-        "--platform",
-        nargs="+",
-        default=["host"],
-        metavar="PLATFORM",
-        help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
-    )
+    add_platform_option(parser)
     parser.add_argument(
         "--cross-check",
         action="store_true",
@@ -39,7 +32,7 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
-    platforms = _platforms(options.platform)
+    platforms = parse_platforms(options.platform)
     versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
     names = options.models or models.model_names()
     for name in names:
@@ -55,17 +48,3 @@ def run(options: argparse.Namespace) -> None:
             print(path)
             if options.cross_check:
                 models.write_cross_check(path.stem, path.parent)
-
-
-def _platforms(names: list[str]) -> list[Platform]:
-    if names == ["all"]:
-        return list(PLATFORMS.values())
-    platforms = {}
-    for name in names:
-        if name != "host" and name not in PLATFORMS:
-            raise UsageError(
-                f"--platform {name}: unknown; choose host, all or some of {', '.join(PLATFORMS)}"
-            )
-        platform = host_platform() if name == "host" else PLATFORMS[name]
-        platforms[platform.tuple] = platform
-    return list(platforms.values())

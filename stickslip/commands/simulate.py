@@ -36,6 +36,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="COLUMN",
         help="columns of --input whose values hold until the next time",
     )
+    parser.add_argument(
+        "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
+    )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
     parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
@@ -50,8 +53,11 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         metavar="NAME",
         help="names or patterns (drive.*); all outputs and inputs by default",
     )
+    points = parser.add_mutually_exclusive_group()
+    points.add_argument("--every", type=int, default=1, metavar="N", help="keep every N-th point")
+    points.add_argument("--last", action="store_true", help="keep the last point alone")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write every sample there"
+        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write what is kept there"
     )
     parser.set_defaults(run=run)
 
@@ -73,9 +79,14 @@ def run(options: argparse.Namespace) -> None:
         raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
     for name, value in parse_assignments(options.set).items():
         system.set(_qualified(system, name), value)
-    record = options.record and [_qualified(system, name) for name in options.record]
+    names = options.record and [_qualified(system, name) for name in options.record]
+    record = cosim.Record(names, options.every, "last" if options.last else "all")
     with system.prepare(
-        start=experiment.start or 0.0, stop=experiment.stop, step=experiment.step, record=record
+        start=experiment.start or 0.0,
+        stop=experiment.stop,
+        step=experiment.step,
+        record=record,
+        tolerance=options.tolerance,
     ) as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
@@ -89,7 +100,7 @@ def run(options: argparse.Namespace) -> None:
         write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv
         write(options.out)
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
-    for name in result:
+    for name in result.names if len(result.time) else ():  # a resumed run may keep no point
         signal, unit = result[name], result.units[name] or ""
         print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
     if pace:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import cosim
 from benchmarks.coupling import ring
 from benchmarks.coupling.loops import Loops
 
@@ -46,11 +47,13 @@ def test_recording_some_changes_no_bit(system, loops):
         np.testing.assert_array_equal(simulation.run()["mass.x"][1:], loops.plain(N)[:, 2])
 
 
-def test_a_candidate_costs_what_the_c_loop_says(system, loops):
-    with prepare(system, 10_000, record=["mass.v"]) as simulation:
+@pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
+def test_a_candidate_costs_what_the_c_loop_says_to_the_bit(system, loops, compiled):
+    cost = cosim.Deviation("mass.v", 0.2, begin=ring.STEP)
+    record = cosim.Record(sum_of_squares={"cost": cost})
+    with prepare(system, 10_000, record=record, compiled=compiled) as simulation:
         result = simulation.run({"controller.K_p": 41.0, "controller.K_i": 910.0})
-    cost = np.sum((0.2 - result["mass.v"][1:]) ** 2)
-    assert cost == pytest.approx(loops.candidate(10_000, 41.0, 910.0), rel=1e-12)
+    assert result.sum_of_squares["cost"] == loops.candidate(10_000, 41.0, 910.0)
 
 
 def test_rings_of_more_fmus_than_a_group_step_all_of_them(tmp_path):

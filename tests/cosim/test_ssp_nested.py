@@ -390,7 +390,10 @@ BOOLEAN = (
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        (TWO + connections(("a.y", "b.u", BOOLEAN)), "BooleanMappingTransformation of a signal"),
+        (
+            TWO + connections(("a.y", "b.u", BOOLEAN)),
+            r"BooleanMappingTransformation is for Boolean values, a\.y is of the type Real",
+        ),
         (TWO + connections(("a.y", "b.y")), r"cannot connect a\.y to b\.y: both ends give"),
         (TWO + connections(("a.u", "b.u")), "both ends take"),
         (TWO + connections(("a.y", "b.u"), ("a.sum", "b.u")), r"b\.u is fed already"),

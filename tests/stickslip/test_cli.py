@@ -43,6 +43,20 @@ def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):
     assert "m/s" in capsys.readouterr().out
 
 
+def test_simulate_keeps_every_nth_point_or_the_last(stage, tmp_path, capsys):
+    def rows(*more):
+        out = tmp_path / "out.csv"
+        arguments = ["simulate", stage, "--step", 0.01, "--stop", 0.1, "--out", out, *more]
+        assert main([str(a) for a in arguments]) == 0
+        assert "stage.v" in capsys.readouterr().out
+        return pd.read_csv(out)
+
+    whole = rows()
+    pd.testing.assert_frame_equal(rows("--every", 4), whole[::4].reset_index(drop=True))
+    pd.testing.assert_frame_equal(rows("--last"), whole[-1:].reset_index(drop=True))
+    assert "every = 0" in complaint(capsys, "simulate", stage, "--every", "0")
+
+
 def test_design_prints_what_was_asked_for(tmp_path, capsys):
     assert (
         main(["design", "--bandwidth", "80", "--phase-margin", "55", "--out", str(tmp_path)]) == 0
@@ -69,6 +83,40 @@ def test_export_takes_what_was_learned(results, tmp_path, capsys):
     exported = tmp_path / "compensator.fmu"
     assert exported.read_bytes() == (results / "compensator.fmu").read_bytes()
     assert str(exported) in capsys.readouterr().out
+
+
+def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
+    learned = json.loads((results / "learned.json").read_text())["parameters"]["F_c"]["value"]
+    for form, names in (("c", ["compensator.h", "compensator.c"]), ("st", ["compensator.st"])):
+        arguments = ["--parameters", results / "learned.json", "--as", form, "--out", tmp_path]
+        assert main(["export", "compensator", *map(str, arguments)]) == 0
+        assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in names]
+        assert repr(learned) in (tmp_path / names[-1]).read_text()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("{", "not a learned.json: Expecting property name"),
+        ("[]", "not a learned.json: it has another structure; expected parameters F_s, F_c, v_s"),
+        ('{"parameters": {}}', "not a learned.json: 'F_s' is missing"),
+        (-1.0, "F_c = -1 N is outside 1e-09 .. 1e+09 N"),
+        (float("nan"), "F_c = nan N is outside"),
+    ],
+)
+@pytest.mark.parametrize("form", ["fmu", "c", "st"])
+def test_export_tells_what_is_wrong_with_the_parameters(content, said, form, tmp_path, capsys):
+    path = tmp_path / "learned.json"
+    if not isinstance(content, str):
+        values = {"F_s": 8.0, "F_c": content, "v_s": 1e-3, "sigma_0": 1e5, "sigma_1": 1e3}
+        content = json.dumps({"parameters": {name: {"value": v} for name, v in values.items()}})
+    path.write_text(content)
+    line = complaint(
+        capsys, "export", "compensator", "--parameters", path, "--as", form, "--out", tmp_path
+    )
+    assert str(path) in line
+    assert said in line
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, capsys):

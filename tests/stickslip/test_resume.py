@@ -48,6 +48,26 @@ def test_a_resumed_run_equals_the_uninterrupted_one_bit_for_bit(system, tmp_path
     np.testing.assert_array_equal(second.values[-1], whole.values[-1])
 
 
+@pytest.mark.parametrize("record", [{"every": 7}, {"keep": "last"}])
+def test_a_record_goes_on_where_it_was_saved(system, tmp_path, record):
+    sums = {"error": cosim.Deviation("drive.v", "nominal.v_r", begin=HALF / 2)}
+    names = ["drive.x_enc", "controller.u"]
+    spec = {"step": STEP, "stop": STOP}
+    spec["record"] = cosim.Record(names, **record, sum_of_squares=sums)
+    inputs = {"v_cmd": command}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(inputs=inputs)
+        first = simulation.run(inputs=inputs, until=HALF)
+        path = simulation.save(tmp_path / "half.state")
+    with system.prepare(**spec) as another:
+        rest = another.resume(path, inputs)
+    assert rest.sum_of_squares == whole.sum_of_squares
+    assert 0 < first.sum_of_squares["error"] < whole.sum_of_squares["error"]
+    after = whole.time >= HALF
+    np.testing.assert_array_equal(rest.time, whole.time[after])
+    np.testing.assert_array_equal(rest.values, whole.values[after])
+
+
 def test_a_state_of_another_run_is_refused(system, tmp_path):
     with system.prepare(step=STEP, stop=STOP) as simulation:
         with pytest.raises(cosim.SimulationError, match="no state to save"):

@@ -55,6 +55,7 @@ def _feedthrough() -> list[Var]:
         Var("s", 101, "String", "parameter", "fixed", ""),
         Var("bytes", 102, "Binary", "parameter", "fixed", ""),
         Var("big", 103, "Int64", "parameter", "fixed", "0"),
+        Var("told", 105, "Float64", "output", "continuous"),
     ]
     return variables
 
@@ -118,7 +119,9 @@ def _variable(v: Var, version: int, index: dict[int, int]) -> str:
     return f"<{v.type} {common}{typed}>{inner}</{v.type}>"
 
 
-def describe(model: str, version: int, interfaces: str, flags: str = "") -> str:
+def describe(
+    model: str, version: int, interfaces: str, flags: str = "", experiment: str = ""
+) -> str:
     """Return modelDescription.xml."""
     variables = [v for v in MODELS[model] if version == 3 or v.type in FMI2_TYPES]
     index = {v.reference: i for i, v in enumerate(variables, 1)}
@@ -160,7 +163,8 @@ def describe(model: str, version: int, interfaces: str, flags: str = "") -> str:
         root = f'fmiVersion="3.0" instantiationToken="{model}"'
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {root} modelName="{model}">'
-        f"{kinds}<TypeDefinitions>{option}</TypeDefinitions><ModelVariables>{text}</ModelVariables>"
+        f"{kinds}<TypeDefinitions>{option}</TypeDefinitions><DefaultExperiment {experiment}/>"
+        f"<ModelVariables>{text}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 
@@ -201,8 +205,9 @@ def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
         flags: str = "",
         binary_name: str | None = None,
         platform_folder: str | None = None,
+        experiment: str = "",
     ) -> Path:
-        key = (model, version, interfaces, flags, binary_name, platform_folder)
+        key = (model, version, interfaces, flags, binary_name, platform_folder, experiment)
         if key not in made:
             platform = toolchain.host_platform()
             place = platform_folder or (platform.fmi2 if version == 2 else platform.tuple)
@@ -211,9 +216,8 @@ def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
             binary = library(model)
             name = (binary_name or model) + platform.suffix
             with zipfile.ZipFile(path, "w") as archive:
-                archive.writestr(
-                    "modelDescription.xml", describe(model, version, interfaces, flags)
-                )
+                description = describe(model, version, interfaces, flags, experiment)
+                archive.writestr("modelDescription.xml", description)
                 archive.write(binary, f"binaries/{place}/{name}")
             made[key] = path
         return made[key]

@@ -24,12 +24,12 @@ typedef union {
 typedef struct {
     Value v[N_VALUES];
     double t, x[MAX_X], next_event, z_before;
-    bool exchange, event_mode, early, terminate, configuring, running;
+    bool exchange, event_mode, early, terminate, configuring, initializing, running;
     const fmi2CallbackFunctions *callbacks;
 } Model;
 
 /* place in the table */
-enum { SUM = 100, S, BYTES, BIG, N_BYTES };         /* FEEDTHROUGH; 0 .. 29 in, 30 .. 59 out */
+enum { SUM = 100, S, BYTES, BIG, N_BYTES, TOLD };   /* FEEDTHROUGH; 0 .. 29 in, 30 .. 59 out */
 enum { N, A, U = A + 64, Y = U + 8, X0 = Y + 8 };   /* STATE_SPACE */
 enum { H, V, G, E, BOUNCES, HEIGHT };               /* BALL */
 enum { POS, VEL, K, FORCE, GAIN };                  /* OSCILLATOR */
@@ -39,7 +39,7 @@ static void start(Model *m) {
     memset(m->v, 0, sizeof m->v);
     m->t = 0.0;
     m->next_event = INFINITY;
-    m->terminate = m->running = false;
+    m->terminate = m->initializing = m->running = false;
     if (MODEL == STATE_SPACE) {
         m->v[N].i = 3;
         for (int i = 0; i < 9; i++) {
@@ -70,6 +70,17 @@ static void read_states(Model *m) {
     if (MODEL == STAIR) {
         m->next_event = m->t + m->v[PERIOD].d;
     }
+}
+
+/* The tolerance of its own solver that it is told, 0 where it is told none. */
+static void setup(Model *m, double t, bool told, double tolerance) {
+    m->t = t;
+    m->v[TOLD].d = told ? tolerance : 0.0;
+}
+
+/* By the standard inputs cannot be set before Initialization Mode. */
+static bool allowed(const Model *m, unsigned reference) {
+    return MODEL != FEEDTHROUGH || reference >= 30 || m->initializing || m->running;
 }
 
 static void begin(Model *m) {
@@ -178,6 +189,9 @@ static bool step(Model *m, double end) {
         Model *m = c;                                                                              \
         SIZES;                                                                                     \
         for (size_t i = 0, k = 0; i < n; i++) {                                                    \
+            if (!allowed(m, r[i])) {                                                               \
+                return prefix##Error;                                                              \
+            }                                                                                      \
             for (size_t j = 0; j < length(m, r[i]); j++) {                                         \
                 m->v[r[i] + j].member = values[k++];                                               \
             }                                                                                      \
@@ -254,10 +268,12 @@ void fmi2FreeInstance(fmi2Component c) { free(c); }
 fmi2Status fmi2Reset(fmi2Component c) { return start(c), fmi2OK; }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real t,
                                fmi2Boolean e, fmi2Real f) {
-    (void)a, (void)b, (void)e, (void)f;
-    return ((Model *)c)->t = t, fmi2OK;
+    (void)e, (void)f;
+    return setup(c, t, a, b), fmi2OK;
 }
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return (void)c, fmi2OK; }
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    return ((Model *)c)->initializing = true, fmi2OK;
+}
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return begin(c), fmi2OK; }
 fmi2Status fmi2EnterEventMode(fmi2Component c) { return (void)c, fmi2OK; }
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (void)c, fmi2OK; }
@@ -370,8 +386,9 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
 }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b, fmi3Float64 t,
                                        fmi3Boolean e, fmi3Float64 f) {
-    (void)a, (void)b, (void)e, (void)f;
-    return ((Model *)c)->t = t, fmi3OK;
+    (void)e, (void)f;
+    setup(c, t, a, b);
+    return ((Model *)c)->initializing = true, fmi3OK;
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return begin(c), fmi3OK; }
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (void)c, fmi3OK; }

@@ -11,6 +11,7 @@ import pytest
 import cosim
 
 G = 9.81
+FINE = 1e-8
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -27,19 +28,21 @@ def one(path, parameters=None):
 def fmpy_run(path, step, stop, output, **more):
     return fmpy.simulate_fmu(
         str(path), fmi_type="ModelExchange", stop_time=stop, output_interval=step,
-        relative_tolerance=1e-8, record_events=False, output=output, **more,
+        relative_tolerance=FINE, record_events=False, output=output, **more,
     )  # fmt: skip
 
 
 def test_an_oscillator_follows_the_cosine(export, version):
-    result = one(export("oscillator", version, "ME")).prepare(step=0.05, stop=20.0).run()
+    result = (
+        one(export("oscillator", version, "ME")).prepare(step=0.05, stop=20.0, tolerance=FINE).run()
+    )
     np.testing.assert_allclose(result["a.position"], np.cos(2 * result.time), atol=2e-6)
     np.testing.assert_allclose(result["a.velocity"], -2 * np.sin(2 * result.time), atol=4e-6)
 
 
 def test_without_events_and_inputs_it_is_fmpy_to_the_bit(export, version):
     path = export("oscillator", version, "ME")
-    ours = one(path).prepare(step=0.05, stop=20.0).run()
+    ours = one(path).prepare(step=0.05, stop=20.0, tolerance=FINE).run()
     theirs = fmpy_run(path, 0.05, 20.0, ["position"])
     np.testing.assert_array_equal(ours["a.position"], theirs["position"])
 
@@ -47,7 +50,7 @@ def test_without_events_and_inputs_it_is_fmpy_to_the_bit(export, version):
 def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
     e, first = 0.7, math.sqrt(2 / G)
     bounces = first * (1 + 2 * np.cumsum([0.0, *(e**i for i in range(1, 8))]))
-    result = one(export("ball", version, "ME")).prepare(step=1e-3, stop=2.3).run()
+    result = one(export("ball", version, "ME")).prepare(step=1e-3, stop=2.3, tolerance=FINE).run()
     seen = result.time[1:][np.diff(result["a.bounces"]) > 0]
     np.testing.assert_allclose(seen, np.ceil(bounces[bounces < 2.3] / 1e-3) * 1e-3, atol=1e-9)
     falling = result.time < first
@@ -57,7 +60,7 @@ def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
 
 def test_a_bouncing_ball_equals_fmpy(export, version):
     path = export("ball", version, "ME")
-    ours = one(path).prepare(step=0.01, stop=2.0).run()
+    ours = one(path).prepare(step=0.01, stop=2.0, tolerance=FINE).run()
     theirs = fmpy_run(path, 0.01, 2.0, ["height", "bounces"])
     np.testing.assert_allclose(ours["a.height"], theirs["height"], atol=1e-7)
     np.testing.assert_array_equal(ours["a.bounces"], theirs["bounces"])
@@ -121,12 +124,14 @@ def test_both_interfaces_couple(export, version, coupling):
 
 def test_states_of_an_array(export):
     system = one(export("state_space", 3, "ME"), {"n": 2, "A": -np.eye(2), "x0": [1.0, 2.0]})
-    result = system.prepare(step=0.1, stop=1.0).run()
+    result = system.prepare(step=0.1, stop=1.0, tolerance=FINE).run()
     np.testing.assert_allclose(result["a.y"], np.exp(-result.time)[:, None] * [1, 2], atol=1e-6)
 
 
 def test_a_second_run_equals_the_first(export, version):
-    with one(export("ball", version, "ME")).prepare(step=0.1, stop=2.0) as simulation:
+    with one(export("ball", version, "ME")).prepare(
+        step=0.1, stop=2.0, tolerance=FINE
+    ) as simulation:
         first = simulation.run().values
         assert simulation.run({"a.e": 0.5}).values.tobytes() != first.tobytes()
         np.testing.assert_array_equal(simulation.run().values, first)

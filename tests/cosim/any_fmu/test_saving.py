@@ -18,7 +18,7 @@ def test_restored_steps_equal_the_saved(export, version, interface):
     system = cosim.System()
     system.add("a", export("ball", version, "ME CS events", FLAG[version]), interface=interface)
     assert system.components["a"].restores_state
-    simulation = system.prepare(step=0.1, stop=1.0)
+    simulation = system.prepare(step=0.1, stop=1.0, tolerance=1e-8)
     simulation.run()
     save, restore, free = (
         ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)

@@ -73,6 +73,36 @@ def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
     np.testing.assert_array_equal(result["a.Int32_out"], [2**31 - 1, 2**31 - 1, -(2**31)])
 
 
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("recorded", ["a.Float64_out", "a.*"])  # as it is, behind a facade
+def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version, recorded):
+    system = cosim.System()
+    system.add("a", export("feedthrough", version), {"Float64_in": 3.0})  # it fails before
+    with system.prepare(step=0.1, stop=0.2, record=[recorded]) as simulation:
+        np.testing.assert_array_equal(simulation.run()["a.Float64_out"], 3.0)
+
+
+def test_the_ends_of_64_bits_are_reached(export):
+    ends = {"Int64": [-(2**63), 2**63 - 1], "UInt64": [0, 2**64 - 1]}
+    path = export("feedthrough", 3)
+    system = cosim.System()
+    system.add("a", path)
+    for name in ends:
+        system.expose(name, f"a.{name}_in")
+    with system.prepare(step=0.5, stop=2.0) as simulation:
+        ours = simulation.run(inputs={n: cosim.Table([0.0, 1.0], x) for n, x in ends.items()})
+    table = np.array(
+        [(0.0, -(2**63), 0), (1.0, 2**63 - 1, 2**64 - 1)],
+        dtype=[("time", "f8"), ("Int64_in", "i8"), ("UInt64_in", "u8")],
+    )
+    theirs = fmpy.simulate_fmu(
+        str(path), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.5, input=table,
+        output=["Int64_out", "UInt64_out"],
+    )  # fmt: skip
+    for name in ends:
+        np.testing.assert_array_equal(ours[f"a.{name}_out"], theirs[f"{name}_out"].astype(float))
+
+
 def test_start_values_of_every_type_arrive_to_the_bit(export):
     system = cosim.System()
     system.add("a", export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})

@@ -1,0 +1,143 @@
+/* Initialises and steps the components. */
+#include "inside.h"
+#include "steps.h"
+#include <math.h>
+#include <string.h>
+
+double container_time(const Container *x) {
+    return x->run.start + (double)x->run.done * x->run.step;
+}
+
+/* The kernel's call did not pass. */
+static Status failed(Container *x) {
+    return part_failed(x, (int)x->run.failed, x->run.call, (int)x->run.status);
+}
+
+/* Carry outputs to the inputs that they feed, until nothing changes any more. */
+Status settle(Container *x) {
+    double before[WIDTH];
+    for (int sweep = 0; x->stale && sweep <= N_PARTS + 1; sweep++) {
+        memcpy(before, x->rows, sizeof before);
+        for (int i = 0; i < N_PARTS; i++) {
+            Component *c = &x->components[i];
+            memcpy(x->rows + WIDTH, x->rows, WIDTH * sizeof *x->rows);
+            if (!set_inputs(&x->run, c, x->rows) ||
+                !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+                return failed(x);
+            }
+        }
+        x->stale = memcmp(before, x->rows, sizeof before) != 0;
+    }
+    if (x->stale) {
+        x->phase = BROKEN;
+        return report(x, ERROR, "the initial values of the components do not settle");
+    }
+    return OK;
+}
+
+Status container_plan(Container *x, double start_time, bool stop_defined, double stop) {
+    if (!isfinite(start_time)) {
+        return report(x, ERROR, "the start time is not finite");
+    }
+    x->run.start = start_time;
+    x->run.stop = stop;
+    x->stop_defined = stop_defined;
+    return OK;
+}
+
+static bool enter(Container *x, Component *c) {
+    Run *run = &x->run;
+    const bool stops = x->stop_defined, told = c->tolerance > 0.0;
+    if (c->version == 3) {
+        return passed(run, c, "fmi3EnterInitializationMode",
+                      (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
+                                                                run->start, stops, run->stop));
+    }
+    return passed(run, c, "fmi2SetupExperiment",
+                  (int)c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance, run->start,
+                                                    stops, run->stop)) &&
+           passed(run, c, "fmi2EnterInitializationMode",
+                  (int)c->call.fmi2.EnterInitializationMode(c->instance));
+}
+
+Status container_enter_initialization(Container *x) {
+    for (int i = 0; i < N_PARTS; i++) {
+        Component *c = &x->components[i];
+        if (!enter(x, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+            return failed(x);
+        }
+    }
+    x->phase = INITIALIZING;
+    x->stale = true;
+    return OK;
+}
+
+Status container_leave_initialization(Container *x) {
+    const Status settled = settle(x);
+    if (settled != OK) {
+        return settled;
+    }
+    for (int i = 0; i < N_PARTS; i++) {
+        Component *c = &x->components[i];
+        if (!exit_initialization(&x->run, c)) {
+            return failed(x);
+        }
+    }
+    for (int i = 0; i < N_PARTS; i++) {
+        Component *c = &x->components[i];
+        if (!get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+            return failed(x);
+        }
+    }
+    x->phase = STEPPING;
+    return OK;
+}
+
+static Status check_finite(Container *x) {
+    for (int i = 0; i < N_PARTS; i++) {
+        const Component *c = &x->components[i];
+        for (size_t k = 0; k < c->n_outputs; k++) {
+            if (!isfinite(x->rows[c->column + (int64_t)k])) {
+                return part_failed(x, i, "an output is not finite, so the step", ERROR);
+            }
+        }
+    }
+    return OK;
+}
+
+Status container_step(Container *x, double t, double h) {
+    Run *run = &x->run;
+    const double n = round(h / STEP), now = container_time(x);
+    if (!(n >= 1.0 && fabs(n * STEP - h) <= 1e-6 * STEP)) {
+        return report(x, ERROR,
+                      "a communication step of %.9g s is not possible: expected a multiple of the"
+                      " components' step, %.9g s",
+                      h, STEP);
+    }
+    if (!(fabs(t - now) <= 1e-6 * STEP)) {
+        return report(x, ERROR, "the communication point is %.9g s, expected %.9g s", t, now);
+    }
+    const int64_t last = run->done + (int64_t)n;
+    while (run->done < last) {
+        memcpy(x->rows + WIDTH, x->rows, N_INPUTS * sizeof *x->rows);
+        run->block_start = run->done;
+        if (!step_until(run, run->done + 1)) {
+            return failed(x);
+        }
+        memcpy(x->rows, x->rows + WIDTH, WIDTH * sizeof *x->rows);
+        if (check_finite(x) != OK) {
+            return ERROR;
+        }
+    }
+    return OK;
+}
+
+Status container_terminate(Container *x) {
+    x->phase = ENDED;
+    for (int i = 0; i < N_PARTS; i++) {
+        if (!terminate(&x->run, &x->components[i])) {
+            return failed(x);
+        }
+    }
+    return OK;
+}

@@ -1,0 +1,150 @@
+/* The state of a container: its own, and those of its components. */
+#include "inside.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    enum Phase phase;
+    bool stop_defined;
+    int64_t done;
+    double start, stop;
+    double rows[2 * WIDTH];
+} Own;
+
+typedef struct {
+    Own own;
+    void *parts[N_PARTS];
+} State;
+
+#define ON_EACH_PART(call)                                                                         \
+    for (int i = 0; i < N_PARTS; i++) {                                                            \
+        const int status = (call);                                                                 \
+        if (status > WARNING) {                                                                    \
+            return part_failed(x, i, __func__, status);                                            \
+        }                                                                                          \
+    }
+#define PART_OF(x, i) &(x)->access[i], &(x)->components[i]
+
+static Status none(Container *x) {
+    return report(x, ERROR, "there is no state, or it is of another container");
+}
+
+Status container_save(Container *x, void **state) {
+    State *s = *state ? *state : calloc(1, sizeof *s);
+    if (!s) {
+        return report(x, ERROR, "there is no memory left to save the state");
+    }
+    *state = s;
+    s->own.phase = x->phase;
+    s->own.stop_defined = x->stop_defined;
+    s->own.done = x->run.done;
+    s->own.start = x->run.start;
+    s->own.stop = x->run.stop;
+    memcpy(s->own.rows, x->rows, sizeof x->rows);
+    ON_EACH_PART(access_save(PART_OF(x, i), &s->parts[i]))
+    return OK;
+}
+
+Status container_restore(Container *x, const void *state) {
+    const State *s = state;
+    if (!s) {
+        return none(x);
+    }
+    ON_EACH_PART(access_restore(PART_OF(x, i), s->parts[i]))
+    x->phase = s->own.phase;
+    x->stale = x->phase == INITIALIZING;
+    x->stop_defined = s->own.stop_defined;
+    x->run.done = s->own.done;
+    x->run.start = s->own.start;
+    x->run.stop = s->own.stop;
+    memcpy(x->rows, s->own.rows, sizeof x->rows);
+    return OK;
+}
+
+Status container_forget(Container *x, void **state) {
+    State *s = state ? *state : NULL;
+    if (s) {
+        ON_EACH_PART(access_forget(PART_OF(x, i), &s->parts[i]))
+        free(s);
+        *state = NULL;
+    }
+    return OK;
+}
+
+/* As bytes: token, own state, then for each part its size and its bytes. */
+Status container_size(Container *x, const void *state, size_t *size) {
+    const State *s = state;
+    if (!s) {
+        return none(x);
+    }
+    size_t sizes[N_PARTS];
+    ON_EACH_PART(access_size(PART_OF(x, i), s->parts[i], &sizes[i]))
+    *size = sizeof TOKEN + sizeof s->own;
+    for (int i = 0; i < N_PARTS; i++) {
+        *size += sizeof sizes[i] + sizes[i];
+    }
+    return OK;
+}
+
+Status container_pack(Container *x, const void *state, uint8_t *bytes, size_t size) {
+    const State *s = state;
+    size_t needed = 0;
+    const Status sized = container_size(x, state, &needed);
+    if (sized != OK || needed > size) {
+        return sized != OK ? sized
+                           : report(x, ERROR, "the state needs %zu bytes, got %zu", needed, size);
+    }
+    memcpy(bytes, TOKEN, sizeof TOKEN);
+    memcpy(bytes + sizeof TOKEN, &s->own, sizeof s->own);
+    bytes += sizeof TOKEN + sizeof s->own;
+    for (int i = 0; i < N_PARTS; i++) {
+        size_t one = 0;
+        int status = access_size(PART_OF(x, i), s->parts[i], &one);
+        memcpy(bytes, &one, sizeof one);
+        bytes += sizeof one;
+        status = status > WARNING ? status : access_pack(PART_OF(x, i), s->parts[i], bytes, one);
+        if (status > WARNING) {
+            return part_failed(x, i, __func__, status);
+        }
+        bytes += one;
+    }
+    return OK;
+}
+
+static Status unpack_parts(Container *x, const uint8_t *bytes, const uint8_t *end, State *s) {
+    for (int i = 0; i < N_PARTS; i++) {
+        size_t size = 0;
+        if ((size_t)(end - bytes) < sizeof size) {
+            return none(x);
+        }
+        memcpy(&size, bytes, sizeof size);
+        bytes += sizeof size;
+        if ((size_t)(end - bytes) < size) {
+            return none(x);
+        }
+        const int status = access_unpack(PART_OF(x, i), bytes, size, &s->parts[i]);
+        if (status > WARNING) {
+            return part_failed(x, i, __func__, status);
+        }
+        bytes += size;
+    }
+    return OK;
+}
+
+Status container_unpack(Container *x, const uint8_t *bytes, size_t size, void **state) {
+    const size_t head = sizeof TOKEN + sizeof(Own);
+    if (size < head || memcmp(bytes, TOKEN, sizeof TOKEN) != 0) {
+        return none(x);
+    }
+    State *s = calloc(1, sizeof *s);
+    if (!s) {
+        return report(x, ERROR, "there is no memory left for the state");
+    }
+    *state = s;
+    memcpy(&s->own, bytes + sizeof TOKEN, sizeof s->own);
+    const Status status = unpack_parts(x, bytes + head, bytes + size, s);
+    if (status != OK) {
+        container_forget(x, state);
+    }
+    return status;
+}

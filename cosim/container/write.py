@@ -1,0 +1,183 @@
+"""A whole system as one FMU: its FMUs in the resources, and the kernel as the binary."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import fmpy
+
+import toolchain
+from cosim import kernel
+from cosim.container.description import model_description
+from cosim.container.faces import refusals
+from cosim.container.tables import system_header
+from cosim.container.variables import shown_variables
+from cosim.coupling import Coupling
+from cosim.errors import ConnectionFault, ExperimentError, FmuError
+from cosim.experiment import DefaultExperiment
+from cosim.kernel.unrolled import unroll
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.loops import algebraic_loop, group
+from cosim.record import Record
+from cosim.ssp.members import zipped
+from cosim.wiring import wire
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+_KERNEL = ("kernel.h", "calls.h", "walk.h", "steps.h", "instance.c")
+
+
+def write_fmu(
+    system: System,
+    path: str | os.PathLike[str],
+    *,
+    step: float,
+    fmi: Literal[2, 3] = 2,
+    coupling: Literal["gauss_seidel", "jacobi"] = "gauss_seidel",
+    outputs: Sequence[str] | None = None,
+    parameters: Sequence[str] | None = None,
+    experiment: DefaultExperiment | None = None,
+    platforms: Iterable[toolchain.Platform] | None = None,
+) -> Path:
+    """Write a system as one FMU for Co-Simulation and return its path.
+
+    It gives the values that a simulation with the same step and coupling gives, bit for bit,
+    and takes communication steps that are multiples of ``step``.
+
+    Parameters
+    ----------
+    path : of the ``.fmu`` file
+    step : of the components, s
+    fmi : version of the standard; those of the components may differ from it
+    outputs, parameters : names or patterns (``drive.*``) of what the FMU shows of its components;
+        by default the outputs of the system, or of all components, and all parameters
+    experiment : the times it proposes
+    platforms : what to build for; this machine by default. Each component must have a binary there
+
+    Raises
+    ------
+    ConnectionFault, ParameterError, ExperimentError, FmuError
+        When the system has what a container cannot hold: a component with arrays, event mode or
+        by Model Exchange, signals other than 64-bit floating point, algebraic loops.
+    toolchain.ToolchainError
+    OSError
+        When the file cannot be written.
+    """
+    if not step > 0:
+        raise ExperimentError(f"step is {step} s, expected a positive number")
+    targets = list(platforms or [toolchain.host_platform()])
+    if loop := algebraic_loop(system, system.components):
+        raise ConnectionFault(
+            f"{system.name}: algebraic loop {' -> '.join(loop)}, which a container does not solve;"
+            " break it with a component that does not pass its input on at once"
+        )
+    groups = group(system, Coupling(method=coupling))
+    order = [name for g in groups for name in g.components]
+    shown = shown_variables(system, outputs, parameters)
+    layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
+    libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+    jacobi = coupling == "jacobi"
+    run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
+    if facades:
+        raise FmuError(
+            f"{system.name}: {', '.join(facades)} cannot go into a container: only Co-Simulation"
+            " with scalar signals of 64-bit floating point and without event mode can"
+        )
+    folders = _folders(system)
+    header = system_header(system, run, order, layout, shown, folders, step)
+    identifier = re.sub(r"\W", "_", system.name, flags=re.ASCII)
+    identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
+    times = experiment or DefaultExperiment()
+    fmus = system.components.values()
+
+    def described(token: str) -> str:
+        return model_description(
+            fmi,
+            system.name,
+            identifier,
+            token,
+            shown,
+            DefaultExperiment(times.start, times.stop, step, times.tolerance),
+            restores_state=all(fmu.restores_state for fmu in fmus),
+            serializes=all(fmu.serializes and fmu.restores_state for fmu in fmus),
+        )
+
+    sources = _sources(fmi) | {"steps.h": unroll(run) or _read(Path(kernel.__file__), "steps.h")}
+    token = _digest([described(""), header, *sources.values()])
+    sources["system.h"] = f'#define TOKEN "{token}"\n{header}\n'
+    members = {"modelDescription.xml": described(token).encode()}
+    members |= _binaries(identifier, sources, fmi, targets)
+    for name, folder in folders.items():
+        members |= _component(system, name, folder, targets)
+    return toolchain.write_whole(Path(path), zipped(members))
+
+
+def _binaries(
+    name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[toolchain.Platform]
+) -> dict[str, bytes]:
+    """Return the libraries by path in the FMU."""
+    parts: dict[str, list[bytes]] = {}
+    for target in targets:
+        flags = ["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])]
+        library = toolchain.shared_library(name, sources, platform=target, flags=flags)
+        folder = target.fmi2 if fmi == 2 else target.tuple
+        parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+    return {path: toolchain.universal(libraries) for path, libraries in parts.items()}
+
+
+def _folders(system: System) -> dict[str, str]:
+    """Return component -> folder in the resources, one for each FMU."""
+    names: dict[Path, str] = {}
+    for fmu in system.components.values():
+        plain = re.sub(r"\W", "_", fmu.path.stem, flags=re.ASCII)
+        names.setdefault(fmu.folder, f"{len(names)}_{plain}")
+    return {name: names[fmu.folder] for name, fmu in system.components.items()}
+
+
+def _component(
+    system: System, name: str, folder: str, targets: Sequence[toolchain.Platform]
+) -> dict[str, bytes]:
+    """Return the files of an FMU that a container needs."""
+    fmu = system.components[name]
+    kept = ["modelDescription.xml", "resources/**/*"]
+    for target in targets:
+        place = target.fmi2 if fmu.version == 2 else target.tuple
+        if not (fmu.folder / "binaries" / place / (fmu.binary.stem + target.suffix)).is_file():
+            raise FmuError(
+                f"{system.name}: {name} ({fmu.path.name}) has no binary for {target.tuple}"
+                f" (binaries/{place}); build it for that platform, or leave the platform out"
+            )
+        kept.append(f"binaries/{place}/**/*")
+    files = sorted(file for pattern in kept for file in fmu.folder.glob(pattern) if file.is_file())
+    return {
+        f"resources/{folder}/{file.relative_to(fmu.folder).as_posix()}": file.read_bytes()
+        for file in files
+    }
+
+
+def _sources(fmi: int) -> dict[str, str]:
+    here, other = Path(__file__).parent, f"fmi{5 - fmi}.c"
+    headers = Path(fmpy.__file__).parent / "c-code"
+    files = {file.name: _read(file) for file in here.glob("*.[ch]") if file.name != other}
+    files |= {name: _read(Path(kernel.__file__).parent / name) for name in _KERNEL}
+    files |= {f"system/{file.name}": _read(file) for file in headers.glob("fmi[23]*.h")}
+    types = files[f"system/fmi{fmi}FunctionTypes.h"]
+    return files | {"refusals.c": refusals(types, files[f"fmi{fmi}.c"], fmi)}
+
+
+def _read(path: Path, sibling: str = "") -> str:
+    return (path.with_name(sibling) if sibling else path).read_text(encoding="utf-8")
+
+
+def _digest(texts: Iterable[str]) -> str:
+    digest = hashlib.sha256()
+    for text in texts:
+        digest.update(f"{len(text)}\0{text}".encode())
+    return digest.hexdigest()[:32]

@@ -1,0 +1,124 @@
+"""What SSP says of connectors and of entries of dictionaries: type, unit, items, dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cosim.errors import SspError
+from cosim.ssp.markup import attribute, find, integer, local, number, place
+from cosim.ssp.names import NAMESPACES, tag
+from cosim.units import BASE_UNITS, Unit
+
+Items = Mapping[str, int]
+"""Names of the values of an enumeration."""
+
+_FAMILIES = {
+    "number": ("Real", "Float64", "Float32"),
+    "integer": ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))),
+    "enumeration": ("Enumeration",),
+    "Boolean": ("Boolean",),
+    "string": ("String",),
+    "binary": ("Binary",),
+    "clock": ("Clock",),
+}
+FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
+"""Type of SSP or FMI -> the kind of value it holds; only types of one family can be connected."""
+
+
+@dataclass(frozen=True)
+class Definitions:
+    """What a file defines.
+
+    Attributes
+    ----------
+    units : name -> Unit
+    enumerations : name -> its items
+    """
+
+    units: Mapping[str, Unit]
+    enumerations: Mapping[str, Items]
+
+    @classmethod
+    def of(cls, root: Any) -> Definitions:
+        """Read all definitions below an element."""
+        return cls(
+            {unit.name: unit for unit in map(_read_unit, root.iter(tag("ssc:Unit")))},
+            {attribute(e, "name"): _items(e) for e in root.iter(tag("ssc:Enumeration")) if len(e)},
+        )
+
+    def within(self, outer: Definitions) -> Definitions:
+        """Return these and, where they say nothing, those of another file."""
+        units = {**outer.units, **self.units}
+        return Definitions(units, {**outer.enumerations, **self.enumerations})
+
+    def unit(self, name: str | None) -> Unit | None:
+        """Return a unit; one that is not defined can only equal itself."""
+        return self.units.get(name, Unit(name)) if name else None
+
+
+@dataclass(frozen=True)
+class Connector:
+    """A place where a signal enters or leaves an element, or an entry of a dictionary.
+
+    Attributes
+    ----------
+    type : of SSP; None where it is not said
+    items : of its enumeration
+    dimensions : of an array; None for a length that the file does not say
+    """
+
+    name: str
+    kind: str
+    unit: Unit | None = None
+    type: str | None = None
+    items: Items = field(default_factory=dict)
+    dimensions: tuple[int | None, ...] = ()
+
+
+def read_connectors(element: Any, definitions: Definitions) -> dict[str, Connector]:
+    """Return the connectors of an element by name."""
+    found = element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES)
+    return _by_name("connectors", (_read(c, attribute(c, "kind"), definitions) for c in found))
+
+
+def read_entries(root: Any, definitions: Definitions) -> dict[str, Connector]:
+    """Return the entries of an ssb:SignalDictionary by name."""
+    found = root.iterfind("ssb:DictionaryEntry", NAMESPACES)
+    return _by_name("entries", (_read(entry, "inout", definitions) for entry in found))
+
+
+def _by_name(what: str, connectors: Any) -> dict[str, Connector]:
+    result: dict[str, Connector] = {}
+    for connector, element in connectors:
+        if connector.name in result:
+            raise SspError(f"{place(element)}: there are two {what} {connector.name!r}; rename one")
+        result[connector.name] = connector
+    return result
+
+
+def _read(element: Any, kind: str, definitions: Definitions) -> tuple[Connector, Any]:
+    name = attribute(element, "name")
+    lengths = (d.get("size") for d in element.iterfind("ssc:Dimension", NAMESPACES))
+    dimensions = tuple(None if n is None else integer(n, element) for n in lengths)
+    said = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
+    if said is None:
+        return Connector(name, kind, dimensions=dimensions), element
+    unit = definitions.unit(said.get("unit"))
+    items = definitions.enumerations.get(said.get("name", ""), {})
+    return Connector(name, kind, unit, local(said), items, dimensions), element
+
+
+def _items(enumeration: Any) -> Items:
+    items = enumeration.iterfind("ssc:Item", NAMESPACES)
+    return {attribute(item, "name"): integer(attribute(item, "value"), item) for item in items}
+
+
+def _read_unit(element: Any) -> Unit:
+    base = find(element, "ssc:BaseUnit")
+    exponents = tuple(int(number(base, name, 0)) for name in BASE_UNITS)
+    factor, offset = number(base, "factor", 1.0), number(base, "offset", 0.0)
+    if factor == 0:
+        raise SspError(f"{place(base)}: the factor of a unit cannot be 0")
+    return Unit(attribute(element, "name"), exponents, factor, offset)

@@ -1,0 +1,24 @@
+"""Judges FMUs of FMI 2.0 and FMI 3.0: archive, description, files, binaries, and how they run.
+
+A room of its own: it shares nothing with the importer, which forgives what this must not.
+"""
+
+from importlib import import_module
+
+from fmucheck.checker import check
+from fmucheck.finding import Finding, Report, Severity
+from fmucheck.rules import RULES, Rule
+
+__all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]
+
+_THEMES = (
+    "archive.members",
+    "document",
+    *(f"description.{name}" for name in ("identity", "units", "names", "causality", "ranges")),
+    *(f"description.{name}" for name in ("arrays", "derivatives", "structure", "dependencies")),
+    *(f"description.{name}" for name in ("experiment", "capabilities", "clocks")),
+    *(f"files.{name}" for name in ("sources", "terminals", "documentation")),
+    "binaries.folders",
+)
+for _theme in _THEMES:  # importing a theme registers its rules
+    import_module(f"fmucheck.{_theme}")

@@ -1,0 +1,1 @@
+"""The zip archive: read without trusting it, unpacked without leaving its folder."""

@@ -1,0 +1,165 @@
+"""Rules about the archive and the names in it."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from fmucheck.archive.reading import (
+    MAX_BYTES,
+    MAX_MEMBERS,
+    Archive,
+    is_inflated,
+    is_link,
+    is_unsafe,
+)
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+
+_MAGIC = b"PK"
+_METHODS = {0: "stored", 8: "deflate", 12: "bzip2", 14: "lzma", 93: "zstandard"}
+_DESCRIPTION = "modelDescription.xml"
+
+
+@rule(
+    Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export the FMU again; it must be a zip archive"
+)
+def not_a_zip(archive: Archive) -> Claims:
+    """The file is no zip archive, or cannot be read."""
+    if archive.fault and not _begins_as_zip(archive):
+        yield str(archive.path), archive.fault
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="copy or export the FMU again")
+def damaged_archive(archive: Archive) -> Claims:
+    """The archive is truncated or its directory is damaged."""
+    if archive.fault and _begins_as_zip(archive):
+        yield str(archive.path), f"begins as a zip archive, but: {archive.fault}"
+
+
+def _begins_as_zip(archive: Archive) -> bool:
+    try:
+        with archive.path.open("rb") as file:
+            return file.read(2) == _MAGIC
+    except OSError:
+        return False
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="do not unpack it; ask where it came from")
+def zip_bomb(archive: Archive) -> Claims:
+    """Unpacking would fill the disk: too many members, too many bytes, or packed too tightly."""
+    if len(archive.members) > MAX_MEMBERS:
+        yield (
+            str(archive.path),
+            f"{len(archive.members)} members; at most {MAX_MEMBERS} are unpacked",
+        )
+    if archive.bytes > MAX_BYTES:
+        yield str(archive.path), f"{archive.bytes} bytes when unpacked; at most {MAX_BYTES} are"
+    for member in archive.members:
+        if is_inflated(member):
+            size = f"{member.compress_size} bytes become {member.file_size}"
+            yield member.orig_filename, f"{size}; it is not unpacked"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="give members relative paths inside the FMU")
+def unsafe_path(archive: Archive) -> Claims:
+    """A member's path is absolute, names a drive, goes up, or holds a backslash."""
+    for member in archive.members:
+        if is_unsafe(member.orig_filename):
+            name = member.orig_filename
+            why = "has a backslash" if "\\" in name else "could leave the folder of the FMU"
+            yield repr(name), f"this path {why}"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="keep one of them")
+def duplicate_member(archive: Archive) -> Claims:
+    """Two members have the same path, so that readers see different files."""
+    for name, count in Counter(m.orig_filename for m in archive.files).items():
+        if count > 1:
+            yield name, f"is in the archive {count} times"
+
+
+@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="rename one of them")
+def colliding_members(archive: Archive) -> Claims:
+    """Two paths differ in case only, which Windows and macOS take for one file."""
+    first: dict[str, str] = {}
+    for name in {m.orig_filename: None for m in archive.files}:
+        other = first.setdefault(name.casefold(), name)
+        if other != name:
+            yield name, f"differs from {other} in case only"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack the file itself")
+def link_in_archive(archive: Archive) -> Claims:
+    """A member is a symbolic link."""
+    for member in archive.members:
+        if is_link(member):
+            yield member.orig_filename, "is a symbolic link; it is not unpacked"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack without a password")
+def encrypted_member(archive: Archive) -> Claims:
+    """A member is encrypted."""
+    for member in archive.members:
+        if member.flag_bits & 1:
+            yield member.orig_filename, "is encrypted"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack with deflate, or without compression")
+def compression_method(archive: Archive) -> Claims:
+    """A member is packed with something other than deflate."""
+    for member in archive.members:
+        if member.compress_type not in (0, 8):
+            method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
+            yield member.orig_filename, f"is packed with {method}; expected deflate or stored"
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="2.5", advice="pack without zip64 and other new features")
+def zip_version(archive: Archive) -> Claims:
+    """A member needs a newer zip than version 2.0 to unpack."""
+    for member in archive.members:
+        if member.extract_version > 20 and member.compress_type in (0, 8):
+            version = f"{member.extract_version / 10:.1f}"
+            yield (
+                member.orig_filename,
+                f"needs version {version} to extract; at most 2.0 is allowed",
+            )
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="2.5", advice="write sizes into the local header")
+def stored_with_data_descriptor(archive: Archive) -> Claims:
+    """A stored member has its size behind its data (general purpose bit 3)."""
+    for member in archive.files:
+        if member.compress_type == 0 and member.flag_bits & 8:
+            yield member.orig_filename, "is stored, and has general purpose bit 3 set"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export or copy the FMU again")
+def damaged_member(archive: Archive) -> Claims:
+    """A member's content does not match its checksum, or cannot be unpacked."""
+    yield from archive.damaged.items()
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="put modelDescription.xml at the root")
+def no_model_description(archive: Archive) -> Claims:
+    """modelDescription.xml is not at the root of the archive, spelled like this."""
+    names = [member.orig_filename for member in archive.files]
+    if archive.fault or _DESCRIPTION in names:
+        return
+    near = [n for n in names if n.replace("\\", "/").casefold().endswith(_DESCRIPTION.casefold())]
+    hint = f"; there is {near[0]}" if near else ""
+    yield str(archive.path), f"no {_DESCRIPTION} at the root{hint}"
+
+
+@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="name it .fmu")
+def not_named_fmu(archive: Archive) -> Claims:
+    """The file's name does not end with .fmu."""
+    if archive.path.suffix != ".fmu":
+        yield str(archive.path), f"ends with '{archive.path.suffix}'; importers look for .fmu"
+
+
+@rule(Severity.NOTE, fmi2="2.3", fmi3="2.5", advice="use ASCII names")
+def foreign_letters(archive: Archive) -> Claims:
+    """A path has letters outside ASCII, which some systems unpack under another name."""
+    for member in archive.members:
+        if not member.orig_filename.isascii():
+            yield member.orig_filename, "has letters outside ASCII"

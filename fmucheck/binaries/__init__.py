@@ -1,0 +1,1 @@
+"""Shared libraries of every platform, read without loading them."""

@@ -1,0 +1,142 @@
+"""Rules about binaries/: a library for each platform, with what it must export."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator
+
+from fmucheck.binaries.functions import required
+from fmucheck.binaries.library import Library, read_library
+from fmucheck.description.values import listed
+from fmucheck.finding import Severity
+from fmucheck.fmu import Fmu
+from fmucheck.rules import Claims, rule
+
+_FMI2 = {
+    "win32": "x86-windows",
+    "win64": "x86_64-windows",
+    "linux32": "x86-linux",
+    "linux64": "x86_64-linux",
+    "darwin32": "x86-darwin",
+    "darwin64": "x86_64-darwin",
+}
+_TUPLE = re.compile(r"(aarch32|aarch64|riscv32|riscv64|x86|x86_64|ppc32|ppc64)-(\w+)(-\w+)?")
+_SUFFIXES = {"windows": ".dll", "linux": ".so", "darwin": ".dylib"}
+# What every machine of a system has: the C library, the loader, the system itself.
+_AT_HOME = re.compile(
+    r"lib(c|m|dl|rt|pthread|util|gcc_s|stdc\+\+|c\+\+|unwind)\.so.*|ld-linux.*|linux-vdso.*"
+    r"|(kernel32|kernelbase|ntdll|user32|gdi32|advapi32|shell32|shlwapi|ws2_32|ole32|oleaut32"
+    r"|msvcrt|ucrtbase|bcrypt|rpcrt4|version|winmm|psapi|crypt32|secur32|api-ms-win-.*)\.dll"
+    r"|/usr/lib/.*|/System/Library/.*",
+    re.IGNORECASE,
+)
+
+
+def target(folder: str, version: int) -> str | None:
+    """Return the tuple that a folder below binaries/ stands for, ``None`` for an unknown one."""
+    if version == 2 and folder in _FMI2:
+        return _FMI2[folder]
+    found = _TUPLE.fullmatch(folder)
+    return f"{found[1]}-{found[2]}" if found and found[2] in _SUFFIXES else None
+
+
+def folders(fmu: Fmu) -> list[str]:
+    """Return the names of the folders below binaries/."""
+    return list(dict.fromkeys(n.split("/")[1] for n in fmu.below("binaries/") if n.count("/") > 1))
+
+
+def binaries(fmu: Fmu) -> Iterator[tuple[str, str, str]]:
+    """Yield platform tuple, modelIdentifier and expected path of every binary there should be."""
+    for folder in folders(fmu):
+        tuple_ = target(folder, fmu.description.version)
+        for identifier in fmu.identifiers if tuple_ else ():
+            suffix = _SUFFIXES[str(tuple_).partition("-")[2]]
+            yield str(tuple_), identifier, f"binaries/{folder}/{identifier}{suffix}"
+
+
+def _libraries(fmu: Fmu) -> Iterator[tuple[str, str, str, Library]]:
+    for tuple_, identifier, name in binaries(fmu):
+        if name in fmu.members:
+            library = read_library(fmu.bytes(name))
+            if isinstance(library, Library):
+                yield tuple_, identifier, name, library
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="add a binary or the sources")
+def no_implementation(fmu: Fmu) -> Claims:
+    """There are neither binaries nor sources."""
+    if not folders(fmu) and not fmu.below("sources/"):
+        yield "binaries", "the FMU has neither binaries nor sources"
+
+
+@rule(
+    Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="name it modelIdentifier.dll, .so or .dylib"
+)
+def binary_missing(fmu: Fmu) -> Claims:
+    """A platform's folder has no binary named after the modelIdentifier."""
+    for _, _, name in binaries(fmu):
+        if name not in fmu.members:
+            there = [posixpath.basename(n) for n in fmu.below(posixpath.dirname(name) + "/")]
+            yield name, f"is not in the FMU; there is {listed(there)}"
+
+
+@rule(Severity.NOTE, fmi2="2.3", fmi3="2.5.1.4", advice="use a name of the standard")
+def unknown_platform(fmu: Fmu) -> Claims:
+    """A folder below binaries/ has a name that the standard does not define."""
+    for folder in folders(fmu):
+        if target(folder, fmu.description.version) is None:
+            yield f"binaries/{folder}", "is no platform of the standard; it was not looked at"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="build it as a shared library")
+def not_a_library(fmu: Fmu) -> Claims:
+    """A binary is no shared library at all."""
+    for _, _, name in binaries(fmu):
+        if name in fmu.members:
+            library = read_library(fmu.bytes(name))
+            if isinstance(library, str):
+                yield name, library
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="put it into the folder of its platform")
+def wrong_architecture(fmu: Fmu) -> Claims:
+    """A binary is built for another system or processor than its folder says."""
+    for tuple_, _, name, library in _libraries(fmu):
+        if tuple_ not in library.targets:
+            yield name, f"is built for {listed(sorted(library.targets))}; expected {tuple_}"
+
+
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export them; optional ones may just fail")
+def missing_function(fmu: Fmu) -> Claims:
+    """A binary does not export a function that a declared interface must have."""
+    version = fmu.description.version
+    for _, identifier, name, library in _libraries(fmu):
+        kinds = [i.kind for i in fmu.description.interfaces if i.identifier == identifier]
+        wanted = dict.fromkeys(f for kind in kinds for f in required(version, kind))
+        missing = [function for function in wanted if function not in library.exports]
+        if missing:
+            yield name, f"does not export {listed(missing)}"
+
+
+@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5.1.4", advice="link it statically or pack it beside")
+def foreign_dependency(fmu: Fmu) -> Claims:
+    """A binary needs a library that is neither part of the system nor packed beside it."""
+    for _, _, name, library in _libraries(fmu):
+        beside = {
+            posixpath.basename(n).casefold() for n in fmu.below(posixpath.dirname(name) + "/")
+        }
+        for needed in library.needs:
+            if (
+                not _AT_HOME.fullmatch(needed)
+                and posixpath.basename(needed).casefold() not in beside
+            ):
+                yield name, f"needs {needed}"
+
+
+@rule(Severity.ERROR, fmi2="", fmi3="", advice="sign it, if only ad hoc: codesign -s -")
+def unsigned_for_arm_mac(fmu: Fmu) -> Claims:
+    """A binary for macOS on arm64 has no signature, so the system will not load it."""
+    for _, _, name, library in _libraries(fmu):
+        if library.unsigned:
+            yield name, "has no code signature"

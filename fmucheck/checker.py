@@ -1,0 +1,68 @@
+"""From a file to its report: stage after stage, as far as each allows."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from fmucheck.archive.reading import Archive, read_archive, unpack
+from fmucheck.description.reading import read_description
+from fmucheck.document import claimed_version, judged_version
+from fmucheck.finding import Report, Severity
+from fmucheck.fmu import Fmu
+from fmucheck.rules import stage
+from fmucheck.xml import read_document
+
+_DESCRIPTION = "modelDescription.xml"
+
+
+def check(path: Path | str) -> Report:
+    """Judge one FMU.
+
+    Nothing outside a temporary folder is written, and the folder is gone afterwards.
+
+    Raises
+    ------
+    OSError
+        When the file does not exist, or there is no room for temporary files.
+    """
+    report = Report(Path(path))
+    report.path.stat()
+    archive = read_archive(report.path)
+    with tempfile.TemporaryDirectory(prefix="fmucheck-") as folder:
+        if archive.fault is None and not archive.is_bomb:
+            unpack(archive, Path(folder))
+        _judge(report, "archive", archive, None)
+        _judge_content(report, archive, Path(folder))
+    report.findings.sort(key=lambda finding: -finding.severity)
+    return report
+
+
+def _judge(report: Report, name: str, subject: object, version: int | None) -> None:
+    for rule in stage(name):
+        report.findings += rule.findings(subject, version)
+
+
+def _judge_content(report: Report, archive: Archive, folder: Path) -> None:
+    file = folder / _DESCRIPTION
+    if not file.is_file():
+        return
+    document = read_document(_DESCRIPTION, file.read_bytes())
+    report.fmi = claimed_version(document)
+    version = judged_version(document)
+    _judge(report, "document", document, version)
+    if document.root is None or version is None:
+        return
+    description = read_description(document.root, version)
+    _judge(report, "description", description, version)
+    members = frozenset(
+        m.orig_filename for m in archive.files if (folder / m.orig_filename).is_file()
+    )
+    fmu = Fmu(report.path, folder, members, description)
+    _judge(report, "files", fmu, version)
+    _judge(report, "binaries", fmu, version)
+
+
+def is_sound(report: Report) -> bool:
+    """Tell whether nothing was found that is against the standard."""
+    return report.count(Severity.ERROR) == 0

@@ -1,0 +1,1 @@
+"""What modelDescription.xml says: read leniently, judged strictly."""

@@ -1,0 +1,147 @@
+"""Rules about units, types and log categories."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+from fmucheck.description.model import Attributes, Description, TypeDefinition, Unit, Variable
+from fmucheck.description.values import boolean, number
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+
+
+def _with_units(description: Description) -> Iterator[tuple[str, Attributes, Attributes]]:
+    """Yield place, attributes, and those that hold where the first are silent."""
+    for each in description.types:
+        yield each.place, each.given, {}
+    for v in description.variables:
+        inherited = v.type.given if v.type else {}
+        yield v.place, v.given, inherited
+        for alias in v.aliases:
+            name = alias.get("name", "")
+            yield f"alias {name} of {v.place}", alias, {"unit": v.get("unit") or ""}
+
+
+@rule(Severity.ERROR, fmi2="2.2.2", fmi3="2.4.3", advice="define it in UnitDefinitions")
+def undefined_unit(description: Description) -> Claims:
+    """A variable or type has a unit that is not defined."""
+    known = {unit.name for unit in description.units}
+    for place, given, _ in _with_units(description):
+        unit = given.get("unit")
+        if unit is not None and unit not in known:
+            yield place, f"unit '{unit}' is not defined"
+
+
+@rule(Severity.ERROR, fmi2="2.2.2", fmi3="2.4.3", advice="define it under the variable's unit")
+def undefined_display_unit(description: Description) -> Claims:
+    """A display unit is not defined under the unit it belongs to, or there is no unit."""
+    known = {u.name: {d.get("name") for d in u.display} for u in description.units}
+    for place, given, inherited in _with_units(description):
+        shown, unit = given.get("displayUnit"), given.get("unit") or inherited.get("unit")
+        if shown is None or (unit and unit not in known):
+            continue
+        if not unit:
+            yield place, f"displayUnit '{shown}' without a unit"
+        elif shown not in known[unit]:
+            yield place, f"displayUnit '{shown}' is not defined under unit '{unit}'"
+
+
+def _repeated(names: list[str]) -> list[str]:
+    return [name for name, count in Counter(names).items() if count > 1]
+
+
+@rule(Severity.ERROR, fmi2="2.2.2", fmi3="2.4.3", advice="keep one definition")
+def duplicate_unit(description: Description) -> Claims:
+    """A unit is defined twice, or a display unit twice in one unit."""
+    for name in _repeated([unit.name for unit in description.units]):
+        yield f"unit {name}", "is defined more than once"
+    for unit in description.units:
+        for name in _repeated([d.get("name", "") for d in unit.display]):
+            yield unit.place, f"display unit {name} is defined more than once"
+
+
+@rule(Severity.ERROR, fmi2="2.2.2", fmi3="2.4.3", advice="write a factor other than 0")
+def bad_unit_factor(description: Description) -> Claims:
+    """The factor of a unit is 0, or factor or offset are not finite."""
+    for unit in description.units:
+        for name, given in _conversions(unit):
+            factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
+            if factor == 0.0 or not all(
+                math.isfinite(n) for n in (factor, offset) if n is not None
+            ):
+                yield unit.place, f"{name}: factor {factor}, offset {offset}"
+
+
+def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
+    if unit.base is not None:
+        yield "BaseUnit", unit.base
+    for each in unit.display:
+        yield f"DisplayUnit {each.get('name')}", each
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="2.4.3", advice="drop offset or inverse")
+def inverse_with_offset(description: Description) -> Claims:
+    """An inverse display unit has an offset."""
+    for unit in description.units:
+        for each in unit.display:
+            if boolean(each.get("inverse")) and number(each.get("offset", "0")) != 0:
+                yield unit.place, f"DisplayUnit {each.get('name')} is inverse and has an offset"
+
+
+@rule(Severity.NOTE, fmi2="2.2.2", fmi3="2.4.3", advice="give the exponents of the SI units")
+def unit_without_base(description: Description) -> Claims:
+    """A unit has no BaseUnit, so that importers can neither convert nor compare it."""
+    bare = [unit for unit in description.units if unit.base is None]
+    if bare:
+        yield bare[0].place, f"no BaseUnit; {len(bare)} such units"
+
+
+@rule(Severity.ERROR, fmi2="2.2.3", fmi3="2.4.4", advice="rename one of them")
+def duplicate_type(description: Description) -> Claims:
+    """Two types have the same name, or a type and a variable."""
+    for name in _repeated([each.name for each in description.types]):
+        yield f"type {name}", "is defined more than once"
+    variables = {v.name: v for v in description.variables}
+    for each in description.types:
+        if each.name in variables:
+            yield each.place, f"has the name of {variables[each.name].place}"
+
+
+@rule(Severity.ERROR, fmi2="2.2.3", fmi3="2.4.4", advice="define it in TypeDefinitions")
+def undefined_type(description: Description) -> Claims:
+    """A variable declares a type that is not defined, or one of another kind."""
+    for v in description.variables:
+        declared = v.given.get("declaredType")
+        if declared is None:
+            continue
+        if v.type is None:
+            yield v.place, f"declaredType '{declared}' is not defined"
+        elif v.type.kind != v.kind:
+            yield v.place, f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
+
+
+@rule(Severity.ERROR, fmi2="2.2.3", fmi3="2.4.4", advice="give each item its own name and value")
+def duplicate_item(description: Description) -> Claims:
+    """Two items of an enumeration share a name or a value."""
+    for each in description.types:
+        for what, column in (("name", 0), ("value", 1)):
+            for text in _repeated([item[column] for item in each.items]):
+                yield each.place, f"several items have the {what} {text}"
+
+
+@rule(Severity.ERROR, fmi2="2.2.4", fmi3="2.4.5", advice="list each category once, by name")
+def bad_log_category(description: Description) -> Claims:
+    """A log category is listed twice or has no name."""
+    for name in _repeated(description.categories):
+        yield "LogCategories", f"'{name}' is listed more than once"
+    if "" in description.categories:
+        yield "LogCategories", "a category has no name"
+
+
+def items_of(variable: Variable) -> set[int]:
+    """Return the values of a variable's enumeration."""
+    declared: TypeDefinition | None = variable.type
+    values = (number(value, "Enumeration") for _, value in (declared.items if declared else ()))
+    return {int(v) for v in values if v is not None}

@@ -1,0 +1,1 @@
+"""The other files of an FMU: sources, terminals, icons, documentation."""

@@ -1,0 +1,44 @@
+/* exp and log of numerics/elementary.h for 32-bit floating point, relative error below 2e-7. */
+#include <stdint.h>
+#include <string.h>
+
+/* 2^n for -126 <= n <= 127 */
+static float power_of_two(int n) {
+    const uint32_t bits = (uint32_t)(n + 127) << 23;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* e^x; 0 below -87, the largest exponent a normal number has. */
+static float elementary_exp(float x) {
+    if (!(x >= -87.0f)) /* also when it is not a number */
+        return x < -87.0f ? 0.0f : x;
+    if (x > 88.0f)
+        x = 88.0f;
+    const int n = (int)(x * 1.44269504f + (x < 0.0f ? -0.5f : 0.5f));
+    const float r = (x - (float)n * 0.693359375f) + (float)n * 2.12194440e-4f;
+    float sum = 0.0f;
+    for (int k = 8; k >= 1; k--)
+        sum = (1.0f + sum) * (r / (float)k);
+    return (1.0f + sum) * power_of_two(n);
+}
+
+/* ln(x) for x >= 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e; at 0 very low. */
+static float elementary_log(float x) {
+    if (x < 1.17549435e-38f)
+        return -1e30f;
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    int e = (int)(bits >> 23) - 127;
+    float m = x / power_of_two(e);
+    if (m > 1.41421356f) {
+        m *= 0.5f;
+        e++;
+    }
+    const float s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
+    float sum = 0.0f;
+    for (int k = 5; k >= 1; k--)
+        sum = (sum + 1.0f / (float)(2 * k + 1)) * s2;
+    return 2.0f * (s + s * sum) + (float)e * 0.693147181f;
+}

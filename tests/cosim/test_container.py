@@ -1,0 +1,195 @@
+"""A system in one FMU does what the system does, in other tools too."""
+
+from __future__ import annotations
+
+import zipfile
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+import cosim
+
+STEP, STOP = 0.01, 1.0
+
+
+@pytest.fixture(params=[2, 3])
+def version(request):
+    return request.param
+
+
+@pytest.fixture
+def loop(make):
+    """A controller and an integrator of both versions of FMI, with a unit converted between."""
+    system = cosim.System("a loop")
+    system.add("plant", make("integrator", 3), {"k": 0.0})
+    system.add("feedback", make("gain", 2, y="mN"), {"k": -3.0})
+    system.add("limit", make("gain", 3), {"n": 4})
+    system.connect("plant.y", "feedback.u")
+    system.connect("feedback.y", "limit.u")
+    system.expose("disturbance", "plant.u")
+    return system
+
+
+def in_fmpy(path, output_interval=STEP, **start_values):
+    return fmpy.simulate_fmu(
+        str(path),
+        stop_time=STOP,
+        step_size=output_interval,
+        output_interval=output_interval,
+        start_values=start_values,
+    )
+
+
+def alone(system, coupling="gauss_seidel", parameters=None, **inputs):
+    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
+        return simulation.run(parameters, inputs)
+
+
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+def test_equals_the_system_bit_for_bit(loop, version, coupling, tmp_path):
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version, coupling=coupling)
+    ours = alone(loop, coupling, {"feedback.k": 5.0}, disturbance=2.0)
+    theirs = in_fmpy(path, **{"feedback.k": 5.0, "disturbance": 2.0})
+    assert set(theirs.dtype.names) == {"time", *ours} - {"disturbance"}
+    for name in theirs.dtype.names[1:]:
+        np.testing.assert_array_equal(theirs[name], ours[name])
+    assert ours["limit.y"][-1] == pytest.approx(2.0 * STOP * 5.0 * 1e-3, rel=0.02)
+
+
+def test_takes_several_steps_at_once(loop, version, tmp_path):
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
+    coarse = in_fmpy(path, 4 * STEP, disturbance=1.5)
+    np.testing.assert_array_equal(coarse["limit.y"], alone(loop, disturbance=1.5)["limit.y"][::4])
+
+
+def test_shows_what_is_chosen(loop, version, tmp_path):
+    path = cosim.write_fmu(
+        loop, tmp_path / "a.fmu", step=STEP, fmi=version, outputs=["plant.*"], parameters=["*.k"]
+    )
+    shown = fmpy.read_model_description(path).modelVariables
+    assert {v.name for v in shown} - {"time"} == {
+        *("disturbance", "plant.y", "plant.sum"),
+        *("plant.k", "feedback.k", "limit.k"),
+    }
+    assert {v.name: v.unit for v in shown}["plant.y"] == "N"
+    assert {v.name: v.start for v in shown}["feedback.k"] == "-3.0"
+
+
+def test_outputs_of_the_system_come_first(loop, version, tmp_path):
+    loop.expose_output("force", "limit.y")
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
+    assert in_fmpy(path).dtype.names == ("time", "force")
+
+
+def test_nothing_is_found_by_validation_and_two_builds_are_the_same(loop, version, tmp_path):
+    one, other = (
+        cosim.write_fmu(loop, tmp_path / name / "a.fmu", step=STEP, fmi=version) for name in "ab"
+    )
+    assert not validate_fmu(str(one))
+    assert one.read_bytes() == other.read_bytes()
+
+
+def test_lies_in_a_system_twice_and_in_itself(loop, version, tmp_path):
+    inner = cosim.write_fmu(loop, tmp_path / "inner.fmu", step=STEP, fmi=version)
+    outer = cosim.System("outer")
+    for name in ("one", "two"):
+        outer.add(name, inner)
+        outer.expose(name, f"{name}.disturbance")
+    ours = {value: alone(loop, disturbance=value)["limit.y"] for value in (1.0, 2.0)}
+    both = alone(outer, one=1.0, two=2.0)
+    np.testing.assert_array_equal(both["one.limit.y"], ours[1.0])
+    np.testing.assert_array_equal(both["two.limit.y"], ours[2.0])
+    nested = cosim.write_fmu(outer, tmp_path / "outer.fmu", step=STEP, fmi=5 - version)
+    result = in_fmpy(nested, one=1.0, two=2.0)
+    np.testing.assert_array_equal(result["two.limit.y"], ours[2.0])
+
+
+def test_runs_again_with_other_values(loop, version, tmp_path):
+    system = cosim.System()
+    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        first, changed, again = (
+            simulation.run(values)["a.plant.y"]
+            for values in ({"a.disturbance": 1.0}, {"a.plant.k": 3.0}, {"a.disturbance": 1.0})
+        )
+    np.testing.assert_array_equal(first, again)
+    assert first[-1] == pytest.approx(STOP)
+    np.testing.assert_array_equal(changed, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"a.limit.fault": 3, "a.limit.fault_time": 0.5}, "limit: fmi3DoStep failed (status 3)"),
+        ({"a.feedback.fault": 3, "a.feedback.fault_time": 0.5}, "feedback: fmi2DoStep failed"),
+    ],
+)
+def test_says_which_component_failed(loop, version, tmp_path, values, said):
+    system = cosim.System()
+    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        with pytest.raises(cosim.SimulationError) as caught:
+            simulation.run(values)
+        assert said in str(caught.value)
+        assert "at t = 0.5 s" in str(caught.value)
+        simulation.run()  # and goes on
+
+
+def test_refuses_a_step_that_it_cannot_take(loop, version, tmp_path):
+    system = cosim.System()
+    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
+    with (
+        system.prepare(step=1.5 * STEP, stop=3 * STEP) as simulation,
+        pytest.raises(cosim.SimulationError, match="expected a multiple of the components' step"),
+    ):
+        simulation.run()
+
+
+def test_refuses_a_description_of_another_build(loop, version, tmp_path):
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
+    token = fmpy.read_model_description(path)
+    token = token.guid or token.instantiationToken
+    other = tmp_path / "other.fmu"
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(other, "w") as target:
+        for member in source.namelist():
+            content = source.read(member)
+            if member == "modelDescription.xml":
+                content = content.replace(token.encode(), b"0" * 32)
+            target.writestr(member, content)
+    system = cosim.System()
+    system.add("a", other)
+    with pytest.raises(cosim.SimulationError, match=r"the token is 0{32}, expected"):
+        system.prepare(step=STEP, stop=STOP)
+
+
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+def test_a_container_has_no_algebraic_loop(make, coupling, tmp_path):
+    system = cosim.System("circle")
+    for name in "ab":
+        system.add(name, make("gain", 2), {"k": 0.5})
+    system.connect("a.y", "b.u")
+    system.connect("b.y", "a.u")
+    with pytest.raises(cosim.ConnectionFault, match=r"circle: algebraic loop a\.y -> b\.u -> b\.y"):
+        cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, coupling=coupling)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "said"),
+    [
+        ({"outputs": ["plant.z"]}, cosim.ConnectionFault, "'plant.z' fits nothing"),
+        ({"parameters": ["*.K"]}, cosim.ParameterError, "fits nothing that a container can show"),
+        ({"step": 0.0}, cosim.ExperimentError, "expected a positive number"),
+    ],
+)
+def test_says_what_it_cannot_show(loop, tmp_path, arguments, error, said):
+    with pytest.raises(error, match=said):
+        cosim.write_fmu(loop, tmp_path / "a.fmu", **({"step": STEP} | arguments))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_text_cannot_be_started_with(loop, tmp_path):
+    loop.set("plant.text", "hello")
+    with pytest.raises(cosim.ParameterError, match=r"plant\.text: a container cannot set"):
+        cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP)

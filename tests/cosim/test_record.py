@@ -1,0 +1,187 @@
+"""What a record keeps is what NumPy takes from the full one, to the bit."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim import Deviation, Record
+
+N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
+TERMINATE = 11
+COUPLINGS = ["gauss_seidel", "jacobi", cosim.Coupling(degree=1)]
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def system(make, request):
+    """x'' = u - x, with a gain whose input is exposed beside it."""
+    system = cosim.System("oscillator")
+    system.add("spring", make("gain", request.param), {"k": -1.0})
+    system.add("speed", make("integrator", request.param), {"k": 0.0})
+    system.add("position", make("integrator", request.param), {"k": 1.0})
+    system.add("force", make("gain", request.param), {"k": 0.5})
+    system.connect("position.y", "spring.u")
+    system.connect("spring.y", "speed.u")
+    system.connect("speed.y", "position.u")
+    system.expose("u", "force.u")
+    return system
+
+
+def prepare(system, record=None, **options):
+    return system.prepare(step=0.01, stop=N * 0.01, record=record, **options)
+
+
+INPUT = {"u": lambda t: np.sin(3 * t)}
+
+
+def one_by_one(deviation):
+    """Sum up squares in the order of time."""
+    total = 0.0
+    for value in deviation.tolist():
+        total += value * value
+    return total
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
+@pytest.mark.parametrize("every", [1, 7, 300, N, N + 1])
+def test_every_nth_point(system, coupling, compiled, every):
+    options = {"coupling": coupling, "compiled": compiled}
+    full = prepare(system, **options).run(inputs=INPUT)
+    thin = prepare(system, Record(["u", "*.y"], every=every), **options).run(inputs=INPUT)
+    np.testing.assert_array_equal(thin.time, full.time[::every])
+    for name in thin:
+        np.testing.assert_array_equal(thin[name], full[name][::every])
+    assert thin.names == tuple(name for name in full.names if not name.endswith(".sum"))
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
+def test_the_last_value_only(system, coupling):
+    full = prepare(system, coupling=coupling).run(inputs=INPUT)
+    with prepare(system, Record(keep="last"), coupling=coupling) as simulation:
+        last = simulation.run(inputs=INPUT)
+        halted = simulation.run(inputs=INPUT, until=3.0)
+    assert last.names == full.names
+    np.testing.assert_array_equal(last.values, full.values[-1:])
+    np.testing.assert_array_equal(last.time, full.time[-1:])
+    np.testing.assert_array_equal(halted.values, full.values[300:301])
+    assert halted.time == pytest.approx([3.0])
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["tables", "compiled"])
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
+def test_sums_are_those_of_the_record_one_after_the_other(system, coupling, compiled):
+    options = {"coupling": coupling, "compiled": compiled}
+    full = prepare(system, **options).run(inputs=INPUT)
+    sums = {
+        "itself": "position.y",
+        "from a number": Deviation("position.y", 0.25),
+        "from an output": Deviation("position.y", "force.y"),
+        "from an input": Deviation("speed.y", "u", begin=2.0, end=7.31),
+        "at once": Deviation("u", begin=5.0, end=5.01),
+        "of what nobody reads": Deviation("force.sum", 1.0),
+    }
+    with prepare(system, Record(sum_of_squares=sums), **options) as simulation:
+        for _ in range(2):
+            result = simulation.run(inputs=INPUT)
+    assert result.names == ()
+    assert result.values.shape == (N + 1, 0)
+    y, u = full["position.y"], full["u"]
+    assert result.sum_of_squares == {
+        "itself": one_by_one(y),
+        "from a number": one_by_one(y - 0.25),
+        "from an output": one_by_one(y - full["force.y"]),
+        "from an input": one_by_one((full["speed.y"] - u)[200:731]),
+        "at once": u[500] ** 2,
+        "of what nobody reads": N + 1.0,
+    }
+
+
+def test_a_record_beside_sums(system):
+    sums = {"cost": Deviation("position.y", 1.0)}
+    full = prepare(system).run(inputs=INPUT)
+    both = prepare(system, Record("*", sum_of_squares=sums)).run(inputs=INPUT)
+    np.testing.assert_array_equal(both.values, full.values)
+    assert both.sum_of_squares["cost"] == one_by_one(full["position.y"] - 1.0)
+    assert full.sum_of_squares == {}
+
+
+def test_what_a_scenario_does_is_summed_up(system):
+    scenario = cosim.Scenario().add_noise("position.y", 0.1, seed=3).stick("u", begin=4.0, end=6.0)
+    sums = {"cost": Deviation("position.y", "u")}
+    full = prepare(system).run(inputs=INPUT, scenario=scenario)
+    result = prepare(system, Record(sum_of_squares=sums)).run(inputs=INPUT, scenario=scenario)
+    assert result.sum_of_squares["cost"] == one_by_one(full["position.y"] - full["u"])
+
+
+@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("at", [0.455, 8.005])
+def test_a_run_that_an_fmu_ends(make, at, every):
+    system = cosim.System()
+    system.add("a", make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": at})
+    sums = {"all": "a.y", "end": Deviation("a.y", 1.0, begin=at - 0.1)}
+    full = prepare(system).run()
+    assert full.stopped
+    some = prepare(system, Record("a.y", every=every, sum_of_squares=sums)).run()
+    last = prepare(system, Record("a.y", keep="last", sum_of_squares=sums)).run()
+    kept = sorted({*range(0, len(full.time), every), len(full.time) - 1})
+    np.testing.assert_array_equal(some.time, full.time[kept])
+    np.testing.assert_array_equal(some["a.y"], full["a.y"][kept])
+    np.testing.assert_array_equal(last.time, full.time[-1:])
+    np.testing.assert_array_equal(last["a.y"], full["a.y"][-1:])
+    begin = np.searchsorted(full.time, at - 0.1)
+    assert some.stopped == last.stopped == full.stopped
+    assert some.sum_of_squares == last.sum_of_squares
+    assert some.sum_of_squares["all"] == one_by_one(full["a.y"])
+    assert some.sum_of_squares["end"] == one_by_one(full["a.y"][begin:] - 1.0)
+
+
+def test_a_value_that_is_not_finite_is_found_though_nothing_is_kept(make):
+    system = cosim.System()
+    system.add("a", make("gain"), {"u": 1.0, "fault": 10, "fault_time": 4.0})
+    system.add("b", make("gain"))
+    system.connect("a.y", "b.u")
+    for record in (Record(()), Record(keep="last"), Record(sum_of_squares={"b": "b.y"})):
+        with pytest.raises(cosim.SimulationError, match=r"a\.y: .*not finite.* t = 4"):
+            prepare(system, record).run()
+
+
+def test_a_specification_with_a_record_pickles(system):
+    record = Record("u", every=2, sum_of_squares={"cost": Deviation("position.y", "u")})
+    simulation = prepare(system, record)
+    twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301 - our own bytes
+    assert twin.spec.record == record
+    assert twin.run().sum_of_squares == simulation.run().sum_of_squares
+
+
+def test_one_name_needs_no_list(system):
+    assert prepare(system, "position.y").run().names == ("position.y",)
+    assert Record("position.y").wanted == ("position.y",)
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ({"every": 0}, "every = 0, expected an integer from 1"),
+        ({"every": 2.5}, "every = 2.5"),
+        ({"keep": "first"}, "keep = 'first', expected 'all' or 'last'"),
+        ({"sum_of_squares": {"J": Deviation("u", begin=99.0)}}, "'J': no point in time lies in 99"),
+        ({"sum_of_squares": {"J": Deviation("u", float("nan"))}}, "'J': .* nan is not finite"),
+        ({"sum_of_squares": {"J": "position.z"}}, "no variable 'z'"),
+        ({"sum_of_squares": {"J": Deviation("u", "position.text")}}, "text.* is String"),
+    ],
+)
+def test_what_makes_no_record_is_refused(system, record, message):
+    with pytest.raises(cosim.CosimError, match=message):
+        prepare(system, Record(**record))
+
+
+def test_a_deviation_needs_equal_units(make):
+    system = cosim.System()
+    system.add("a", make("gain"))
+    system.add("b", make("gain", y="mN"))
+    with pytest.raises(cosim.ConnectionFault, match=r"'J': a\.y is in 'N', b\.y in 'mN'"):
+        prepare(system, Record(sum_of_squares={"J": Deviation("a.y", "b.y")}))

@@ -1,0 +1,24 @@
+"""FMUs of ours, which are to be found sound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import models
+
+Build = Callable[[str, int], Path]
+
+
+@pytest.fixture(scope="session")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
+    """Build a model once: ``build("stage", 3)``."""
+    folder = tmp_path_factory.mktemp("sound")
+
+    def build(name: str, version: models.FmiVersion) -> Path:
+        path = folder / f"fmi{version}" / f"{name}.fmu"
+        return path if path.exists() else models.build_fmu(name, path.parent, fmi=version)
+
+    return build

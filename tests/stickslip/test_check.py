@@ -1,0 +1,66 @@
+"""``stickslip check``: what it prints and how it ends."""
+
+import json
+import zipfile
+
+import pytest
+
+import models
+from stickslip.cli import main
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    return models.build_fmu("stage", tmp_path_factory.mktemp("check"), fmi=3)
+
+
+@pytest.fixture
+def broken(sound, tmp_path):
+    """The same FMU with a unit that nothing defines, and one warning."""
+    path = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(sound) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'unit="kg"', b'unit="stone"')
+            new.writestr(name, content)
+    return path
+
+
+def test_a_sound_fmu_ends_with_status_0(sound, capsys):
+    assert main(["check", str(sound)]) == 0
+    assert "FMI 3.0, 0 errors, 0 warnings" in capsys.readouterr().out
+
+
+def test_an_error_ends_with_status_1_and_says_what_to_do(broken, capsys):
+    assert main(["check", str(broken)]) == 1
+    out = capsys.readouterr().out
+    assert "undefined-unit" in out
+    assert "unit 'stone' is not defined" in out
+    assert "define it in UnitDefinitions  [FMI 3.0.2, 2.4.3]" in out
+
+
+def test_json_has_every_file_and_finding(sound, broken, capsys):
+    assert main(["check", str(sound), str(broken), "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["version"] == 1
+    first, second = told["files"]
+    assert first["file"] == str(sound)
+    assert first["errors"] == 0
+    finding = next(f for f in second["findings"] if f["rule"] == "undefined-unit")
+    assert set(finding) == {"severity", "rule", "place", "message", "section", "advice"}
+    assert finding["severity"] == "error"
+    assert second["errors"] == sum(f["severity"] == "error" for f in second["findings"])
+
+
+def test_strict_counts_warnings(sound, tmp_path, capsys):
+    misnamed = tmp_path / "stage.zip"
+    misnamed.write_bytes(sound.read_bytes())
+    assert main(["check", str(misnamed)]) == 0
+    assert main(["check", str(misnamed), "--strict"]) == 1
+    assert "not-named-fmu" in capsys.readouterr().out
+
+
+def test_a_missing_file_is_one_clear_line(tmp_path, capsys):
+    assert main(["check", str(tmp_path / "none.fmu")]) == 1
+    assert "none.fmu: No such file" in capsys.readouterr().err
