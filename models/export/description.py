@@ -79,6 +79,7 @@ class Model:
     name: str
     title: str
     description: str
+    version: str
     stop: float
     step: float
     sampled: bool
@@ -151,6 +152,7 @@ def read_model(folder: Path) -> Model:
             name=folder.name,
             title=content["title"],
             description=content["description"],
+            version=content["version"],
             stop=content["experiment"]["stop"],
             step=content["experiment"]["step"],
             sampled=content.get("sampled", False),

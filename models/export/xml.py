@@ -60,6 +60,7 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "fmiVersion": version,
             "modelName": model.name,
             "description": f"{model.title}. {model.description}",
+            "version": model.version,
             "author": "The stickslip authors",
             "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
