@@ -48,6 +48,7 @@ def model_of(system: LinearSystem, step: float, stop: float, folder: Path) -> Mo
         name=system.name,
         title="Linear system",
         description=f"{len(system.states)} states, {_time(system)}",
+        version="1.0",
         stop=stop,
         step=step,
         sampled=False,
