@@ -41,7 +41,7 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    REQUIRE(EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     return (fmi2Status)exchange_get_derivatives(c, derivatives, nx);
 }
 
@@ -57,6 +57,6 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     return (fmi2Status)exchange_get_nominals(c, x_nominal, nx);
 }

@@ -70,7 +70,7 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuous
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
                                              size_t nContinuousStates) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     return (fmi3Status)exchange_get_nominals(instance, nominals, nContinuousStates);
 }
 

@@ -164,16 +164,15 @@ Status instance_check(Instance *i, uint32_t reference, Type type, const char *ca
         return instance_report(i, ERROR, "logStatusError",
                                "%s: value reference %lu does not exist; the last one is %d", call,
                                (unsigned long)reference, COUNT - 1);
-    if (VARIABLES[reference].type == DERIVATIVE && type == REAL) {
-        if (!i->model_exchange) {
-            double unused[OUTPUTS_COUNT + 1];
-            evaluate(i, (Outputs *)unused);
-        }
+    if (VARIABLES[reference].type == type)
         return OK;
-    }
-    if (VARIABLES[reference].type != type)
+    if (VARIABLES[reference].type != DERIVATIVE || type != REAL)
         return instance_report(i, ERROR, "logStatusError", "%s: variable %s is of another type",
                                call, VARIABLES[reference].name);
+    if (!i->model_exchange) {
+        double unused[OUTPUTS_COUNT + 1];
+        evaluate(i, (Outputs *)unused);
+    }
     return OK;
 }
 
