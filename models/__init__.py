@@ -4,7 +4,8 @@ The errors are drawn in ``models/errors.py``.
 """
 
 from models.errors import DescriptionError, LtiError, ModelError, StartValueError, UnknownModel
-from models.export.package import FmiVersion, build_fmu, load_model, model_names
+from models.export.package import build_fmu, load_model, model_names, write_cross_check
+from models.export.sources import FmiVersion
 from models.lti.file import LtiFile, read_lti
 from models.lti.package import export_lti
 from models.lti.system import LinearSystem
@@ -23,4 +24,5 @@ __all__ = [
     "load_model",
     "model_names",
     "read_lti",
+    "write_cross_check",
 ]

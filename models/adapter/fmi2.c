@@ -1,18 +1,8 @@
-/* FMI 2.0 for Co-Simulation: names and types of the standard over instance.h. */
-#include <fmi2Functions.h>
+/* FMI 2.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
+#include "fmi2.h"
 
 #include "heap.h"
-#include "instance.h"
-
-#define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED)
-#define ANY (ALIVE | FAILED)
-
-/* Leave the calling function unless the instance exists and is in one of these phases. */
-#define REQUIRE(phases)                                                                            \
-    do {                                                                                           \
-        if (!c || instance_require(c, phases, __func__) != OK)                                     \
-            return fmi2Error;                                                                      \
-    } while (0)
+#include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
                  const char *message) {
@@ -34,14 +24,12 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                               fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible,
                               fmi2Boolean loggingOn) {
-    if (fmuType != fmi2CoSimulation)
-        return NULL;
     Logger logger = {emit, NULL, NULL, loggingOn};
     if (functions) {
         logger.callback = (void (*)(void))functions->logger;
         logger.environment = functions->componentEnvironment;
     }
-    return instance_new(instanceName, fmuGUID, logger);
+    return instance_new(instanceName, fmuGUID, fmuType == fmi2ModelExchange, logger);
 }
 
 void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
@@ -63,7 +51,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    REQUIRE(STEPPING);
+    REQUIRE(STEPPING | EVENT | CONTINUOUS);
     return (fmi2Status)instance_terminate(c);
 }
 
@@ -190,14 +178,16 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     return fmi2Discard;
 }
 
-/* Not declared in modelDescription.xml. */
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
                                         size_t nUnknown, const fmi2ValueReference known[],
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    return (fmi2Status)instance_unavailable(c, __func__);
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi2Status)slopes_multiply(c, DIRECTIONAL, (Chosen){unknown, nUnknown},
+                                       (Chosen){known, nKnown}, dvKnown, dvUnknown, __func__);
 }
 
+/* Not declared in modelDescription.xml. */
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     return (fmi2Status)instance_unavailable(c, __func__);

@@ -1,18 +1,8 @@
-/* FMI 3.0 for Co-Simulation: names and types of the standard over instance.h. */
-#include <fmi3Functions.h>
+/* FMI 3.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
+#include "fmi3.h"
 
 #include "heap.h"
-#include "instance.h"
-
-#define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED)
-#define ANY (ALIVE | FAILED)
-
-/* Leave the calling function unless the instance exists and is in one of these phases. */
-#define REQUIRE(phases)                                                                            \
-    do {                                                                                           \
-        if (!instance || instance_require(instance, phases, __func__) != OK)                       \
-            return fmi3Error;                                                                      \
-    } while (0)
+#include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
                  const char *message) {
@@ -35,7 +25,16 @@ fmi3Instance fmi3InstantiateCoSimulation(
     size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
     fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
     const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
-    return instance_new(instanceName, instantiationToken, logger);
+    return instance_new(instanceName, instantiationToken, false, logger);
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible,
+                                          fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage) {
+    const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
+    return instance_new(instanceName, instantiationToken, true, logger);
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
@@ -55,7 +54,7 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
-    REQUIRE(STEPPING);
+    REQUIRE(STEPPING | EVENT | CONTINUOUS);
     return (fmi3Status)instance_terminate(instance);
 }
 
@@ -68,9 +67,8 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
     fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t count, fmi3##Name values[], size_t nValues) {                  \
         REQUIRE(ANY);                                                                              \
+        REQUIRE_COUNT(count, nValues);                                                             \
         Instance *i = instance;                                                                    \
-        if (nValues != count)                                                                      \
-            return (fmi3Status)instance_mismatch(i, count, nValues, __func__);                     \
         instance_refresh(i);                                                                       \
         for (size_t k = 0; k < count; k++) {                                                       \
             if (instance_check(i, references[k], TYPE, __func__) != OK)                            \
@@ -82,8 +80,7 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
     fmi3Status fmi3Set##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t count, const fmi3##Name values[], size_t nValues) {            \
         REQUIRE(ALIVE);                                                                            \
-        if (nValues != count)                                                                      \
-            return (fmi3Status)instance_mismatch(instance, count, nValues, __func__);              \
+        REQUIRE_COUNT(count, nValues);                                                             \
         for (size_t k = 0; k < count; k++)                                                         \
             if (instance_check(instance, references[k], TYPE, __func__) != OK ||                   \
                 instance_set(instance, references[k], (double)values[k], __func__) != OK)          \
@@ -94,6 +91,28 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 ACCESS(Float64, REAL)
 ACCESS(Int32, INTEGER)
 ACCESS(Boolean, BOOLEAN)
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t nUnknowns, const fmi3ValueReference knowns[],
+                                        size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+                                        fmi3Float64 sensitivity[], size_t nSensitivity) {
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE_COUNT(nKnowns, nSeed);
+    REQUIRE_COUNT(nUnknowns, nSensitivity);
+    return (fmi3Status)slopes_multiply(instance, DIRECTIONAL, (Chosen){unknowns, nUnknowns},
+                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                    size_t nUnknowns, const fmi3ValueReference knowns[],
+                                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+                                    fmi3Float64 sensitivity[], size_t nSensitivity) {
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE_COUNT(nUnknowns, nSeed);
+    REQUIRE_COUNT(nKnowns, nSensitivity);
+    return (fmi3Status)slopes_multiply(instance, ADJOINT, (Chosen){unknowns, nUnknowns},
+                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
+}
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     REQUIRE(ANY);

@@ -7,7 +7,7 @@
 #define UNAVAILABLE return (fmi3Status)instance_unavailable(instance, __func__)
 
 /* No model here has variables of these types. */
-#define ACCESS(Name)                                                                               \
+#define REFUSE(Name)                                                                               \
     fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t count, fmi3##Name values[], size_t nValues) {                  \
         UNAVAILABLE;                                                                               \
@@ -17,23 +17,15 @@
         UNAVAILABLE;                                                                               \
     }
 
-ACCESS(Float32)
-ACCESS(Int8)
-ACCESS(UInt8)
-ACCESS(Int16)
-ACCESS(UInt16)
-ACCESS(UInt32)
-ACCESS(Int64)
-ACCESS(UInt64)
-ACCESS(String)
-
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible,
-                                          fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage) {
-    return NULL;
-}
+REFUSE(Float32)
+REFUSE(Int8)
+REFUSE(UInt8)
+REFUSE(Int16)
+REFUSE(UInt16)
+REFUSE(UInt32)
+REFUSE(Int64)
+REFUSE(UInt64)
+REFUSE(String)
 
 fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
@@ -42,8 +34,6 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3LockPreemptionCallback lockPreemption, fmi3UnlockPreemptionCallback unlockPreemption) {
     return NULL;
 }
-
-fmi3Status fmi3EnterEventMode(fmi3Instance instance) { UNAVAILABLE; }
 
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                          size_t nValueReferences, size_t valueSizes[], fmi3Binary values[],
@@ -78,20 +68,6 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
                                        fmi3ValueReference independents[],
                                        size_t elementIndicesOfIndependents[],
                                        fmi3DependencyKind dependencyKinds[], size_t nDependencies) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                        size_t nUnknowns, const fmi3ValueReference knowns[],
-                                        size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                        fmi3Float64 sensitivity[], size_t nSensitivity) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                    size_t nUnknowns, const fmi3ValueReference knowns[],
-                                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                    fmi3Float64 sensitivity[], size_t nSensitivity) {
     UNAVAILABLE;
 }
 
@@ -147,58 +123,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference 
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) { UNAVAILABLE; }
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
-                                    fmi3Boolean *terminateSimulation,
-                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
-                                    fmi3Boolean *valuesOfContinuousStatesChanged,
-                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) { UNAVAILABLE; }
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
-                                       fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode,
-                                       fmi3Boolean *terminateSimulation) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) { UNAVAILABLE; }
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
-                                             size_t nContinuousStates) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[],
-                                  size_t nEventIndicators) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
-                                             size_t nContinuousStates) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators) {
-    UNAVAILABLE;
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
-    UNAVAILABLE;
-}
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
                                     const fmi3ValueReference valueReferences[],

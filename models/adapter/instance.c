@@ -11,6 +11,7 @@
 #define MEMORY(i) ((Memory *)(i->now.values + MEMORY_AT))
 #define INPUTS(i) ((const Inputs *)(i->now.values + INPUTS_AT))
 #define PARAMETERS(i) ((const Parameters *)(i->now.values + PARAMETERS_AT))
+#define DERIVATIVES(i) ((Derivatives *)(i->now.values + DERIVATIVES_AT))
 #define OUTPUTS(i) ((Outputs *)(i->now.values + OUTPUTS_AT))
 
 static const char *phase_name(Phase phase) {
@@ -23,12 +24,14 @@ static const char *phase_name(Phase phase) {
         return "step mode";
     case TERMINATED:
         return "terminated";
+    case EVENT:
+        return "event mode";
+    case CONTINUOUS:
+        return "continuous-time mode";
     default:
         return "failed";
     }
 }
-
-static bool finite(double value) { return value - value == 0.0; }
 
 Status instance_report(Instance *i, Status status, const char *category, const char *format, ...) {
     char message[512];
@@ -47,7 +50,7 @@ static void load_start_values(Instance *i) {
         i->now.values[k] = VARIABLES[k].start;
 }
 
-Instance *instance_new(const char *name, const char *token, Logger logger) {
+Instance *instance_new(const char *name, const char *token, bool model_exchange, Logger logger) {
     size_t length = 0;
     while (name && name[length])
         length++;
@@ -55,6 +58,7 @@ Instance *instance_new(const char *name, const char *token, Logger logger) {
     if (!i)
         return NULL;
     i->logger = logger;
+    i->model_exchange = model_exchange;
     for (size_t k = 0; k < length; k++)
         i->name[k] = name[k];
     if (!token || !text_equal(token, MODEL_TOKEN)) {
@@ -62,6 +66,11 @@ Instance *instance_new(const char *name, const char *token, Logger logger) {
                         "this binary of " MODEL_NAME " has the token " MODEL_TOKEN
                         " but was given %s: modelDescription.xml is of another build",
                         token ? token : "none");
+        instance_free(i);
+        return NULL;
+    }
+    if (model_exchange && !IS_CONTINUOUS && !IS_SAMPLED) {
+        instance_unavailable(i, "Model Exchange");
         instance_free(i);
         return NULL;
     }
@@ -80,7 +89,7 @@ Status instance_require(Instance *i, int phases, const char *call) {
 }
 
 Status instance_set_time(Instance *i, double start) {
-    if (!finite(start))
+    if (!is_finite(start))
         return instance_report(i, ERROR, "logStatusError", "start time %g s is not finite", start);
     i->now.values[0] = start;
     return OK;
@@ -90,12 +99,24 @@ static void start_model(Instance *i) {
     model_start(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i));
 }
 
+/* Derivatives, and outputs as functions of the state alone. */
+static void evaluate(Instance *i, Outputs *y) {
+#if IS_CONTINUOUS
+    model_continuous(i->now.values[0], STATES(i), INPUTS(i), PARAMETERS(i), DERIVATIVES(i), y);
+#else
+    (void)i, (void)y;
+#endif
+}
+
 void instance_refresh(Instance *i) {
     if (!i->now.stale)
         return;
     if (i->now.phase & (INSTANTIATED | INITIALIZATION))
         start_model(i);
-    model_outputs(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i), OUTPUTS(i));
+    if (IS_CONTINUOUS && i->model_exchange)
+        evaluate(i, OUTPUTS(i));
+    else
+        model_outputs(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i), OUTPUTS(i));
     i->now.stale = false;
 }
 
@@ -107,12 +128,12 @@ Status instance_enter_initialization(Instance *i) {
 
 Status instance_exit_initialization(Instance *i) {
     instance_refresh(i);
-    i->now.phase = STEPPING;
+    i->now.phase = i->model_exchange ? EVENT : STEPPING;
     return instance_report(i, OK, "logEvents", "initialized at t = %g s", i->now.values[0]);
 }
 
 Status instance_step(Instance *i, double time, double h) {
-    if (!(h > 0.0) || !finite(time) || !finite(h))
+    if (!(h > 0.0) || !is_finite(time) || !is_finite(h))
         return instance_report(
             i, ERROR, "logStatusError",
             "a step of %g s from t = %g s is not possible; the step must be positive", h, time);
@@ -143,9 +164,15 @@ Status instance_check(Instance *i, uint32_t reference, Type type, const char *ca
         return instance_report(i, ERROR, "logStatusError",
                                "%s: value reference %lu does not exist; the last one is %d", call,
                                (unsigned long)reference, COUNT - 1);
-    if (VARIABLES[reference].type != type)
+    if (VARIABLES[reference].type == type)
+        return OK;
+    if (VARIABLES[reference].type != DERIVATIVE || type != REAL)
         return instance_report(i, ERROR, "logStatusError", "%s: variable %s is of another type",
                                call, VARIABLES[reference].name);
+    if (!i->model_exchange) {
+        double unused[OUTPUTS_COUNT + 1];
+        evaluate(i, (Outputs *)unused);
+    }
     return OK;
 }
 
@@ -216,7 +243,8 @@ Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, voi
 Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {
     bool events = count == 0;
     for (size_t k = 0; k < count; k++)
-        events = events || text_equal(categories[k], "logEvents");
+        events =
+            events || text_equal(categories[k], "logEvents") || text_equal(categories[k], "logAll");
     i->logger.events = on && events;
     return OK;
 }

@@ -23,15 +23,18 @@ typedef enum {
     STEPPING = 4,
     TERMINATED = 8,
     FAILED = 16,
+    EVENT = 32, /* these two in Model Exchange, in place of STEPPING */
+    CONTINUOUS = 64,
 } Phase;
 
-typedef enum { REAL, INTEGER, BOOLEAN, STRING } Type;
+/* A derivative is a real that is calculated when it is asked for. */
+typedef enum { REAL, INTEGER, BOOLEAN, STRING, DERIVATIVE } Type;
 
 typedef struct {
     const char *name;
     Type type;
     int settable; /* phases in which it may be set */
-    double start, minimum, maximum;
+    double start, minimum, maximum, nominal;
 } Variable;
 
 extern const Variable VARIABLES[COUNT]; /* generated; the place is the value reference */
@@ -52,13 +55,17 @@ typedef struct {
 } Snapshot;
 
 typedef struct {
-    Snapshot now; /* all that save and restore touch */
+    Snapshot now;        /* all that save and restore touch */
+    bool model_exchange; /* a tool's solver has it; else it steps by itself */
     Logger logger;
     char name[]; /* with the 0 */
 } Instance;
 
-/* NULL with a message when the token is not the one this binary was built with. */
-Instance *instance_new(const char *name, const char *token, Logger logger);
+static inline bool is_finite(double value) { return value - value == 0.0; }
+
+/* NULL with a message when the token is not the one this binary was built with, or when the model
+ * has no Model Exchange. */
+Instance *instance_new(const char *name, const char *token, bool model_exchange, Logger logger);
 void instance_free(Instance *instance);
 
 /* OK when the instance is in one of `phases`, else ERROR with a message that names the call. */
@@ -71,10 +78,10 @@ Status instance_step(Instance *instance, double time, double h);
 Status instance_terminate(Instance *instance);
 Status instance_reset(Instance *instance);
 
-/* Bring the outputs up to date before they are read. */
+/* Bring the outputs up to date before they are read; in Model Exchange the derivatives as well. */
 void instance_refresh(Instance *instance);
 
-/* OK when variable `reference` exists and is of `type`. */
+/* OK when variable `reference` exists and is of `type`. A derivative is then up to date. */
 Status instance_check(Instance *instance, uint32_t reference, Type type, const char *call);
 /* ERROR: that many references were given with another number of values. */
 Status instance_mismatch(Instance *instance, size_t references, size_t values, const char *call);
@@ -97,7 +104,10 @@ Status instance_log(Instance *instance, bool on, size_t count, const char *const
 /* ERROR: modelDescription.xml does not declare what was called. Takes a missing instance. */
 Status instance_unavailable(Instance *instance, const char *call);
 
+#ifdef __GNUC__
+__attribute__((format(printf, 4, 5)))
+#endif
 Status instance_report(Instance *instance, Status status, const char *category, const char *format,
-                       ...) __attribute__((format(printf, 4, 5)));
+                       ...);
 
 #endif

@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from models.errors import DescriptionError, StartValueError
-from models.export.units import UNITS
+from models.export.units import DISPLAY, UNITS, rate_unit
 
-Role = Literal["time", "input", "state", "output", "memory", "parameter"]
+Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
+Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
 Type = Literal["real", "integer", "boolean"]
 
 # Sections of model.toml in value-reference order.
@@ -25,9 +26,10 @@ _SECTIONS: dict[str, Role] = {
 }
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
-    *("unit", "description", "type", "size", "start", "min", "max", "nominal"),
-    *("output", "feedthrough", "variability"),
+    *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
+    *("output", "derivative", "depends", "uses", "variability"),
 }
+_KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,9 @@ class Variable:
     """One scalar variable; its value reference is its place in ``Model.variables``.
 
     ``start``, ``minimum``, ``maximum`` and ``nominal`` are in ``unit``; booleans are 0 and 1.
+    ``depends`` says of an output or a derivative on which inputs and states it depends and how
+    (FMI 2.0.4 and 3.0.2, dependenciesKind), ``uses`` on which parameters and, where it has no
+    derivative, on which states; ``of`` says of a derivative whose it is.
     """
 
     name: str
@@ -42,13 +47,24 @@ class Variable:
     description: str
     type: Type = "real"
     unit: str | None = None
+    display: str | None = None
     start: float = 0.0
     minimum: float | None = None
     maximum: float | None = None
     nominal: float | None = None
     is_output: bool = False
-    feedthrough: tuple[str, ...] = ()
+    depends: Mapping[str, Kind] = field(default_factory=dict)
+    uses: tuple[str, ...] = ()
+    of: str | None = None
     variability: str = "continuous"
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that are connected together; ``members`` maps the plug's names to them."""
+
+    description: str
+    members: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -56,16 +72,32 @@ class Model:
     """What model.toml says, and the C files that go with it.
 
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
+    ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
+    polylines on a tile of 100 by 100.
     """
 
     name: str
     title: str
     description: str
+    version: str
     stop: float
     step: float
+    sampled: bool
     variables: tuple[Variable, ...]
     fields: Mapping[Role, tuple[tuple[str, tuple[int, ...]], ...]]
+    terminals: Mapping[str, Terminal]
+    icon: tuple[tuple[float, ...], ...]
     folder: Path
+
+    @property
+    def is_continuous(self) -> bool:
+        """Tell whether its equations are differential ones without memory of steps."""
+        return any(v.role == "derivative" for v in self.variables)
+
+    @property
+    def has_model_exchange(self) -> bool:
+        """Tell whether a tool's solver can take it over."""
+        return self.is_continuous or self.sampled
 
     def with_start(self, start: Mapping[str, float]) -> Model:
         """Return the model with other start values.
@@ -105,21 +137,41 @@ def read_model(folder: Path) -> Model:
         # Reals first among the parameters, so that each type is one range of value references.
         order = sorted(tables, key=lambda name: _TYPES.index(tables[name].get("type", "real")))
         fields[role] = tuple((name, tuple(tables[name].get("size", ()))) for name in order)
+        if role == "state":
+            fields["derivative"] = tuple(
+                (name, ()) for name in order if "derivative" in tables[name]
+            )
         for name in order:
             variables += _variables(f"{folder.name}/model.toml", name, role, tables[name])
+        if role == "state":
+            variables += (
+                _derivative(name, table) for name, table in tables.items() if "derivative" in table
+            )
     try:
         return Model(
             name=folder.name,
             title=content["title"],
             description=content["description"],
+            version=content["version"],
             stop=content["experiment"]["stop"],
             step=content["experiment"]["step"],
+            sampled=content.get("sampled", False),
             variables=tuple(variables),
             fields=fields,
+            terminals=_terminals(content.get("terminals", {}), {v.name for v in variables}),
+            icon=tuple(map(tuple, content["icon"])),
             folder=folder,
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None
+
+
+def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:
+    terminals = {name: Terminal(t["description"], t["members"]) for name, t in tables.items()}
+    for name, terminal in terminals.items():
+        if strangers := set(terminal.members.values()) - known:
+            raise DescriptionError(f"terminal {name}: there is no variable {min(strangers)}")
+    return terminals
 
 
 def _read_toml(path: Path) -> dict[str, Any]:
@@ -138,6 +190,8 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
         raise DescriptionError(f"{where}: a description is missing")
     if table.get("unit", "1") not in UNITS:
         raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
+    if (shown := table.get("display")) and shown not in DISPLAY.get(table.get("unit", "1"), {}):
+        raise DescriptionError(f"{where}: {shown} is no display unit of {table.get('unit')}")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = list(itertools.product(*(range(1, n + 1) for n in size)))
@@ -150,16 +204,38 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             description=table["description"],
             type=table.get("type", "real"),
             unit=table.get("unit"),
+            display=table.get("display"),
             start=start[place if len(start) > 1 else 0],
             minimum=table.get("min"),
             maximum=table.get("max"),
             nominal=table.get("nominal"),
             is_output=role == "output" or table.get("output", False),
-            feedthrough=tuple(table.get("feedthrough", ())),
+            depends=_depends(where, table),
+            uses=tuple(table.get("uses", ())),
             variability=table.get("variability", _default_variability(role)),
         )
         _check_range(variable, variable.start, DescriptionError, file)
         yield variable
+
+
+def _derivative(state: str, table: dict[str, Any]) -> Variable:
+    return Variable(
+        name=f"der({state})",
+        role="derivative",
+        description=f"Derivative of: {table['description']}",
+        unit=rate_unit(table["unit"]),
+        depends=_depends(state, {"depends": table["derivative"]}),
+        uses=tuple(table.get("uses", ())),
+        of=state,
+    )
+
+
+def _depends(where: str, table: dict[str, Any]) -> dict[str, Kind]:
+    depends: dict[str, Kind] = table.get("depends", {})
+    for name, kind in depends.items():
+        if kind not in _KINDS:
+            raise DescriptionError(f"{where}: depends on {name} as {kind}; known are {_KINDS}")
+    return depends
 
 
 def _default_variability(role: Role) -> str:

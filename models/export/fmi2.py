@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from models.export import xml
 from models.export.description import Model, Variable
+from models.export.sources import c_files, compiled
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
-_INITIAL = {"state": "exact", "parameter": "exact", "output": "calculated", "memory": "calculated"}
+_INITIAL = {
+    "state": "exact",
+    "parameter": "exact",
+    "derivative": "calculated",
+    "output": "calculated",
+    "memory": "calculated",
+}
 
 
 def causality(v: Variable) -> str:
@@ -36,19 +43,27 @@ def model_description(model: Model, token: str) -> str:
     FMI 2.0.4, section 2.2.
     """
     root = xml.root(model, "2.0", guid=token)
-    xml.child(
-        root,
-        "CoSimulation",
-        modelIdentifier=model.name,
-        canHandleVariableCommunicationStepSize=True,
-        canNotUseMemoryManagementFunctions=True,
-        canGetAndSetFMUstate=True,
-        canSerializeFMUstate=True,
-    )
+    capabilities: dict[str, object] = {
+        "modelIdentifier": model.name,
+        "canNotUseMemoryManagementFunctions": True,
+        "canGetAndSetFMUstate": True,
+        "canSerializeFMUstate": True,
+        "providesDirectionalDerivative": model.is_continuous,
+    }
+    if model.has_model_exchange:
+        root.set("numberOfEventIndicators", "0")
+        xml.child(root, "ModelExchange", **capabilities, completedIntegratorStepNotNeeded=True)
+    xml.child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
+    for interface in root:
+        listed = xml.child(interface, "SourceFiles")
+        for path in compiled(c_files(model, 2)):
+            xml.child(listed, "File", name=path)
     xml.add_units(root, model)
     xml.add_log_categories(root)
     xml.add_default_experiment(root, model)
     variables = xml.child(root, "ModelVariables")
+    # Here a variable is named by its place in ModelVariables, from 1.
+    place = {v.name: k for k, (_, v) in enumerate(_listed(model), 1)}
     for reference, v in _listed(model):
         scalar = xml.child(
             variables,
@@ -64,23 +79,31 @@ def model_description(model: Model, token: str) -> str:
             scalar,
             _TAGS[v.type],
             unit=v.unit,
+            displayUnit=v.display,
             **xml.limits(v),
             nominal=v.nominal,
+            derivative=place[v.of] if v.of else None,
             start=xml.start_text(v) if has_start(v) else None,
         )
-    # Here a variable is named by its place in ModelVariables, from 1.
-    place = {v.name: k for k, (_, v) in enumerate(_listed(model), 1)}
     structure = xml.child(root, "ModelStructure")
+    known = xml.knowns(model)
     outputs = [v for v in model.variables if v.is_output]
-    if outputs:
-        section = xml.child(structure, "Outputs")
-        for v in outputs:
-            depends = " ".join(str(place[name]) for name in v.feedthrough)
-            xml.child(section, "Unknown", index=place[v.name], dependencies=depends)
-    if unknowns := [v for v in outputs if initial(v) == "calculated"]:
-        section = xml.child(structure, "InitialUnknowns")
+    derivatives = [v for v in model.variables if v.role == "derivative"]
+    initial_unknowns = [v for v in outputs if initial(v) == "calculated"] + derivatives
+    for tag, unknowns in (
+        ("Outputs", outputs),
+        ("Derivatives", derivatives),
+        ("InitialUnknowns", sorted(initial_unknowns, key=lambda v: place[v.name])),
+    ):
+        if unknowns:
+            section = xml.child(structure, tag)
         for v in unknowns:
-            xml.child(section, "Unknown", index=place[v.name])
+            depends = (
+                xml.initial_dependencies(v, place)
+                if tag == "InitialUnknowns"
+                else xml.dependencies(v, known, place)
+            )
+            xml.child(section, "Unknown", index=place[v.name], **depends)
     return xml.document(root)
 
 

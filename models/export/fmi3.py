@@ -17,18 +17,21 @@ def model_description(model: Model, token: str) -> str:
     FMI 3.0.2, section 2.4.
     """
     root = xml.root(model, "3.0", instantiationToken=token)
-    xml.child(
-        root,
-        "CoSimulation",
-        modelIdentifier=model.name,
-        canGetAndSetFMUState=True,
-        canSerializeFMUState=True,
-        canHandleVariableCommunicationStepSize=True,
-    )
+    capabilities: dict[str, object] = {
+        "modelIdentifier": model.name,
+        "canGetAndSetFMUState": True,
+        "canSerializeFMUState": True,
+        "providesDirectionalDerivatives": model.is_continuous,
+        "providesAdjointDerivatives": model.is_continuous,
+    }
+    if model.has_model_exchange:
+        xml.child(root, "ModelExchange", **capabilities, needsCompletedIntegratorStep=False)
+    xml.child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
     xml.add_units(root, model)
     xml.add_log_categories(root)
     xml.add_default_experiment(root, model)
     variables = xml.child(root, "ModelVariables")
+    place = {v.name: k for k, v in enumerate(model.variables)}
     for reference, v in enumerate(model.variables):
         xml.child(
             variables,
@@ -40,17 +43,22 @@ def model_description(model: Model, token: str) -> str:
             variability=v.variability,
             initial=initial(v),
             unit=v.unit,
+            displayUnit=v.display,
             **xml.limits(v),
             nominal=v.nominal,
+            derivative=place[v.of] if v.of else None,
             start=xml.start_text(v) if has_start(v) else None,
         )
-    place = {v.name: k for k, v in enumerate(model.variables)}
     structure = xml.child(root, "ModelStructure")
+    known = xml.knowns(model)
     outputs = [v for v in model.variables if v.is_output]
-    for v in outputs:
-        depends = " ".join(str(place[name]) for name in v.feedthrough)
-        xml.child(structure, "Output", valueReference=place[v.name], dependencies=depends)
-    for v in outputs:
+    derivatives = [v for v in model.variables if v.role == "derivative"]
+    for tag, unknowns in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
+        for v in unknowns:
+            depends = xml.dependencies(v, known, place)
+            xml.child(structure, tag, valueReference=place[v.name], **depends)
+    for v in (*outputs, *derivatives):
         if initial(v) == "calculated":
-            xml.child(structure, "InitialUnknown", valueReference=place[v.name])
+            depends = xml.initial_dependencies(v, place)
+            xml.child(structure, "InitialUnknown", valueReference=place[v.name], **depends)
     return xml.document(root)

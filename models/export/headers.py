@@ -7,6 +7,7 @@ from models.export.description import Model, Role, Variable
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",
     "state": "States",
+    "derivative": "Derivatives",
     "output": "Outputs",
     "memory": "Memory",
     "parameter": "Parameters",
@@ -18,15 +19,43 @@ def variables_header(model: Model) -> str:
     """Return ``variables.h``: a struct of doubles for each role."""
     lines = ["/* Generated from model.toml. */", "#ifndef VARIABLES_H", "#define VARIABLES_H", ""]
     for role, struct in _STRUCTS.items():
+        # A derivative goes by the name of its state.
         fields = model.fields[role]
         if not fields:
             lines += [f"typedef struct {struct} {struct}; /* has no variables */", ""]
             continue
         lines.append("typedef struct {")
-        for name, size in fields:
-            lines.append(f"    double {name}{''.join(f'[{n}]' for n in size)};")
+        lines += [f"    double {_member(field)};" for field in fields]
         lines += [f"}} {struct};", ""]
-    return "\n".join([*lines, "#endif", ""])
+    return "\n".join([*lines, *_jacobian(model), "#endif", ""])
+
+
+def _member(field: tuple[str, tuple[int, ...]]) -> str:
+    name, size = field
+    return name + "".join(f"[{n}]" for n in size)
+
+
+def _jacobian(model: Model) -> list[str]:
+    """Return the struct of all partial derivatives: a row of states and inputs for each result."""
+    if not model.is_continuous:
+        return ["typedef struct Jacobian Jacobian; /* has no derivatives */", ""]
+    rows = {role: ", ".join(map(_member, model.fields[role])) for role in _STRUCTS}
+    return [
+        "typedef struct {",
+        "    States x;",
+        "    Inputs u;",
+        "} Gradient;",
+        "",
+        "typedef struct {",
+        "    struct {",
+        f"        Gradient {rows['derivative']};",
+        "    } dx;",
+        "    struct {",
+        f"        Gradient {rows['output']};",
+        "    } y;",
+        "} Jacobian;",
+        "",
+    ]
 
 
 def table_header(model: Model, token: str) -> str:
@@ -42,9 +71,16 @@ def table_header(model: Model, token: str) -> str:
             f'#define MODEL_NAME "{model.name}"',
             f'#define MODEL_TOKEN "{token}"',
             "",
+            f"#define IS_CONTINUOUS {model.is_continuous:d}",
+            f"#define IS_SAMPLED {model.sampled:d}",
+            "",
             "enum {",
             f"    COUNT = {len(roles)},",
             *(f"    {struct.upper()}_AT = {begin[role]}," for role, struct in _STRUCTS.items()),
+            *(
+                f"    {struct.upper()}_COUNT = {roles.count(role)},"
+                for role, struct in _STRUCTS.items()
+            ),
             "};",
             "",
             "#endif",
@@ -72,11 +108,15 @@ def table_source(model: Model) -> str:
 def _row(v: Variable) -> str:
     low = f"-{_LARGEST}" if v.minimum is None else repr(float(v.minimum))
     high = _LARGEST if v.maximum is None else repr(float(v.maximum))
-    return f'{{"{v.name}", {v.type.upper()}, {_phases(v)}, {v.start!r}, {low}, {high}}},'
+    kind = "DERIVATIVE" if v.role == "derivative" else v.type.upper()
+    nominal = v.nominal or 1.0
+    return f'{{"{v.name}", {kind}, {_phases(v)}, {v.start!r}, {low}, {high}, {nominal!r}}},'
 
 
 def _phases(v: Variable) -> str:
     before = "INSTANTIATED | INITIALIZATION"
-    if v.role == "input" or v.variability == "tunable":
-        return f"{before} | STEPPING"
+    if v.role == "input":
+        return f"{before} | STEPPING | EVENT | CONTINUOUS"
+    if v.variability == "tunable":
+        return f"{before} | STEPPING | EVENT"
     return before if v.role in ("state", "parameter") else "0"

@@ -5,36 +5,38 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
-from importlib import resources
 from pathlib import Path
-from typing import Literal
 
 from models.errors import UnknownModel
-from models.export import fmi2, fmi3
+from models.export import fmi2, fmi3, icon
 from models.export.description import Model, read_model
-from models.export.headers import table_header, table_source, variables_header
+from models.export.documentation import index
+from models.export.headers import table_header
+from models.export.reference import cross_check, layered_standard
+from models.export.sources import (
+    MODELS,
+    FmiVersion,
+    build_description,
+    c_files,
+    fmi_headers,
+    grouped,
+    text,
+)
+from models.export.terminals import terminals_and_icons
 from toolchain import Platform, host_platform, shared_library, universal, write_whole
 
-FmiVersion = Literal[2, 3]
-
-_MODELS = Path(__file__).parent.parent
-_SHARED = ("friction", "numerics")  # C that several models use
-_LIFE = ("heap.h", "heap.c", "text.h", "text.c", "instance.h", "instance.c", "model.h")
-_ADAPTER = {
-    2: (*_LIFE, "fmi2.c"),
-    3: (*_LIFE, "fmi3.c", "fmi3_unavailable.c"),
-}
+_ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
 
 
 def model_names() -> list[str]:
     """Return the names of all models: the folders that have a model.toml."""
-    return sorted(path.parent.name for path in _MODELS.glob("*/model.toml"))
+    return sorted(path.parent.name for path in MODELS.glob("*/model.toml"))
 
 
 def load_model(name: str) -> Model:
@@ -49,7 +51,7 @@ def load_model(name: str) -> Model:
     """
     if name not in model_names():
         raise UnknownModel(f"there is no model '{name}'; there are {', '.join(model_names())}")
-    return read_model(_MODELS / name)
+    return read_model(MODELS / name)
 
 
 def build_fmu(
@@ -78,7 +80,9 @@ def build_fmu(
     OSError
         When the file cannot be written.
     """
-    return pack_fmu(load_model(name).with_start(start or {}), folder, fmi=fmi, platforms=platforms)
+    model = load_model(name).with_start(start or {})
+    # What is expected is so for the start values of model.toml.
+    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, expected=not start)
 
 
 def pack_fmu(
@@ -87,31 +91,68 @@ def pack_fmu(
     *,
     fmi: FmiVersion = 2,
     platforms: Iterable[Platform] | None = None,
+    expected: bool = False,
 ) -> Path:
-    """Write ``folder/NAME.fmu`` of any model, whose C lies in ``model.folder``; return its path.
+    """Write ``folder/NAME.fmu`` of any model and return its path.
 
-    The rest is as for ``build_fmu``.
+    ``model.folder`` has its C and README.md, and reference.csv where ``expected`` results are to be
+    inside. The rest is as for ``build_fmu``.
     """
     token = _token(model, fmi)
-    files = _sources(model, fmi) | {"table.h": table_header(model, token)} | _fmi_headers()
-    members: dict[str, bytes] = {
-        "modelDescription.xml": _DESCRIPTION[fmi](model, token).encode(),
+    files = c_files(model, fmi) | {"table.h": table_header(model, token)}
+    texts = {
+        "modelDescription.xml": _DESCRIPTION[fmi](model, token),
+        "documentation/index.html": index(model, _ICON[fmi]),
+        "documentation/licenses/license.txt": text(MODELS / "license.txt"),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(model),
+        "terminalsAndIcons/icon.svg": icon.svg(model.icon),
+        "sources/buildDescription.xml": build_description(model, files),
+        **{f"sources/{path}": content for path, content in files.items()},
     }
+    if fmi == 2:  # FMI 3.0 does not want its headers inside
+        texts |= {f"sources/{path}": content for path, content in fmi_headers(fmi).items()}
+    if expected:
+        texts |= layered_standard(model)
+    members = {path: content.encode() for path, content in texts.items()}
+    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))
     members |= _binaries(model.name, files, fmi, list(platforms or [host_platform()]))
     return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
+def write_cross_check(name: str, folder: Path | str) -> list[Path]:
+    """Write what the FMI Cross-Check wants beside an FMU: inputs, expected outputs, options.
+
+    Raises
+    ------
+    UnknownModel
+    OSError
+        When a file cannot be written.
+    """
+    files = cross_check(load_model(name))
+    return [write_whole(Path(folder) / path, content) for path, content in files.items()]
+
+
 def _binaries(
-    name: str, files: Mapping[str, str], fmi: FmiVersion, platforms: Sequence[Platform]
+    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Sequence[Platform]
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
+    headers = fmi_headers(fmi)
+    files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
 
     def build(platform: Platform) -> Path:
         # A fixed interface has parameters that not every model needs.
         return shared_library(
-            name, files, platform=platform, flags=["-Wno-unused-parameter"], standalone=True
+            name,
+            files,
+            platform=platform,
+            flags=["-Wno-unused-parameter"],
+            standalone=True,
+            exports=functions,
         )
 
+    functions = re.findall(
+        r"^ *FMI._Export +\w+ +(\w+);", headers[f"fmi{fmi}Functions.h"], re.MULTILINE
+    )
     parts: dict[str, list[bytes]] = {}
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         for platform, library in zip(platforms, pool.map(build, platforms), strict=True):
@@ -120,40 +161,12 @@ def _binaries(
     return {path: universal(libraries) for path, libraries in parts.items()}
 
 
-def _sources(model: Model, fmi: FmiVersion) -> dict[str, str]:
-    """Return the C files of an FMU by path in the source tree, all but the token's header."""
-    files = {name: _text(_MODELS / "adapter" / name) for name in _ADAPTER[fmi]}
-    for room in _SHARED:
-        for path in sorted((_MODELS / room).glob("*.[ch]")):
-            files[f"{room}/{path.name}"] = _text(path)
-    return files | {
-        **{path.name: _text(path) for path in sorted(model.folder.glob("*.[ch]"))},
-        "variables.h": variables_header(model),
-        "table.c": table_source(model),
-    }
-
-
 def _token(model: Model, fmi: FmiVersion) -> str:
     """Return the hash of sources and description: the same sources, the same FMU."""
     digest = hashlib.sha256(_DESCRIPTION[fmi](model, "").encode())
-    for path, content in sorted(_sources(model, fmi).items()):
+    for path, content in sorted(c_files(model, fmi).items()):
         digest.update(f"\0{path}\0{content}".encode())
     return digest.hexdigest()[:32]
-
-
-@cache
-def _fmi_headers() -> dict[str, str]:
-    """Return the headers of the FMI project, which FMPy's wheel carries."""
-    folder = resources.files("fmpy") / "c-code"
-    return {
-        f"system/{entry.name}": entry.read_text(encoding="utf-8")
-        for entry in folder.iterdir()
-        if entry.name.startswith(("fmi2", "fmi3"))
-    }
-
-
-def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
 
 
 def _archive(members: Mapping[str, bytes]) -> bytes:

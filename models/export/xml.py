@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from models.export.description import Model, Variable
-from models.export.units import base_unit
+from models.export.units import DISPLAY, base_unit
 
 Attributes = dict[str, str]
 
 # A path of identifiers with indices (FMI 2.0.4, section 2.2.9).
 _NAME = r"[A-Za-z_]\w*(?:\[\d+(?:,\d+)*\])?"
-_STRUCTURED = re.compile(rf"{_NAME}(?:\.{_NAME})*", re.ASCII)
+_PATH = rf"{_NAME}(?:\.{_NAME})*"
+_STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 
 LOG_CATEGORIES = {
     "logStatusError": "Calls that failed, and why",
+    "logStatusDiscard": "Points at which the equations cannot be evaluated",
     "logEvents": "Phases of the life cycle",
+    "logAll": "All of these",
 }
 
 
@@ -56,6 +60,9 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "fmiVersion": version,
             "modelName": model.name,
             "description": f"{model.title}. {model.description}",
+            "version": model.version,
+            "author": "The stickslip authors",
+            "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
             "generationTool": "stickslip",
             "variableNamingConvention": "structured" if _structured(model) else "flat",
@@ -72,9 +79,11 @@ def add_units(parent: ET.Element, model: Model) -> None:
     """Append the UnitDefinitions of the units that the model uses."""
     definitions = child(parent, "UnitDefinitions")
     for unit in sorted({v.unit for v in model.variables if v.unit}):
-        definition, base = child(definitions, "Unit", name=unit), base_unit(unit)
+        element, base = child(definitions, "Unit", name=unit), base_unit(unit)
         if base is not None:
-            child(definition, "BaseUnit", **base)
+            child(element, "BaseUnit", **base)
+        for name, factor in DISPLAY.get(unit, {}).items():
+            child(element, "DisplayUnit", name=name, factor=factor)
 
 
 def add_log_categories(parent: ET.Element) -> None:
@@ -87,8 +96,39 @@ def add_log_categories(parent: ET.Element) -> None:
 def add_default_experiment(parent: ET.Element, model: Model) -> None:
     """Append the DefaultExperiment."""
     child(
-        parent, "DefaultExperiment", startTime=0.0, stopTime=float(model.stop), stepSize=model.step
+        parent,
+        "DefaultExperiment",
+        startTime=0.0,
+        stopTime=float(model.stop),
+        tolerance=1e-6 if model.is_continuous else None,
+        stepSize=model.step,
     )
+
+
+def knowns(model: Model) -> set[str]:
+    """Return what an output may be said to depend on: inputs, and what a solver integrates."""
+    return {v.name for v in model.variables if v.role == "input"} | {
+        v.of for v in model.variables if v.of
+    }
+
+
+def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of ModelStructure; a state is its own output."""
+    depends = {v.name: "constant"} if v.role == "state" else v.depends
+    listed = {place[name]: kind for name, kind in depends.items() if name in known}
+    return {
+        "dependencies": " ".join(str(k) for k in sorted(listed)),
+        "dependenciesKind": " ".join(listed[k] for k in sorted(listed)),
+    }
+
+
+def initial_dependencies(v: Variable, place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of InitialUnknowns, where parameters count as well."""
+    listed = sorted(place[name] for name in {*v.depends, *v.uses})
+    return {
+        "dependencies": " ".join(map(str, listed)),
+        "dependenciesKind": " ".join("dependent" for _ in listed),
+    }
 
 
 def document(element: ET.Element) -> str:

@@ -29,6 +29,14 @@ double lugre_g(double v, const LuGre *p, double *slope) {
 
 double lugre_dz(double v, double z, const LuGre *p) { return v - forgetting_rate(v, p) * z; }
 
+void lugre_slopes(double v, double z, const LuGre *p, double *by_v, double *by_z) {
+    double slope;
+    const double g = lugre_g(v, p, &slope);
+    const double sign = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+    *by_v = 1.0 - p->sigma_0 * z * sign * (g - slope) / (g * g);
+    *by_z = -forgetting_rate(v, p);
+}
+
 double lugre_force(double v, double z, const LuGre *p) {
     return p->sigma_0 * z + p->sigma_1 * lugre_dz(v, z, p);
 }

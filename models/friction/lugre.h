@@ -25,6 +25,10 @@ double lugre_g(double v, const LuGre *p, double *slope);
 /* (2) [m/s] */
 double lugre_dz(double v, double z, const LuGre *p);
 
+/* Partial derivatives of (2) by v [1] and by z [1/s]. At v = 0, where |v| has a kink, the mean of
+ * those on either side. */
+void lugre_slopes(double v, double z, const LuGre *p, double *by_v, double *by_z);
+
 /* (3) [N] */
 double lugre_force(double v, double z, const LuGre *p);
 

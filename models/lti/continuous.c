@@ -1,4 +1,6 @@
 /* dx/dt = A x + B u, y = C x + D u: exact for an input that is held over the step, however long. */
+#include <stddef.h>
+
 #include "matrices.h"
 #include "model.h"
 
@@ -119,3 +121,29 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
     add_product(P, N, C, STATES(x), y->y);
     add_product(P, M, D, INPUTS(u), y->y);
 }
+
+#ifdef HAS_DERIVATIVES
+void model_continuous(double t, const States *x, const Inputs *u, const Parameters *p,
+                      Derivatives *dx, Outputs *y) {
+    for (int i = 0; i < N; i++)
+        dx->x[i] = 0.0;
+    add_product(N, N, A, x->x, dx->x);
+    add_product(N, M, B, u->u, dx->x);
+    model_outputs(t, x, NULL, u, p, y);
+}
+
+static void set_rows(int rows, const double by_x[], const double by_u[], Gradient gradient[]) {
+    for (int i = 0; i < rows; i++) {
+        for (int k = 0; k < N; k++)
+            gradient[i].x.x[k] = by_x[i * N + k];
+        for (int k = 0; k < M; k++)
+            gradient[i].u.u[k] = by_u[i * M + k];
+    }
+}
+
+void model_jacobian(double t, const States *x, const Memory *w, const Inputs *u,
+                    const Parameters *p, Jacobian *J) {
+    set_rows(N, A, B, J->dx.x);
+    set_rows(P, C, D, J->y.y);
+}
+#endif

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from scipy.linalg import matrix_balance
 
 from models.errors import LtiError
-from models.export.description import Model, Role, Variable
-from models.export.package import FmiVersion, pack_fmu
+from models.export.package import pack_fmu
+from models.export.sources import FmiVersion
+from models.lti.description import has_derivatives, model_of, readme
 from models.lti.experiment import proposed
 from models.lti.exponential import exponential
 from models.lti.system import Array, LinearSystem, linear_system
@@ -77,49 +78,9 @@ def export_lti(
         source = _HERE / ("discrete.c" if system.dt else "continuous.c")
         Path(sources, "model.c").write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
         Path(sources, "matrices.h").write_text(_matrices(system, step, held), encoding="utf-8")
-        model = _model(system, step, stop, Path(sources))
+        Path(sources, "README.md").write_text(readme(system), encoding="utf-8")
+        model = model_of(system, step, stop, Path(sources))
         return pack_fmu(model, folder, fmi=fmi, platforms=platforms)
-
-
-def _model(system: LinearSystem, step: float, stop: float, folder: Path) -> Model:
-    variables = [Variable("time", "time", "Simulation time", unit="s")]
-    for name, unit in system.inputs.items():
-        variables.append(Variable(name, "input", "Input", unit=unit))
-    for (name, unit), start in zip(system.states.items(), system.x0, strict=True):
-        kind = "discrete" if system.dt else "continuous"
-        variables.append(
-            Variable(name, "state", "State", unit=unit, start=float(start), variability=kind)
-        )
-    for (name, unit), gains in zip(system.outputs.items(), system.D, strict=True):
-        direct = tuple(u for u, gain in zip(system.inputs, gains, strict=True) if gain)
-        variables.append(
-            Variable(name, "output", "Output", unit=unit, is_output=True, feedthrough=direct)
-        )
-    fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {
-        "input": _array("u", len(system.inputs)),
-        "state": _array("x", len(system.states)),
-        "output": _array("y", len(system.outputs)),
-        "memory": (),
-        "parameter": (),
-    }
-    if system.dt:
-        fields["memory"] = (("k", ()), ("y", (len(system.outputs),)))
-        memory = {"sample": "1"} | {f"held.{name}": unit for name, unit in system.outputs.items()}
-        for name, unit in memory.items():
-            variables.append(
-                Variable(name, "memory", "Between samples", unit=unit, variability="discrete")
-            )
-    time = f"sampled every {system.dt:g} s" if system.dt else "in continuous time"
-    return Model(
-        name=system.name,
-        title="Linear system",
-        description=f"{len(system.states)} states, {time}",
-        stop=stop,
-        step=step,
-        variables=tuple(variables),
-        fields=fields,
-        folder=folder,
-    )
 
 
 def _matrices(system: LinearSystem, step: float, held: bool) -> str:
@@ -133,6 +94,7 @@ def _matrices(system: LinearSystem, step: float, held: bool) -> str:
         f"#define STEP {step!r}",
         f"#define STATES(s) {'((s)->x)' if n else '((double *)(s))'}",
         f"#define INPUTS(s) {'((s)->u)' if m else '((const double *)(s))'}",
+        *(["#define HAS_DERIVATIVES"] if has_derivatives(system) else []),
         *(_table(name, matrix) for name, matrix in tables.items()),
     ]
     return "\n".join(["/* Generated. */", *lines, ""])
@@ -149,10 +111,6 @@ def _over(step: float, system: LinearSystem) -> dict[str, Array]:
     rates = np.vstack([np.hstack([A, B / scale]), np.zeros((m, n + m))])
     change = balance[:, None] * exponential(step * rates)[:n]
     return {"BALANCE": balance, "A_STEP": change[:, :n] / balance, "B_STEP": change[:, n:] * scale}
-
-
-def _array(name: str, n: int) -> tuple[tuple[str, tuple[int, ...]], ...]:
-    return ((name, (n,)),) if n else ()
 
 
 def _table(name: str, matrix: Array) -> str:

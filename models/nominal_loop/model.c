@@ -15,19 +15,29 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
     *w = (Memory){.k = first_sample(t, p->T_s)};
 }
 
+/* One sample: x+ = A x + B v_cmd, v_r = C x+ + D v_cmd. */
+static void sample(Memory *w, const Inputs *u, const Parameters *p) {
+    double next[ORDER];
+    for (int i = 0; i < ORDER; i++)
+        next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd;
+    for (int i = 0; i < ORDER; i++)
+        w->x[i] = next[i];
+    w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
+}
+
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0) {
-        double next[ORDER];
-        for (int i = 0; i < ORDER; i++)
-            next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd;
-        for (int i = 0; i < ORDER; i++)
-            w->x[i] = next[i];
-        w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
-    }
+    for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
+        sample(w, u, p);
     double all = w->v_held;
     for (int i = 0; i < ORDER; i++)
         all += w->x[i];
     return all - all == 0.0; /* finite */
+}
+
+double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
+    for (; sample_reached(w->k, p->T_s, t); w->k += 1.0)
+        sample(w, u, p);
+    return w->k * p->T_s;
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,

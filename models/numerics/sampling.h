@@ -11,6 +11,11 @@ static inline bool sample_due(double k, double T_s, double end) {
     return k * T_s < end - 1e-6 * T_s;
 }
 
+/* Has the time t of sample k come? The same part absorbs the rounding of t. */
+static inline bool sample_reached(double k, double T_s, double t) {
+    return k * T_s <= t + 1e-6 * T_s;
+}
+
 /* Number of the first sample at or after time t. */
 static inline double first_sample(double t, double T_s) {
     const double k = nearest(t / T_s);

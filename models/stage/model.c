@@ -20,3 +20,25 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
     const LuGre bristles = LUGRE_OF(p);
     y->F_f = lugre_force(x->v, x->z, &bristles);
 }
+
+void model_continuous(double t, const States *x, const Inputs *u, const Parameters *p,
+                      Derivatives *dx, Outputs *y) {
+    const LuGre bristles = LUGRE_OF(p);
+    y->F_f = lugre_force(x->v, x->z, &bristles);
+    dx->x = x->v;
+    dx->v = (u->u - p->b * x->v - y->F_f) / p->m; /* (1) */
+    dx->z = lugre_dz(x->v, x->z, &bristles);      /* (2) */
+}
+
+void model_jacobian(double t, const States *x, const Memory *w, const Inputs *u,
+                    const Parameters *p, Jacobian *J) {
+    const LuGre bristles = LUGRE_OF(p);
+    Gradient *dz = &J->dx.z, *F_f = &J->y.F_f;
+    lugre_slopes(x->v, x->z, &bristles, &dz->x.v, &dz->x.z);
+    F_f->x.v = p->sigma_1 * dz->x.v;
+    F_f->x.z = p->sigma_0 + p->sigma_1 * dz->x.z;
+    J->dx.x.x.v = 1.0;
+    J->dx.v.x.v = -(p->b + F_f->x.v) / p->m;
+    J->dx.v.x.z = -F_f->x.z / p->m;
+    J->dx.v.u.u = 1.0 / p->m;
+}

@@ -37,6 +37,12 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
     return all - all == 0.0; /* finite */
 }
 
+double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
+    for (; sample_reached(w->k, p->T_s, t); w->k += 1.0)
+        sample(w, u, p);
+    return w->k * p->T_s;
+}
+
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
                    Outputs *y) {
     y->u = w->u_held;

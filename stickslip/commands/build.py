@@ -21,6 +21,11 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
     add_platform_option(parser)
+    parser.add_argument(
+        "--cross-check",
+        action="store_true",
+        help="also write inputs and expected results as the FMI Cross-Check wants them",
+    )
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -41,3 +46,5 @@ def run(options: argparse.Namespace) -> None:
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         for path in pool.map(build, itertools.product(names, versions)):
             print(path)
+            if options.cross_check:
+                models.write_cross_check(path.stem, path.parent)

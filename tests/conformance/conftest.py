@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import math
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -74,6 +75,14 @@ class Fmu:
             for k, (name, size) in enumerate(self.sizes().items())
         }
 
+    def points(self, count: int) -> Iterator[dict[str, float]]:
+        """Yield inputs and states as large as their nominals and down to a tenthousandth."""
+        rng = np.random.default_rng(7)
+        chosen = [v for v in self.model.variables if v.role in ("input", "state")]
+        for k in range(count):
+            scale = 10.0 ** -(k % 5)
+            yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}
+
 
 class Slave:
     """One instance with the same face for FMI 2.0 and FMI 3.0.
@@ -89,24 +98,25 @@ class Slave:
         guid: str | None = None,
         logging: bool = False,
         messages: list[tuple[int, str, str]] | None = None,
+        exchange: bool = False,
     ) -> None:
         self.fmu = fmu
         self.messages = [] if messages is None else messages
         description = fmu.description
         arguments = {
             "guid": guid or description.guid or description.instantiationToken,
-            "modelIdentifier": description.coSimulation.modelIdentifier,
+            "modelIdentifier": description.modelName,
             "unzipDirectory": str(fmu.folder),
             "instanceName": "slave",
         }
         if fmu.version == 2:
-            self.api: Any = fmi2.FMU2Slave(**arguments)
+            self.api: Any = (fmi2.FMU2Model if exchange else fmi2.FMU2Slave)(**arguments)
             callbacks = fmi2.fmi2CallbackFunctions()
             callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log2)
             addLoggerProxy(ctypes.byref(callbacks))
             self.api.instantiate(callbacks=callbacks, loggingOn=logging)
         else:
-            self.api = fmi3.FMU3Slave(**arguments)
+            self.api = (fmi3.FMU3Model if exchange else fmi3.FMU3Slave)(**arguments)
             self.api.instantiate(logMessage=self._log3, loggingOn=logging)
 
     def _log2(self, _: object, __: bytes, status: int, category: bytes, text: bytes) -> None:
@@ -155,6 +165,39 @@ class Slave:
         return np.array(rows, dtype=float)
 
 
+class Exchanged(Slave):
+    """One instance for Model Exchange, moved by the tests in place of a solver."""
+
+    def __init__(self, fmu: Fmu, **options: Any) -> None:
+        super().__init__(fmu, exchange=True, **options)
+        self.n_states = len(fmu.names("derivative"))
+
+    def update(self) -> float | None:
+        """Take what is due in event mode; return the time of the next event."""
+        if self.fmu.version == 2:
+            *_, defined, time = self.api.newDiscreteStates()
+        else:
+            *_, defined, time = self.api.updateDiscreteStates()
+        return time if defined else None
+
+    def place(self, time: float, states: Sequence[float]) -> None:
+        """Set time and states in continuous-time mode."""
+        self.api.setTime(time)
+        self.api.setContinuousStates(_pointer(np.array(states, dtype=float)), self.n_states)
+
+    def vector(self, name: str) -> np.ndarray:
+        """Return states, derivatives or nominals: ``ContinuousStates`` or ``Derivatives``..."""
+        if self.fmu.version == 3 and name == "Derivatives":
+            name = "ContinuousStateDerivatives"
+        values = np.empty(self.n_states)
+        getattr(self.api, f"get{name}")(_pointer(values), self.n_states)
+        return values
+
+
+def _pointer(array: np.ndarray) -> object:
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
 def same_bits(a: object, b: object) -> bool:
     return np.asarray(a, dtype=float).tobytes() == np.asarray(b, dtype=float).tobytes()
 
@@ -191,13 +234,19 @@ def slave() -> Iterator[Callable[..., Slave]]:
     """Instantiate: ``slave(fmu)``; freed after the test."""
     made: list[Slave] = []
 
-    def slave(fmu: Fmu, **options: Any) -> Slave:
-        made.append(Slave(fmu, **options))
+    def slave(fmu: Fmu, face: type[Slave] = Slave, **options: Any) -> Slave:
+        made.append(face(fmu, **options))
         return made[-1]
 
     yield slave
     for each in made:
         each.api.freeInstance()
+
+
+@pytest.fixture
+def exchanged(slave: Callable[..., Slave]) -> Callable[..., Exchanged]:
+    """Instantiate for Model Exchange: ``exchanged(fmu)``; freed after the test."""
+    return functools.partial(slave, face=Exchanged)
 
 
 @pytest.fixture

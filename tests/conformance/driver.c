@@ -39,6 +39,8 @@ static void require(int status, int expected, const char *what, unsigned variabl
     exit(1);
 }
 
+#define HAS_MODEL_EXCHANGE (IS_CONTINUOUS || IS_SAMPLED)
+
 #if FMI == 2
 static void hear(void *environment, const char *name, fmi2Status status, const char *category,
                  const char *format, ...) {
@@ -46,9 +48,10 @@ static void hear(void *environment, const char *name, fmi2Status status, const c
     messages++;
 }
 
-static Slave instantiate(const char *token) {
+static Slave instantiate(const char *token, int model_exchange) {
     static const fmi2CallbackFunctions functions = {hear, calloc, free, NULL, NULL};
-    return fmi2Instantiate("driver", fmi2CoSimulation, token, "", &functions, 0, 1);
+    const fmi2Type type = model_exchange ? fmi2ModelExchange : fmi2CoSimulation;
+    return fmi2Instantiate("driver", type, token, "", &functions, 0, 1);
 }
 
 static void initialize(Slave slave) {
@@ -58,6 +61,20 @@ static void initialize(Slave slave) {
 }
 
 static int step(Slave slave, double t, double h) { return fmi2DoStep(slave, t, h, 1); }
+
+static void update(Slave slave) {
+    fmi2EventInfo info;
+    require(fmi2NewDiscreteStates(slave, &info), OK, "update", 0);
+}
+
+static int derivatives(Slave slave, double values[], size_t n) {
+    return fmi2GetDerivatives(slave, values, n);
+}
+
+static int slopes(Slave slave, const uint32_t *of, const uint32_t *by, double *value) {
+    const double seed = 1.0;
+    return fmi2GetDirectionalDerivative(slave, of, 1, by, 1, &seed, value);
+}
 #else
 static void hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
                  fmi3String message) {
@@ -65,7 +82,9 @@ static void hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
     messages++;
 }
 
-static Slave instantiate(const char *token) {
+static Slave instantiate(const char *token, int model_exchange) {
+    if (model_exchange)
+        return fmi3InstantiateModelExchange("driver", token, "", 0, 1, NULL, hear);
     return fmi3InstantiateCoSimulation("driver", token, "", 0, 1, 0, 0, NULL, 0, NULL, hear, NULL);
 }
 
@@ -78,6 +97,27 @@ static int step(Slave slave, double t, double h) {
     bool event, terminate, early;
     double last;
     return fmi3DoStep(slave, t, h, true, &event, &terminate, &early, &last);
+}
+
+static void update(Slave slave) {
+    bool again, terminate, nominals, values, defined;
+    double next;
+    require(
+        fmi3UpdateDiscreteStates(slave, &again, &terminate, &nominals, &values, &defined, &next),
+        OK, "update", 0);
+}
+
+static int derivatives(Slave slave, double values[], size_t n) {
+    return fmi3GetContinuousStateDerivatives(slave, values, n);
+}
+
+static int slopes(Slave slave, const uint32_t *of, const uint32_t *by, double *value) {
+    const double seed = 1.0;
+    double transposed;
+    const int status = fmi3GetDirectionalDerivative(slave, of, 1, by, 1, &seed, 1, value, 1);
+    require(fmi3GetAdjointDerivative(slave, of, 1, by, 1, &seed, 1, &transposed, 1), status,
+            "adjoint", *of);
+    return status;
 }
 #endif
 
@@ -101,6 +141,7 @@ static double get(Slave slave, uint32_t k) {
     Boolean truth = 0;
     switch (VARIABLES[k].type) {
     case REAL:
+    case DERIVATIVE:
         require(GET(Real, Float64, slave, &k, &value), OK, "get", k);
         return value;
     case INTEGER:
@@ -128,10 +169,54 @@ static void run(Slave slave, int first, int last) {
     }
 }
 
+/* Every pair of variables: those that are no derivative, output, state or input are refused. */
+static void differentiate(Slave slave) {
+    for (uint32_t of = 0; of <= COUNT; of++)
+        for (uint32_t by = 0; by <= COUNT; by++) {
+            double value;
+            const bool known = (by >= INPUTS_AT && by < INPUTS_AT + INPUTS_COUNT) ||
+                               (by >= STATES_AT && by < STATES_AT + STATES_COUNT);
+            const bool unknown = of >= STATES_AT && of < OUTPUTS_AT + OUTPUTS_COUNT;
+            const int expected = IS_CONTINUOUS && known && unknown ? OK : ERROR;
+            require(slopes(slave, &of, &by, &value), expected, "differentiate", of);
+        }
+}
+
+/* As a solver that takes Euler steps would. */
+static void exchange(void) {
+    Slave slave = instantiate(MODEL_TOKEN, 1);
+    require(slave != NULL, HAS_MODEL_EXCHANGE, "instantiate for exchange", 0);
+    if (!slave)
+        return;
+    double x[COUNT], dx[COUNT];
+    initialize(slave);
+    require(step(slave, 0.0, 1e-3), ERROR, "step in exchange", 0);
+    for (int n = 0; n < 100; n++) {
+        update(slave);
+        require(CALL(EnterContinuousTimeMode, EnterContinuousTimeMode, slave), OK, "continue", 0);
+        require(CALL(SetTime, SetTime, slave, n * 1e-5), OK, "time", 0);
+        require(derivatives(slave, dx, DERIVATIVES_COUNT), OK, "derivatives", 0);
+        require(derivatives(slave, dx, DERIVATIVES_COUNT + 1), ERROR, "too many", 0);
+        require(CALL(GetContinuousStates, GetContinuousStates, slave, x, DERIVATIVES_COUNT), OK,
+                "states", 0);
+        for (int k = 0; k < DERIVATIVES_COUNT; k++)
+            x[k] += 1e-5 * dx[k];
+        require(CALL(SetContinuousStates, SetContinuousStates, slave, x, DERIVATIVES_COUNT), OK,
+                "set states", 0);
+        for (uint32_t k = 0; k < COUNT; k++)
+            get(slave, k);
+        require(CALL(EnterEventMode, EnterEventMode, slave), OK, "event", 0);
+    }
+    differentiate(slave);
+    require(CALL(Terminate, Terminate, slave), OK, "terminate", 0);
+    CALL(FreeInstance, FreeInstance, slave);
+}
+
 int main(void) {
-    if (instantiate("stale") || messages != 1)
+    if (instantiate("stale", 0) || messages != 1)
         return 1;
-    Slave slave = instantiate(MODEL_TOKEN);
+    exchange();
+    Slave slave = instantiate(MODEL_TOKEN, 0);
     if (!slave)
         return 1;
     for (uint32_t k = PARAMETERS_AT; k < COUNT; k++)
@@ -140,6 +225,7 @@ int main(void) {
     require(step(slave, 0.0, 1e-3), ERROR, "step too early", 0);
     initialize(slave);
     run(slave, 0, 100);
+    differentiate(slave);
 
     State state = NULL, copy = NULL;
     size_t size = 0;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import subprocess
 import sys
 from pathlib import Path
@@ -162,6 +163,23 @@ def test_events_are_logged_when_asked_for(fmu, slave):
     assert talking.messages == [(0, "logEvents", "initialized at t = 1.5 s")]
 
 
+@pytest.mark.parametrize(
+    ("categories", "heard"),
+    [([], True), (["logEvents"], True), (["logAll"], True), (["logStatusError"], False)],
+)
+def test_categories_choose_what_is_logged(fmu, slave, categories, heard):
+    instance = slave(fmu)
+    assert {c.name for c in fmu.description.logCategories} >= set(categories)
+    if fmu.version == 2:
+        names = (ctypes.c_char_p * len(categories))(*(c.encode() for c in categories))
+        instance.api.fmi2SetDebugLogging(instance.api.component, 1, len(categories), names)
+    else:
+        instance.api.setDebugLogging(True, categories)
+    instance.initialize(start=1.5)
+    assert [text for *_, text in instance.messages] == ["initialized at t = 1.5 s"] * heard
+    _refused(instance, lambda: instance.api.doStep(1.5, -1.0), "must be positive")
+
+
 def _refused(instance, call, *words):
     """Check that a call answers Error with a message holding these words."""
     count = len(instance.messages)
@@ -244,11 +262,11 @@ def test_a_tunable_parameter_acts_from_the_next_step_on(fmu, slave, identical):
 
 def test_what_is_not_declared_answers_with_a_message(fmu, slave):
     instance = slave(fmu).initialize()
-    if fmu.version == 2:
-        call = lambda: instance.api.getDirectionalDerivative([1], [2], [1.0])  # noqa: E731
-    else:
-        call = lambda: instance.api.getUInt8([0])  # noqa: E731
-    _refused(instance, call, "is not available in")
+    if fmu.version == 3:
+        _refused(instance, lambda: instance.api.getUInt8([0]), "is not available in")
+    if not fmu.model.is_continuous:
+        call = instance.api.getDirectionalDerivative
+        _refused(instance, lambda: call([1], [2], [1.0]), "is not available in")
 
 
 def test_the_largest_numbers_are_borne_or_refused_and_reset_heals(fmu, slave, identical):

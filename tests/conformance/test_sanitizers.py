@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from models.export import package
-from models.export.headers import table_header
+from models.export.sources import fmi_headers
 
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1")
 
@@ -31,9 +30,10 @@ def compiler(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def test_a_whole_life_is_clean(fmu, compiler, tmp_path):
-    token = package._token(fmu.model, fmu.version)
-    files = package._sources(fmu.model, fmu.version) | package._fmi_headers()
-    files["table.h"] = table_header(fmu.model, token)
+    files = {
+        str(path.relative_to(fmu.folder / "sources")): path.read_text()
+        for path in (fmu.folder / "sources").rglob("*.[ch]")
+    } | {f"system/{path}": text for path, text in fmi_headers(fmu.version).items()}
     files["driver.c"] = Path(__file__).with_name("driver.c").read_text()
     for path, text in files.items():
         (tmp_path / path).parent.mkdir(exist_ok=True)

@@ -82,6 +82,15 @@ def test_a_linear_system_comes_back(dt, version, tmp_path):
     assert back.output_labels == system.output_labels
 
 
+def test_a_linear_system_comes_back_in_continuous_time(version, tmp_path):
+    np.random.seed(8)  # noqa: NPY002 - python-control draws from it
+    system = random_system(0.0)
+    back = linearise(models.export_lti(system, tmp_path, fmi=version))
+    for name in "ABCD":
+        np.testing.assert_array_equal(getattr(back, name), getattr(system, name))
+    assert back.dt == 0
+
+
 def test_a_loop_of_fmus_is_the_closed_loop(tmp_path):
     plant = control.ss([[0.9, 0.1], [0, 0.8]], [[0], [0.1]], [[1, 0]], 0, 0.01, name="plant")
     pi = control.ss(
@@ -115,6 +124,17 @@ def test_the_stage_slides_as_the_closed_form_says(tmp_path):
     assert found.A[v, v] == pytest.approx(decay, abs=1e-6)
     assert found.A[x, v] == pytest.approx((1 - decay) * m / b, rel=1e-6)
     assert found.B[v, 0] == pytest.approx((1 - decay) / b, rel=1e-5)
+
+
+def test_the_stage_at_rest_is_held_by_its_bristles(version, tmp_path):
+    """A spring sigma_0 and a damper sigma_1, by the derivatives that the FMU gives."""
+    m, b, sigma_0, sigma_1 = 5.557, 6.6135, 3.9162e5, 4.4248e3
+    found = linearise(models.build_fmu("stage", tmp_path, fmi=version))
+    A = [[0, 1, 0], [0, -(b + sigma_1) / m, -sigma_0 / m], [0, 1, 0]]
+    np.testing.assert_allclose(found.A, A, rtol=1e-14)
+    np.testing.assert_allclose(found.B, [[0], [1 / m], [0]], rtol=1e-14)
+    F_f = found.output_labels.index("F_f")
+    np.testing.assert_allclose(found.C[F_f], [0, sigma_1, sigma_0], rtol=1e-14)
 
 
 def test_a_system_in_discrete_time_runs_in_python_control(tmp_path):
@@ -158,4 +178,4 @@ def test_wrong_names_are_told(tmp_path):
             linearise(path, **options)
         assert said in str(error.value)
     with pytest.raises(LinearisationError, match=r"give step="):
-        linearise(models.export_lti(control.ss(-1, 1, 1, 0), tmp_path, name="lag"))
+        linearise(models.export_lti(control.ss(0.5, 1, 1, 0, 0.1), tmp_path, name="lag"))

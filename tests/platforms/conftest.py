@@ -45,8 +45,9 @@ def run_table(fmu: Path, version: int) -> str:
     token = description.split('guid="' if version == 2 else 'instantiationToken="')[1].split('"')[0]
     of = {
         role: [k for k, v in enumerate(model.variables) if role in (v.role, v.type)]
-        for role in ("input", "boolean")
+        for role in ("input", "boolean", "state", "derivative", "output")
     }
+    known = (of["state"] + of["input"]) if of["derivative"] else []
     n = np.arange(STEPS)[:, np.newaxis]
     reals = [k for k, v in enumerate(model.variables) if v.type == "real" and (k or version == 3)]
     # Positions move little: their speed is what counts.
@@ -63,13 +64,16 @@ def run_table(fmu: Path, version: int) -> str:
     rows = ",\n".join(numbers(float(x).hex() for x in row) for row in fed)
     return f"""
 enum {{ STEPS = {STEPS}, INPUTS = {len(size)}, SHOWN = {len(reals)},
-        SWITCHES = {len(of["boolean"])} }};
+        SWITCHES = {len(of["boolean"])}, KNOWNS = {len(known)},
+        UNKNOWNS = {len(of["derivative"] + of["output"])} }};
 #define FMI {version}
 #define LIBRARY "{library}"
 #define TOKEN "{token}"
 static const double STEP = {STEP};
 static const uint32_t INPUT[] = {numbers(of["input"])};
 static const uint32_t SWITCH[] = {numbers(of["boolean"] or [0])};
+static const uint32_t KNOWN[] = {numbers(known or [0])};
+static const uint32_t UNKNOWN[] = {numbers(of["derivative"] + of["output"])};
 static const uint32_t SHOW[] = {numbers(reals)};
 static const double FED[STEPS][INPUTS] = {{
 {rows}}};

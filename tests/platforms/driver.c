@@ -39,12 +39,15 @@ static void end(int status) { exit(status); }
 typedef fmi2Boolean Boolean;
 typedef fmi2Component Instance;
 #define REAL(access, ...) CALL(access##Real, __VA_ARGS__)
+#define SLOPE(...) CALL(GetDirectionalDerivative, __VA_ARGS__)
 #else
 #include <fmi3Functions.h>
 #define CALL(Name, ...) require(((fmi3##Name##TYPE *)find(library, "fmi3" #Name))(__VA_ARGS__))
 typedef fmi3Boolean Boolean;
 typedef fmi3Instance Instance;
 #define REAL(access, ...) CALL(access##Float64, __VA_ARGS__, 1)
+#define SLOPE(i, of, n_of, by, n_by, seed, value)                                                  \
+    CALL(GetDirectionalDerivative, i, of, n_of, by, n_by, seed, n_by, value, n_of)
 #endif
 
 static void require(int status) {
@@ -107,6 +110,13 @@ ENTRY {
         for (int k = 0; k < SHOWN; k++) {
             double value;
             REAL(Get, i, &SHOW[k], 1, &value);
+            show(value);
+        }
+        for (int k = 0; k < UNKNOWNS * KNOWNS; k++) {
+            const double seed = 1.0;
+            double value;
+            SLOPE(i, &UNKNOWN[k / (KNOWNS + !KNOWNS)], 1, &KNOWN[k % (KNOWNS + !KNOWNS)], 1, &seed,
+                  &value);
             show(value);
         }
     }

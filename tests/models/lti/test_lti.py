@@ -205,7 +205,10 @@ def test_names_and_units_are_kept(fmi, tmp_path):
         "i": ("output", "A"),
         "w": ("local", "rad/s"),
         "flux.d": ("local", "furlong"),
+        "der(w)": ("local", "rad/s/s"),
+        "der(flux.d)": ("local", "furlong/s"),
     }
+    assert fmu.units["rad/s/s"].exponents[-1] == 1
     assert fmu.units["mV"].factor == pytest.approx(1e-3)
     assert fmu.units["rpm"].factor == pytest.approx(2 * math.pi / 60)
     assert fmu.units["rpm"].exponents == fmu.units["rad/s"].exponents
@@ -228,6 +231,19 @@ def test_checkers_and_fmpy_take_it(dt, fmi, tmp_path):
         np.testing.assert_allclose(theirs[name], ours[f"f.{name}"], rtol=0, atol=1e-13)
 
 
+def test_model_exchange_follows_python_control(fmi, tmp_path):
+    """Integrated by FMPy's solver, within its tolerance."""
+    system = many_modes(10)
+    path = models.export_lti(system, tmp_path, fmi=fmi)
+    result = fmpy.simulate_fmu(
+        str(path), fmi_type="ModelExchange", stop_time=3.0, output_interval=0.01,
+        relative_tolerance=1e-9, start_values={"u[0]": 1.0}, output=["y[0]"],
+    )  # fmt: skip
+    expected = control.step_response(system, result["time"]).outputs
+    np.testing.assert_allclose(result["y[0]"], expected, rtol=0, atol=1e-5 * np.ptp(expected))
+    assert np.ptp(expected) > 1.0
+
+
 def test_gains_and_autonomous_systems(tmp_path):
     gain = models.export_lti(control.ss([], [], [], [[1.0, 2.0]]), tmp_path, name="gain")
     assert run(gain, 0.1, 3, [1.0, 3.0])["f.y[0]"].tolist() == [7.0] * 4
@@ -243,6 +259,12 @@ def test_direct_gains_alone_are_feedthrough(fmi, tmp_path):
     system = control.ss(-1, [[1, 1]], [[1], [1]], [[0, 2.0], [0, 0]], inputs=["a", "b"])
     fmu = cosim.Fmu(models.export_lti(system, tmp_path, fmi=fmi))
     assert fmu.feedthrough == {"y[0]": {"b"}, "y[1]": frozenset()}
+    outputs = fmpy.read_model_description(fmu.folder).outputs
+    found = [
+        {known.name: kind for known, kind in zip(o.dependencies, o.dependenciesKind, strict=True)}
+        for o in outputs
+    ]
+    assert found == [{"b": "constant", "x[0]": "constant"}, {"x[0]": "constant"}]
 
 
 def test_the_same_system_gives_the_same_bytes(tmp_path):

@@ -1,0 +1,75 @@
+#include "exchange.h"
+
+#include "model.h"
+
+bool exchange_update(Instance *i, double *next) {
+    *next = 0.0;
+#if IS_SAMPLED
+    double *values = i->now.values;
+    *next = model_sample(values[0], (Memory *)(values + MEMORY_AT),
+                         (const Inputs *)(values + INPUTS_AT),
+                         (const Parameters *)(values + PARAMETERS_AT));
+    i->now.stale = true;
+#endif
+    return IS_SAMPLED;
+}
+
+Status exchange_enter(Instance *i, Phase phase) {
+    i->now.phase = phase;
+    return OK;
+}
+
+Status exchange_set_time(Instance *i, double time) {
+    i->now.stale = true;
+    return instance_set_time(i, time);
+}
+
+static Status require_count(Instance *i, size_t count) {
+    if (count == DERIVATIVES_COUNT)
+        return OK;
+    return instance_report(i, ERROR, "logStatusError",
+                           "%zu values for the %d continuous states of " MODEL_NAME, count,
+                           DERIVATIVES_COUNT);
+}
+
+Status exchange_set_states(Instance *i, const double states[], size_t count) {
+    if (require_count(i, count) != OK)
+        return ERROR;
+    for (size_t k = 0; k < count; k++) {
+        if (!is_finite(states[k]))
+            return instance_report(i, DISCARD, "logStatusDiscard", "%s = %g is not possible",
+                                   VARIABLES[STATES_AT + k].name, states[k]);
+        i->now.values[STATES_AT + k] = states[k];
+    }
+    i->now.stale = true;
+    return OK;
+}
+
+Status exchange_get_states(Instance *i, double states[], size_t count) {
+    if (require_count(i, count) != OK)
+        return ERROR;
+    for (size_t k = 0; k < count; k++)
+        states[k] = i->now.values[STATES_AT + k];
+    return OK;
+}
+
+Status exchange_get_derivatives(Instance *i, double derivatives[], size_t count) {
+    if (require_count(i, count) != OK)
+        return ERROR;
+    instance_refresh(i);
+    for (size_t k = 0; k < count; k++) {
+        derivatives[k] = i->now.values[DERIVATIVES_AT + k];
+        if (!is_finite(derivatives[k]))
+            return instance_report(i, DISCARD, "logStatusDiscard", "%s is not finite at t = %g s",
+                                   VARIABLES[DERIVATIVES_AT + k].name, i->now.values[0]);
+    }
+    return OK;
+}
+
+Status exchange_get_nominals(Instance *i, double nominals[], size_t count) {
+    if (require_count(i, count) != OK)
+        return ERROR;
+    for (size_t k = 0; k < count; k++)
+        nominals[k] = VARIABLES[STATES_AT + k].nominal;
+    return OK;
+}

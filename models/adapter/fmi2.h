@@ -1,0 +1,19 @@
+/* What the files of FMI 2.0 share. */
+#ifndef FMI2_H
+#define FMI2_H
+
+#include <fmi2Functions.h>
+
+#include "instance.h"
+
+#define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED)
+#define ANY (ALIVE | FAILED)
+
+/* Leave the calling function unless the instance exists and is in one of these phases. */
+#define REQUIRE(phases)                                                                            \
+    do {                                                                                           \
+        if (!c || instance_require(c, phases, __func__) != OK)                                     \
+            return fmi2Error;                                                                      \
+    } while (0)
+
+#endif

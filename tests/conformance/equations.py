@@ -1,0 +1,45 @@
+"""The equations of the paper in numpy, for complex numbers too: derivatives and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+Values = Mapping[str, complex]
+
+
+def bristle(v: complex, z: complex, p: Values) -> tuple[complex, complex]:
+    """Return dz/dt, equation (2), and the friction force, equation (3)."""
+    speed = v if np.real(v) >= 0 else -v
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((speed / p["v_s"]) ** p["delta"]))
+    dz = v - p["sigma_0"] * speed / g * z
+    return dz, p["sigma_0"] * z + p["sigma_1"] * dz
+
+
+def stage(x: Values, p: Values) -> dict[str, complex]:
+    dz, F_f = bristle(x["v"], x["z"], p)
+    dv = (x["u"] - p["b"] * x["v"] - F_f) / p["m"]
+    return {"der(x)": x["v"], "der(v)": dv, "der(z)": dz, "F_f": F_f, "x": x["x"], "v": x["v"]}
+
+
+def compensator(x: Values, p: Values) -> dict[str, complex]:
+    dz, F_f = bristle(x["v"], x["z"], p)
+    total = F_f + p["b"] * x["v"]
+    return {"der(z)": dz, "F_f": total, "F_mean": total}
+
+
+OF: dict[str, Callable[[Values, Values], dict[str, complex]]] = {
+    "stage": stage,
+    "compensator": compensator,
+}
+
+
+def jacobian(name: str, x: Values, p: Values) -> dict[str, dict[str, float]]:
+    """Return the partial derivatives by complex steps: exact to rounding, no difference taken."""
+    columns = {}
+    for known in x:
+        tiny = 1e-30
+        bent = OF[name]({**x, known: x[known] + 1j * tiny}, p)
+        columns[known] = {unknown: np.imag(value) / tiny for unknown, value in bent.items()}
+    return {unknown: {known: columns[known][unknown] for known in x} for unknown in bent}

@@ -1,0 +1,240 @@
+"""What lies in an FMU beside binary and description: sources, documents, pictures, results."""
+
+from __future__ import annotations
+
+import html.parser
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import matplotlib.image
+import numpy as np
+import pytest
+from fmpy.model_description import read_build_description
+from fmpy.util import read_csv, read_ref_opt_file
+from lxml import etree
+
+import models
+import toolchain
+from models.export.sources import fmi_headers, grouped
+
+SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
+ROOT = Path(models.__file__).parent.parent
+LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
+
+
+def members(fmu):
+    with zipfile.ZipFile(fmu.path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_the_sources_are_those_of_the_binary(fmu):
+    """Compiled again from what is inside, they give the same bytes."""
+    content = members(fmu)
+    files = {
+        path.removeprefix("sources/"): text.decode()
+        for path, text in content.items()
+        if path.startswith("sources/") and path.endswith((".c", ".h"))
+    }
+    headers = fmi_headers(fmu.version)
+    assert set(headers) & set(files) == (set(headers) if fmu.version == 2 else set())
+    own = {path: text for path, text in files.items() if path not in headers}
+    system = {f"system/{path}": text for path, text in headers.items()}
+    library = toolchain.shared_library(
+        fmu.model.name, grouped(own) | system, flags=["-Wno-unused-parameter"], standalone=True
+    )
+    [binary] = [path for path in content if path.startswith("binaries/")]
+    assert library.read_bytes() == content[binary]
+
+
+def test_every_source_is_listed(fmu):
+    [configuration] = read_build_description(str(fmu.path))
+    [listed] = [s.sourceFiles for s in configuration.sourceFileSets]
+    assert configuration.modelIdentifier == fmu.model.name
+    present = {path[8:] for path in members(fmu) if path.startswith("sources/")}
+    assert set(listed) == {path for path in present if path.endswith(".c")}
+    if fmu.version == 2:
+        [described] = fmu.description.buildConfigurations
+        assert described.sourceFileSets[0].sourceFiles == listed
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake, which FMPy calls, is missing")
+@pytest.mark.parametrize(("name", "version"), [("stage", 2), ("compensator", 3), ("drive", 3)])
+def test_another_tool_compiles_the_sources_to_the_same_results(build, name, version, tmp_path):
+    fmu = build(name, version)
+    path = tmp_path / fmu.path.name
+    with zipfile.ZipFile(path, "w") as archive:
+        for member, content in members(fmu).items():
+            if not member.startswith("binaries/"):
+                archive.writestr(member, content)
+    subprocess.run(
+        [sys.executable, "-m", "fmpy", "compile", str(path)], check=True, capture_output=True
+    )
+    time = np.arange(300) * 5e-4
+    [fed] = fmu.names("input")
+    wave = fmu.sizes()[fed] * np.sin(40.0 * time)
+    inputs = np.array(list(zip(time, wave, strict=True)), dtype=[("time", "f8"), (fed, "f8")])
+    ours, theirs = (
+        fmpy.simulate_fmu(
+            str(file),
+            fmi_type="CoSimulation",
+            stop_time=time[-1],
+            step_size=5e-4,
+            output_interval=5e-4,
+            input=inputs,
+            output=fmu.names("output", "state"),
+        )
+        for file in (fmu.path, path)
+    )
+    assert ours.tobytes() == theirs.tobytes()
+
+
+def test_terminals_are_valid_and_name_variables(fmu):
+    tree = etree.fromstring(members(fmu)["terminalsAndIcons/terminalsAndIcons.xml"])
+    etree.XMLSchema(file=str(SCHEMAS / "fmi3TerminalsAndIcons.xsd")).assertValid(tree)
+    named = [m.get("variableName") for m in tree.iter("TerminalMemberVariable")]
+    assert named
+    assert all(
+        fmu.variables[name].causality in ("input", "output", "independent") for name in named
+    )
+
+
+def test_the_plugs_of_the_loop_fit():
+    """Each connection of the paper's loop joins an output to an input of the same name."""
+    terminals = {name: models.load_model(name).terminals for name in models.model_names()}
+    for name, one, other in (
+        ("drive", "velocity_controller", "drive"),
+        ("drive", "velocity_controller", "stage"),
+        ("friction", "compensator", "velocity_controller"),
+        ("motion", "nominal_loop", "compensator"),
+    ):
+        ends = [terminals[model][name].members for model in (one, other)]
+        assert set(ends[0]) == set(ends[1])
+        for member in ends[0]:
+            fed = [
+                variable.role == "input"
+                for model, end in zip((one, other), ends, strict=True)
+                for variable in models.load_model(model).variables
+                if variable.name == end[member]
+            ]
+            assert sorted(fed) == [False, True]
+
+
+def test_the_icon_is_a_picture(fmu, tmp_path):
+    content = members(fmu)
+    (tmp_path / "icon.png").write_bytes(content["terminalsAndIcons/icon.png"])
+    pixels = matplotlib.image.imread(tmp_path / "icon.png")
+    assert pixels.shape == (128, 128, 4)
+    assert pixels[0, 0, 3] == 0.0  # outside the round corner
+    dark = pixels[..., :3].mean(axis=-1) < 0.4
+    assert 0.05 < dark.mean() < 0.4
+    drawing = etree.fromstring(content["terminalsAndIcons/icon.svg"])
+    lines = [e.get("points").split() for e in drawing.iter() if e.tag.endswith("polyline")]
+    assert [len(line) for line in lines] == [len(line) // 2 for line in fmu.model.icon]
+    for line in lines:
+        for x, y in (map(float, point.split(",")) for point in line):
+            assert dark[int(y * 1.28), int(x * 1.28)]
+    assert ("model.png" in content) == (fmu.version == 2)
+
+
+class _Text(html.parser.HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.text = [], ""
+
+    def handle_starttag(self, tag, _):
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += f"{data} "
+
+
+def test_the_documentation_is_the_readme(fmu):
+    content = members(fmu)
+    page = _Text()
+    page.feed(content["documentation/index.html"].decode())
+    assert page.open == []
+    readme = (fmu.model.folder / "README.md").read_text()
+    words = " ".join(readme.replace("#", " ").replace("`", "").split())
+    for mark in ("|", "---", "- "):
+        words = words.replace(mark, " ")
+    shown = set(page.text.replace("|", " ").replace("- ", " ").split())
+    lost = {word for word in words.split() if "](" not in word and "[" not in word} - shown
+    assert not {word for word in lost if word.isalpha()}
+    assert "MIT" in page.text
+    assert content["documentation/licenses/license.txt"].decode() == (ROOT / "LICENSE").read_text()
+
+
+TOLERANCE = {"stage": 2e-4, "drive": 2e-3}  # of the force, the coarsest; others are exact
+
+
+def test_the_reference_inside_is_met(fmu, tmp_path):
+    content = members(fmu)
+    manifest = etree.fromstring(content[f"{LS_REF}/fmi-ls-manifest.xml"])
+    sources = [related.get("source") for related in manifest.iter("Related")]
+    assert {f"{LS_REF}/{source}" for source in sources} | {f"{LS_REF}/fmi-ls-manifest.xml"} == {
+        path for path in content if path.startswith("extra/")
+    }
+    [run] = etree.fromstring(content[f"{LS_REF}/experiments.xml"])
+    tables = []
+    for tag in ("Stimuli", "References"):
+        path = tmp_path / f"{tag}.csv"
+        path.write_bytes(content[f"{LS_REF}/{run.find(tag).get('source')}"])
+        tables.append(read_csv(path))
+    stimuli, expected = tables
+    step = float(run.get("stepSize"))
+    found = fmpy.simulate_fmu(
+        str(fmu.path),
+        fmi_type="CoSimulation",
+        stop_time=float(run.get("stopTime")),
+        step_size=step,
+        output_interval=step,
+        input=stimuli,
+        output=fmu.names("output"),
+    )
+    assert set(expected.dtype.names) == {"time", *fmu.names("output")}
+    for name in fmu.names("output"):
+        tolerance = TOLERANCE.get(fmu.model.name, 1e-11)
+        np.testing.assert_allclose(found[name], expected[name], atol=tolerance, err_msg=name)
+
+
+def test_other_start_values_have_no_reference_inside(tmp_path):
+    with zipfile.ZipFile(models.build_fmu("stage", tmp_path, start={"m": 2.0})) as archive:
+        assert not [name for name in archive.namelist() if name.startswith("extra/")]
+
+
+def test_cross_check_files_are_as_the_rules_have_them(name, tmp_path):
+    written = models.write_cross_check(name, tmp_path)
+    assert {path.name.removeprefix(name) for path in written} == {
+        *("_in.csv", "_ref.csv", "_ref.opt", "_README.md")
+    }
+    model = models.load_model(name)
+    expected, stimuli = (read_csv(tmp_path / f"{name}_{kind}.csv") for kind in ("ref", "in"))
+    assert len(expected.dtype.names) <= 11
+    assert (np.diff(expected["time"]) > 0).all()
+    assert {*stimuli.dtype.names} == {
+        "time",
+        *(v.name for v in model.variables if v.role == "input"),
+    }
+    options = read_ref_opt_file(tmp_path / f"{name}_ref.opt")
+    assert options["StopTime"] == expected["time"][-1]
+    assert options["StepSize"] == pytest.approx(expected["time"][1])
+    head = (tmp_path / f"{name}_ref.csv").read_text().splitlines()[0]
+    assert head.startswith('"time","')
+
+
+def test_units_can_be_shown_as_people_read_them(fmu):
+    """1 mm/s is 1e-3 m/s: the factor is how many display units one unit is."""
+    if "m/s" not in {v.unit for v in fmu.model.variables}:
+        pytest.skip("no velocity")
+    [unit] = [u for u in fmu.description.unitDefinitions if u.name == "m/s"]
+    assert {d.name: float(d.factor) for d in unit.displayUnits} == {"mm/s": 1000.0}
+    shown = {v.name: v.displayUnit for v in fmu.variables.values() if v.unit == "m/s"}
+    assert "mm/s" in shown.values()

@@ -1,0 +1,239 @@
+"""Model Exchange: the equations of the paper, and the results of Co-Simulation."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from scipy.integrate import solve_ivp
+
+import models
+
+spec = importlib.util.spec_from_file_location("equations", Path(__file__).with_name("equations.py"))
+equations = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(equations)
+
+CONTINUOUS = [name for name in models.model_names() if models.load_model(name).is_continuous]
+SAMPLED = [name for name in models.model_names() if models.load_model(name).sampled]
+VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+
+
+def parameters(fmu):
+    return {v.name: v.start for v in fmu.model.variables if v.role == "parameter"}
+
+
+def at(instance, point):
+    """Put the model to a point and return derivatives and outputs by name."""
+    fmu = instance.fmu
+    instance.set({n: point[n] for n in fmu.names("input")})
+    instance.place(0.0, [point[n] for n in fmu.names("state")])
+    names = fmu.names("derivative", "output")
+    return dict(zip(names, instance.get(names), strict=True))
+
+
+def held(time, **signals):
+    """Return inputs for FMPy that hold: each change is an event, with two rows."""
+    rows = [(t, *row) for row, t in _twice(time, zip(*signals.values(), strict=True))]
+    return np.array(rows, dtype=[("time", "f8"), *((name, "f8") for name in signals)])
+
+
+def _twice(time, rows):
+    for k, row in enumerate(rows):
+        yield from ((row, t) for t in time[k : k + 2])
+
+
+def solve(fmu, inputs, **options):
+    """Let FMPy's CVode integrate; return one row a time, at an event what was there before."""
+    result = fmpy.simulate_fmu(
+        str(fmu.path),
+        fmi_type="ModelExchange",
+        stop_time=inputs["time"][-1],
+        relative_tolerance=1e-9,
+        input=inputs,
+        **options,
+    )
+    return result[np.unique(result["time"].round(9), return_index=True)[1]]
+
+
+@VERSIONS
+@pytest.mark.parametrize("name", CONTINUOUS)
+def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged, name, version):
+    fmu = build(name, version)
+    instance = exchanged(fmu).initialize()
+    instance.api.enterContinuousTimeMode()
+    for point in fmu.points(40):
+        found, expected = at(instance, point), equations.OF[name](point, parameters(fmu))
+        assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
+        derivatives = [found[n] for n in fmu.names("derivative")]
+        assert instance.vector("Derivatives").tolist() == derivatives
+        states = [point[n] for n in fmu.names("state")]
+        assert instance.vector("ContinuousStates").tolist() == states
+
+
+@pytest.mark.parametrize("name", CONTINUOUS)
+def test_both_versions_give_the_same_bits(build, exchanged, name):
+    second, third = (exchanged(build(name, version)).initialize() for version in (2, 3))
+    for instance in (second, third):
+        instance.api.enterContinuousTimeMode()
+    for point in second.fmu.points(40):
+        assert at(second, point) == at(third, point)
+
+
+@VERSIONS
+def test_a_stiff_solver_of_another_tool_agrees_with_scipy(build, version):
+    """CVode in FMPy against Radau on the equations in numpy."""
+    fmu = build("stage", version)
+    p = parameters(fmu)
+    time = np.linspace(0.0, 0.4, 81)
+    force = 15.0 * np.sin(2 * np.pi * 6.0 * time)
+    expected = [np.zeros(3)]
+    for u in force[:-1]:
+
+        def motion(_, y, u=u):
+            rates = equations.stage({"x": y[0], "v": y[1], "z": y[2] * 1e-6, "u": u}, p)
+            return [rates["der(x)"], rates["der(v)"], rates["der(z)"] * 1e6]
+
+        step = solve_ivp(motion, (0.0, 5e-3), expected[-1], "Radau", rtol=1e-9, atol=1e-12)
+        expected.append(step.y[:, -1])
+    found = solve(fmu, held(time, u=force), output=["x", "v"], output_interval=5e-3)
+    x, v, _ = np.transpose(expected)
+    assert np.ptp(found["v"]) > 0.05
+    np.testing.assert_allclose(found["x"], x, atol=1e-8)
+    np.testing.assert_allclose(found["v"], v, atol=1e-7)
+
+
+@VERSIONS
+@pytest.mark.parametrize(("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6)])
+def test_the_results_are_those_of_co_simulation(build, name, version, tolerance):
+    """Where the input holds over each step; relative to the largest value."""
+    fmu = build(name, version)
+    [fed] = fmu.names("input")
+    step, count = 1e-2, 60
+    time = np.arange(count + 1) * step
+    values = fmu.sizes()[fed] * 1.5 * np.sin(2 * np.pi * 4.0 * time + 0.5)
+    states = fmu.names("state")
+    stepped = fmpy.simulate_fmu(
+        str(fmu.path),
+        fmi_type="CoSimulation",
+        stop_time=time[-1],
+        output_interval=step,
+        step_size=step,
+        input=np.array(list(zip(time, values, strict=True)), dtype=[("time", "f8"), (fed, "f8")]),
+        output=states,
+    )
+    solved = solve(fmu, held(time, **{fed: values}), output=states, output_interval=step)
+    assert len(solved) == count + 1
+    for state in states:
+        largest = np.abs(stepped[state]).max()
+        np.testing.assert_allclose(
+            solved[state] / largest, stepped[state] / largest, atol=tolerance
+        )
+
+
+@VERSIONS
+@pytest.mark.parametrize("name", SAMPLED)
+def test_samples_are_time_events_with_the_bits_of_co_simulation(
+    build, slave, exchanged, identical, name, version
+):
+    """What is there just before an event is what Co-Simulation shows at that time."""
+    fmu = build(name, version)
+    stepping, solved = slave(fmu).initialize(), exchanged(fmu).initialize()
+    outputs = fmu.names("output")
+    period = 5e-4
+    for n in range(80):
+        stepping.set(fmu.inputs(n))
+        stepping.api.doStep(n * period, period)
+        solved.set(fmu.inputs(n))
+        solved.update()  # the tool may go on updating
+        due = solved.update()
+        assert due == pytest.approx((n + 1) * period, rel=1e-12)
+        solved.api.enterContinuousTimeMode()
+        assert identical(solved.get(outputs), stepping.get(outputs))
+        solved.set(fmu.inputs(n + 7))  # between samples nothing answers
+        solved.api.setTime(due)
+        assert identical(solved.get(outputs), stepping.get(outputs))
+        solved.api.enterEventMode()
+
+
+@pytest.mark.parametrize("name", SAMPLED)
+def test_another_tool_finds_the_events(build, name):
+    fmu = build(name, 3)
+    time = np.arange(101) * 5e-4
+    inputs = [size * np.sin(40.0 * (k + 1) * time) for k, size in enumerate(fmu.sizes().values())]
+    kinds = [("time", "f8"), *((n, "f8") for n in fmu.names("input"))]
+    table = np.array(list(zip(time, *inputs, strict=True)), dtype=kinds)
+    common = {"output": fmu.names("output"), "output_interval": 5e-4}
+    stepped = fmpy.simulate_fmu(
+        str(fmu.path),
+        fmi_type="CoSimulation",
+        stop_time=0.05,
+        step_size=5e-4,
+        input=table,
+        **common,
+    )
+    solved = solve(fmu, table, **common)
+    for output in fmu.names("output"):
+        np.testing.assert_allclose(solved[output], stepped[output], rtol=1e-9, atol=1e-12)
+
+
+def test_a_restored_state_goes_on_as_before(fmu, exchanged, identical):
+    if not fmu.model.has_model_exchange:
+        pytest.skip("steps only")
+    instance = exchanged(fmu).initialize()
+
+    def go_on():
+        rows = []
+        for n in range(20):
+            instance.set(fmu.inputs(n))
+            instance.update()
+            instance.api.enterContinuousTimeMode()
+            instance.place(n * 1e-3, [1e-6 * (n + k) for k in range(instance.n_states)])
+            rows.append(instance.everything())
+            instance.api.enterEventMode()
+        return rows
+
+    state = instance.api.getFMUState()
+    stored = instance.api.serializeFMUState(state)
+    first = go_on()
+    assert len(np.unique(first, axis=0)) == 20
+    instance.api.setFMUState(instance.api.deserializeFMUState(stored))
+    assert identical(go_on(), first)
+    instance.api.reset()
+    assert identical(instance.initialize().api and go_on(), first)
+
+
+def test_what_has_no_such_equations_says_so(build, exchanged):
+    for version in (2, 3):
+        fmu = build("drive", version)
+        assert fmu.description.modelExchange is None
+        messages = []
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            exchanged(fmu, messages=messages)
+        assert "Model Exchange is not available in drive" in messages[0][2]
+
+
+@VERSIONS
+@pytest.mark.parametrize("name", CONTINUOUS)
+def test_calls_out_of_place_are_refused(build, exchanged, name, version):
+    instance = exchanged(build(name, version)).initialize()
+    states = np.zeros(instance.n_states)
+    with pytest.raises(FMICallException):
+        instance.place(0.0, states)
+    assert "'event mode'" in instance.messages[-1][2]
+    instance.api.enterContinuousTimeMode()
+    with pytest.raises(FMICallException):
+        instance.update()
+    with pytest.raises(FMICallException) as discard:
+        instance.place(0.0, states + np.inf)
+    assert discard.value.status == 2  # a smaller step may help
+    tunable = next(v.name for v in instance.fmu.model.variables if v.variability == "tunable")
+    with pytest.raises(FMICallException):
+        instance.set({tunable: 1.0})
+    instance.place(0.0, states)
+    instance.api.enterEventMode()
+    instance.set({tunable: 1.0})
+    instance.api.terminate()
