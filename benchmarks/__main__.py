@@ -3,12 +3,12 @@
 import tempfile
 from pathlib import Path
 
-from benchmarks import candidate, description, many_runs, workers
+from benchmarks import candidate, container, description, many_runs, workers
 from benchmarks.coupling import report
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
-        for benchmark in (report, candidate, workers, description, many_runs):
+        for benchmark in (report, candidate, container, workers, description, many_runs):
             print(f"\n{benchmark.__doc__.strip()}")
             for name, ratio in benchmark.measure(Path(folder)).items():
                 print(f"  {name:76} {ratio:8.2f}")

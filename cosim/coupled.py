@@ -15,6 +15,8 @@ from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import Group
 from cosim.names import component_of, suggestion
+from cosim.remembered import recall, remembered
+from cosim.result import Array
 from cosim.wiring import fed_inputs
 
 if TYPE_CHECKING:
@@ -87,6 +89,7 @@ class Coupled:
             degree=self._coupling.degree,
             past=(ctypes.c_double * (tables.MAX_PAST * width))(),
             next=(ctypes.c_double * width)(),
+            given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
             min_step=adaptive.min_step if adaptive else 0.0,
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
@@ -101,6 +104,15 @@ class Coupled:
             return {}
         table = self._table
         return {"steps": table.steps, "sweeps": table.sweeps, "rejected": table.rejected}
+
+    def memory(self) -> dict[str, Array]:
+        """Return what is remembered from one step to the next, by name."""
+        return remembered(self._table, len(self._names)) if hasattr(self, "_table") else {}
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Go on with what ``memory`` returned; the first point in time is past."""
+        if hasattr(self, "_table"):
+            recall(self._table, len(self._names), memory)
 
     def lose(self, name: str) -> None:
         """Forget the saved state of a component whose instance is gone."""

@@ -7,6 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
+import numpy as np
+from numpy.ctypeslib import as_array
+from numpy.typing import NDArray
+
 from cosim import kernel
 from cosim.batch import Batch, batches
 from cosim.errors import FmuError
@@ -39,10 +43,6 @@ class Facade:
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
     tolerance : relative, of Model Exchange; that which the FMU proposes where None
-
-    Attributes
-    ----------
-    is_thin : whether it keeps nothing from one step to the next that the FMU does not
     """
 
     def __init__(
@@ -56,7 +56,6 @@ class Facade:
         tolerance: float | None,
     ) -> None:
         self._arrays = arrays
-        self.is_thin = not (fmu.interface == "model_exchange" or fmu.event_mode or fmu.has_arrays)
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
         self._starts: tuple[list[Batch], ...] = ()
@@ -109,6 +108,30 @@ class Facade:
             for batch in self._inputs:
                 if variable.owner in self._arrays and batch.holds(variable):
                     batch.put(variable, value)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what it keeps from one step to the next that the FMU does not, by name."""
+        memory = {name: place.copy() for name, place in self._places().items()}
+        memory["times"] = np.array([self.c.time, self.c.next_event])
+        return memory
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
+        """Go on with what ``memory`` returned, once the FMU is in its state; return an FMI status.
+
+        The solver of Model Exchange starts anew.
+        """
+        for name, place in self._places().items():
+            place[:] = memory[name]
+        self.c.time, self.c.next_event = map(float, memory["times"])
+        return int(kernel.load().facade_go_on(ctypes.byref(self.c)))
+
+    def _places(self) -> dict[str, NDArray[Any]]:
+        n = int(self.c.n_inputs)
+        ends = {"before": self.c.before, "after": self.c.after} if n else {}
+        places: dict[str, NDArray[Any]] = {k: as_array(v, (n,)) for k, v in ends.items()}
+        for i, batch in enumerate(self._inputs):
+            places[f"inputs{i}"] = as_array(batch.values)
+        return places
 
     def _owners(self, variables: Iterable[Variable]) -> list[Variable]:
         owners = {v.owner: self._arrays.get(v.owner, v) for v in variables}

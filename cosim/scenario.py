@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -11,6 +12,9 @@ import numpy as np
 from cosim.errors import SignalError
 from cosim.signals import Array, Input, sampled
 from cosim.span import Span
+
+Tables = Mapping[str, tuple[Array, Array]]
+"""Name -> keep and add, each (n,), of value = keep * value + add; keep is NaN where it sticks."""
 
 
 class Event(Protocol):
@@ -50,11 +54,13 @@ class _Stuck(Span):
 
 @dataclass(frozen=True)
 class Scenario:
-    """What happens to outputs of components and to exposed inputs, on their way to receivers.
+    """What happens to outputs of components and exposed inputs on their way, and to parameters.
 
-    Each method returns a new scenario with one thing more. On one signal they act in this order. A
+    Each method returns a new scenario with one thing more. On one name they act in this order. A
     span holds from ``begin`` up to, not including, ``end`` (s). What is recorded is what the
-    receivers see.
+    receivers see. It acts at communication points, whatever the coupling. Parameters must be
+    tunable; they change at a point in time, before the step from there, and where an FMU knows
+    events, by one.
 
     >>> dropout = Scenario().stick("drive.x_enc", begin=1.0, end=1.1).set("v_cmd", 0.0, at=2.0)
     """
@@ -62,7 +68,7 @@ class Scenario:
     events: tuple[tuple[str, Event], ...] = ()
 
     def set(self, name: str, value: float, at: float) -> Scenario:
-        """Give a signal a value from a time on."""
+        """Give a signal or tunable parameter a value from a time on."""
         return self.override(name, value, at)
 
     def override(
@@ -86,8 +92,8 @@ class Scenario:
         """Let a signal keep the value that it had a step before ``begin``."""
         return self._with(name, _Stuck(begin, end))
 
-    def tables(self, time: Array) -> dict[str, tuple[Array, Array]]:
-        """Return name -> keep and add, each (n,), of value = keep * value + add.
+    def tables(self, time: Array) -> Tables:
+        """Return what happens at the times (n,) in s.
 
         Raises
         ------

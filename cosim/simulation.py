@@ -33,6 +33,7 @@ from cosim.scenario import Scenario
 from cosim.settings import Settings, check_length
 from cosim.signals import Input, sample_inputs
 from cosim.state import StateAccess
+from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
 from cosim.wiring import wire
 
@@ -152,7 +153,7 @@ class Simulation:
             values[name] = system.checked(name, value)
             check_length(system, name, values[name])
         external = sample_inputs(system, values, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        self._disturb(scenario, external, values)
         self._begin(values, external)
         return self._step(0, self._place(until), real_time, progress)
 
@@ -162,9 +163,10 @@ class Simulation:
         Raises
         ------
         SimulationError
-            When no run was halted by ``until``, or an FMU cannot give its state away, or there is
-            more state than the FMUs': Model Exchange, event mode, arrays, a coupling that is not
-            plain.
+            When no run was halted by ``until``, or an FMU cannot give its state away.
+
+        A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
+        starts anew, so that the two agree within its tolerance.
         """
         if not self._halted:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
@@ -174,19 +176,14 @@ class Simulation:
                 f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
                 " (canSerializeFMUstate)"
             )
-        if self._run.coupling:
-            raise SimulationError(
-                "the state cannot be saved: with a coupling other than the plain ones it takes"
-                " more than one point in time"
-            )
-        if hidden := [name for name, facade in self._facades.items() if not facade.is_thin]:
-            raise SimulationError(
-                f"the state cannot be saved: {', '.join(hidden)} with Model Exchange, event mode or"
-                " arrays has more than the FMU's own"
-            )
         states = {name: self._state_of(name).save() for name in self.order}
         row = self._memory.state()
-        return Checkpoint(self._identity(), self._run.done, row, states).write(path)
+        memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
+        for owner, facade in self._facades.items():
+            memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
+        starts = {n: float(v) for n, v in self._starts.items() if isinstance(v, int | float)}
+        identity, done = self._identity(), self._run.done
+        return Checkpoint(identity, done, row, states, starts, memory).write(path)
 
     def resume(
         self,
@@ -221,19 +218,29 @@ class Simulation:
             )
         system = self.spec.system
         external = sample_inputs(system, system.parameters, inputs or {}, self.time)
-        self._disturb(scenario, external)
+        self._disturb(scenario, external, {**system.parameters, **checkpoint.starts})
         self._begin(system.parameters, external)
         self._advance(0)  # initialised, the FMUs are in a mode that takes a state
         for name in self.order:
             self._state_of(name).restore(checkpoint.states[name])
+            self._recall(name, checkpoint)
+        self._coupled.recall(checkpoint.memory_of(""))
         self._memory.go_on(checkpoint.step, checkpoint.row)
         return self._step(checkpoint.step, last, real_time, progress)
 
-    def _disturb(self, scenario: Scenario | None, external: Array) -> None:
-        if scenario or self._run.disturbed:
-            self._disturbances = disturb(
-                scenario or Scenario(), self.time, self._layout, self._run, self._slots, external
-            )
+    def _disturb(
+        self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]
+    ) -> None:
+        run, system = self._run, self.spec.system
+        self._starts = values
+        if not (scenario or run.disturbed or run.n_changes):
+            return
+        tables = scenario.tables(self.time) if scenario else {}
+        self._disturbances, changed = split(tables, self._layout, system)
+        disturb(self._disturbances, self._layout, run, self._slots, external)
+        self._changes = tune(changed, values, system, self._libraries, self._facades)
+        run.changes = in_order(self._changes, self.order)
+        run.n_changes, run.next_change = len(self._changes), 0
 
     def _begin(self, values: Mapping[str, Value], external: Array) -> None:
         """Make FMUs, start values and memory ready for a new run."""
@@ -326,9 +333,15 @@ class Simulation:
         version = self.spec.system.components[name].version
         return StateAccess(name, version, self._libraries[name], instance)
 
+    def _recall(self, name: str, checkpoint: Checkpoint) -> None:
+        facade = self._facades.get(name)
+        if facade and facade.recall(checkpoint.memory_of(name)) > 1:
+            raise SimulationError(f"{name}: {(facade.c.called or b'').decode()} failed on resuming")
+
     def _identity(self) -> str:
         spec = self.spec
-        tokens = [f"{name}={spec.system.components[name].token}" for name in self.order]
+        fmus = ((name, spec.system.components[name]) for name in self.order)
+        tokens = [(name, fmu.token, fmu.interface) for name, fmu in fmus]
         signals = list(self._layout.columns), self._layout.summed
         coupling = Coupling.of(spec.coupling)
         return repr((spec.start, spec.step, coupling, spec.constant_step, tokens, signals))

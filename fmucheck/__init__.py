@@ -19,6 +19,11 @@ _THEMES = (
     *(f"description.{name}" for name in ("experiment", "capabilities", "clocks")),
     *(f"files.{name}" for name in ("sources", "terminals", "documentation")),
     "binaries.folders",
+    *(f"running.{name}" for name in ("loading", "values", "repeating", "saving", "sensitivity")),
+    *(f"running.{name}" for name in ("dependencies", "refusals", "logging", "process")),
+    "running.continuous",
+    "rerunning",
+    "ending",
 )
 for _theme in _THEMES:  # importing a theme registers its rules
     import_module(f"fmucheck.{_theme}")

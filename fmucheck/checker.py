@@ -8,18 +8,33 @@ from pathlib import Path
 from fmucheck.archive.reading import Archive, read_archive, unpack
 from fmucheck.description.reading import read_description
 from fmucheck.document import claimed_version, judged_version
-from fmucheck.finding import Report, Severity
+from fmucheck.finding import Report
 from fmucheck.fmu import Fmu
 from fmucheck.rules import stage
+from fmucheck.running.parent import TIMEOUT, findings_of_runs
 from fmucheck.xml import read_document
 
 _DESCRIPTION = "modelDescription.xml"
+_BLOCKING = {
+    "schema-violation",
+    "bad-model-identifier",
+    "not-a-library",
+    "wrong-architecture",
+    "binary-missing",
+    "unknown-version",
+}
+"""Rules whose findings make running pointless or dangerous."""
 
 
-def check(path: Path | str) -> Report:
+def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Report:
     """Judge one FMU.
 
     Nothing outside a temporary folder is written, and the folder is gone afterwards.
+
+    Parameters
+    ----------
+    run : also load the binary for this machine and run it, in a child process
+    timeout : s that the binary may take for one rule
 
     Raises
     ------
@@ -30,10 +45,15 @@ def check(path: Path | str) -> Report:
     report.path.stat()
     archive = read_archive(report.path)
     with tempfile.TemporaryDirectory(prefix="fmucheck-") as folder:
+        content = Path(folder, "fmu")
+        content.mkdir()
         if archive.fault is None and not archive.is_bomb:
-            unpack(archive, Path(folder))
+            unpack(archive, content)
         _judge(report, "archive", archive, None)
-        _judge_content(report, archive, Path(folder))
+        if fmu := _judge_content(report, archive, content):
+            blocked = report.rules & _BLOCKING
+            runs = findings_of_runs(fmu, blocked, timeout) if run else ()
+            report.findings += runs
     report.findings.sort(key=lambda finding: -finding.severity)
     return report
 
@@ -43,16 +63,16 @@ def _judge(report: Report, name: str, subject: object, version: int | None) -> N
         report.findings += rule.findings(subject, version)
 
 
-def _judge_content(report: Report, archive: Archive, folder: Path) -> None:
+def _judge_content(report: Report, archive: Archive, folder: Path) -> Fmu | None:
     file = folder / _DESCRIPTION
     if not file.is_file():
-        return
+        return None
     document = read_document(_DESCRIPTION, file.read_bytes())
     report.fmi = claimed_version(document)
     version = judged_version(document)
     _judge(report, "document", document, version)
     if document.root is None or version is None:
-        return
+        return None
     description = read_description(document.root, version)
     _judge(report, "description", description, version)
     members = frozenset(
@@ -61,8 +81,4 @@ def _judge_content(report: Report, archive: Archive, folder: Path) -> None:
     fmu = Fmu(report.path, folder, members, description)
     _judge(report, "files", fmu, version)
     _judge(report, "binaries", fmu, version)
-
-
-def is_sound(report: Report) -> bool:
-    """Tell whether nothing was found that is against the standard."""
-    return report.count(Severity.ERROR) == 0
+    return fmu

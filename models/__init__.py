@@ -3,18 +3,26 @@
 The errors are drawn in ``models/errors.py``.
 """
 
-from models.errors import DescriptionError, ModelError, StartValueError, UnknownModel
+from models.errors import DescriptionError, LtiError, ModelError, StartValueError, UnknownModel
 from models.export.package import build_fmu, load_model, model_names, write_cross_check
 from models.export.sources import FmiVersion
+from models.lti.file import LtiFile, read_lti
+from models.lti.package import export_lti
+from models.lti.system import LinearSystem
 
 __all__ = [
     "DescriptionError",
     "FmiVersion",
+    "LinearSystem",
+    "LtiError",
+    "LtiFile",
     "ModelError",
     "StartValueError",
     "UnknownModel",
     "build_fmu",
+    "export_lti",
     "load_model",
     "model_names",
+    "read_lti",
     "write_cross_check",
 ]

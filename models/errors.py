@@ -3,6 +3,7 @@
 ModelError(Exception)
     UnknownModel(ValueError)      no folder of that name in models/
     DescriptionError(ValueError)  model.toml says something that cannot be built
+    LtiError(ValueError)          a linear system that cannot be an FMU
     StartValueError(ValueError)   a start value for a variable that has none, or out of its range
 """
 
@@ -21,3 +22,7 @@ class DescriptionError(ModelError, ValueError):
 
 class StartValueError(ModelError, ValueError):
     """A start value cannot be set."""
+
+
+class LtiError(ModelError, ValueError):
+    """A linear system cannot be an FMU, or a file does not describe one."""

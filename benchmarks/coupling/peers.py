@@ -8,11 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmpy import extract, read_model_description
-from fmpy.container_fmu import config as container
-from fmpy.container_fmu.cli import create_container_fmu
 from fmpy.fmi2 import FMU2Slave
-from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
+import cosim
+from benchmarks import fmpy_container as sealed
 from benchmarks.coupling import ring
 
 LINKS = [
@@ -45,39 +44,17 @@ def fmpy_from_python(folder: Path, n: int) -> float:
 
 def fmpy_container(folder: Path, n: int) -> float:
     """All three sealed in one FMU, stepped by one call."""
-    path = folder / "fmpy" / "container.fmu"
+    path = folder / "fmpy.fmu"
     if not path.exists():
-        parts = {
-            name: container.Component(name, file, read_model_description(file))
-            for name, file in ((name, ring.build(folder, name, 2)) for name in ring.MODELS)
-        }
-        variables = {
-            (name, variable.name): variable
-            for name, part in parts.items()
-            for variable in part.modelDescription.modelVariables
-        }
-        for variable in variables.values():
-            variable.type = "Float64"  # FMPy would write Real, which its binary does not know
-        shown = ModelVariable(
-            name="v", valueReference=0, type="Real", causality="output", variability="continuous"
-        )
-        description = ModelDescription()
-        description.fmiVersion = "2.0"
-        description.modelName = description.guid = description.instantiationToken = "container"
-        description.coSimulation = CoSimulation(fixedInternalStepSize=ring.STEP)
-        description.modelVariables = [shown]
-        connections = [
-            container.Connection(parts[s], [variables[s, source]], parts[t], [variables[t, target]])
-            for (s, source), (t, target) in LINKS
-        ]
-        mapping = {shown: [(parts["mass"], variables["mass", "v"])]}
-        unpacked = folder / "fmpy" / "unpacked"
-        unpacked.mkdir(parents=True)
-        create_container_fmu(
-            container.Configuration(False, description, list(parts.values()), connections, mapping),
-            unpacked,
-            path,
-        )
+        sealed.write(ring.system(folder, 2), path, ring.STEP, "mass.v")
+    return _one_call(path, n)
+
+
+def our_container(folder: Path, n: int) -> float:
+    """The same by cosim."""
+    path = folder / "cosim.fmu"
+    if not path.exists():
+        cosim.write_fmu(ring.system(folder, 2), path, step=ring.STEP, coupling="jacobi")
     return _one_call(path, n)
 
 
@@ -130,6 +107,7 @@ def libcosimpy(folder: Path, n: int) -> float:
 
 
 PEERS: dict[str, tuple[Callable[[Path, int], float], int]] = {  # and how many steps to time
+    "cosim container FMU, one doStep": (our_container, 100_000),
     "FMPy container FMU, one doStep": (fmpy_container, 100_000),
     "fmu-manipulation-toolbox container, one doStep": (toolbox_container, 100_000),
     "FMPy from Python": (fmpy_from_python, 5_000),

@@ -17,7 +17,7 @@ typedef union {
 #define TAKE2(name) TAKE(2, name)
 #define TAKE3(name) TAKE(3, name)
 
-/* Where the FMU has no state to save, its functions may be missing. */
+/* What an FMU has no use for may be missing from the rest. */
 const char *access_load(Access *access, Component *c) {
     static const char *const types[2][N_TYPES] = {{"Real", "Integer", "Boolean"},
                                                   {"Float64", "Int32", "Boolean"}};
@@ -40,9 +40,6 @@ const char *access_load(Access *access, Component *c) {
         access->set[type] = library_function(access->library, name);
         name[4] = 'G';
         access->get[type] = library_function(access->library, name);
-        if (!access->set[type] || !access->get[type]) {
-            return types[version][type];
-        }
     }
     for (int i = 0; i < 6; i++) {
         *places[i] = library_function(access->library, states[version][i]);
@@ -51,6 +48,9 @@ const char *access_load(Access *access, Component *c) {
 }
 
 static int pass(void (*function)(void), const Component *c, uint32_t reference, void *value) {
+    if (!function) {
+        return ERROR;
+    }
     if (c->version == 2) {
         return ((int (*)(void *, const uint32_t *, size_t, void *))function)(c->instance,
                                                                              &reference, 1, value);

@@ -94,8 +94,9 @@ def _text(value: object) -> str:
 
 
 def _add_units(root: ET.Element, shown: Iterable[Shown]) -> None:
-    definitions = _child(root, "UnitDefinitions")
-    for unit in {v.unit.name: v.unit for v in shown if v.unit}.values():
+    units = {v.unit.name: v.unit for v in shown if v.unit}
+    definitions = _child(root, "UnitDefinitions") if units else root
+    for unit in units.values():
         element = _child(definitions, "Unit", name=unit.name)
         if unit.exponents is not None:
             exponents = dict(zip(BASE_UNITS, unit.exponents, strict=True))

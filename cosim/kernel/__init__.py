@@ -41,6 +41,12 @@ class Setting(Structure):
     )
 
 
+class Change(Structure):
+    """Values that a component is given when a step is done."""
+
+    _fields_ = (("step", c_int64), ("component", c_int64), ("setting", Setting))
+
+
 class Log(Structure):
     """The gravest message of a component."""
 
@@ -138,6 +144,9 @@ class Run(Structure):
         ("coupling", c_void_p),
         ("unsolved", c_void_p),
         ("disturbed", c_int64),
+        ("changes", POINTER(Change)),
+        ("n_changes", c_int64),
+        ("next_change", c_int64),
         ("halt", c_int64),
     )
 

@@ -9,6 +9,17 @@
 
 static const double SAFETY = 0.9, SHRINK = 0.1, GROW = 2.0;
 
+static bool is_disturbed(const Run *run, const Component *c, int64_t column) {
+    for (size_t i = 0; run->disturbed && i < c->n_disturbances; i++) {
+        const Disturbance *d = &c->disturbances[i];
+        const double *keep = d->keep + run->done, *add = d->add + run->done;
+        if (d->column == column && (keep[0] != 1 || keep[1] != 1 || add[0] != 0 || add[1] != 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The greatest miss in tolerances. */
 static double miss(const Run *run) {
     const Coupling *k = run->coupling;
@@ -17,6 +28,9 @@ static double miss(const Run *run) {
         for (int64_t i = c->column; i < c->column + (int64_t)c->n_linked; i++) {
             const double wanted = k->next[i];
             const double error = wanted - value_at(hold(run, i, false, k->t, k->h), k->h);
+            if (is_disturbed(run, c, i)) {
+                continue; /* a scenario jumps, and shorter steps would not help */
+            }
             const double scale = fmax(fabs(wanted), k->nominal[i]);
             worst = fmax(worst, fabs(error) / scale / k->tolerance);
         }
@@ -48,7 +62,8 @@ bool step_adaptively(Run *run, const double *row, double t, double h) {
     for (double now = t;;) {
         const bool last = k->inner >= 0.999 * (end - now);
         const double reached = last ? end : now + fmin(k->inner, (end - now) / 2.0);
-        interpolate(run, before, row, last ? 1.0 : (reached - t) / h);
+        k->share = last ? 1.0 : (reached - t) / h;
+        interpolate(run, before, row, k->share);
         if (!attempt(run, now, reached - now)) {
             return false;
         }

@@ -110,18 +110,17 @@ INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
 
 INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }
 
+INLINE bool set_values(Run *run, const Component *c, const Setting *s) {
+    const int status = c->version == 2
+                           ? (int)s->set.fmi2(c->instance, s->references, s->n, s->values)
+                           : (int)s->set.fmi3(c->instance, s->references, s->n, s->values, s->n);
+    return passed(run, c, s->call, status);
+}
+
 INLINE bool set_start_values(Run *run, const Component *c, bool late) {
     for (size_t i = 0; i < c->n_settings; i++) {
         const Setting *s = &c->settings[i];
-        if ((s->late != 0) != late) {
-            continue;
-        }
-        const int status =
-            c->version == 2 ? (int)s->set.fmi2(c->instance, s->references, s->n, s->values)
-                            : (int)s->set.fmi3(c->instance, s->references, s->n, s->values, s->n);
-        if (!passed(run, c, s->call, status)) {
-            return false;
-        }
+        TRY((s->late != 0) != late || set_values(run, c, s));
     }
     return true;
 }

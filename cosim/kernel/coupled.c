@@ -1,6 +1,7 @@
 /* A step of components whose inputs follow polynomials, with loops among them. */
 #include "calls.h"
 #include "coupling.h"
+#include "disturbance.h"
 #include <string.h>
 
 /* The share of a step in which inputs of FMUs that do not interpolate are at their end already, so
@@ -99,6 +100,21 @@ static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
            set_held_inputs(run, i, t, h, ENDING) && do_step_of(run, c, late, t + h - late, final);
 }
 
+/* Change the outputs of a component at the end of the step that is tried. Between communication
+ * points a change is on its way from the one to the next, as inputs from outside are. */
+static void disturb_coupled(const Run *run, const Component *c, double *next) {
+    const Coupling *k = run->coupling;
+    const double *now = row_of(run, run->done);
+    for (size_t i = 0; i < c->n_disturbances; i++) {
+        const Disturbance *d = &c->disturbances[i];
+        const double *keep = d->keep + run->done, *add = d->add + run->done;
+        const bool there = k->share == 1.0;
+        const bool moves = !there && k->degree > 0 && keep[0] == keep[1];
+        next[d->column] = disturbed(next[d->column], now[d->column], keep[there],
+                                    moves ? add[0] + k->share * (add[1] - add[0]) : add[there]);
+    }
+}
+
 /* Once through the components of a loop, or the one that is in none. */
 static bool sweep(Run *run, Loop *loop) {
     Coupling *k = run->coupling;
@@ -114,8 +130,24 @@ static bool sweep(Run *run, Loop *loop) {
               get_outputs(run, c, c->n_outputs, k->next))) {
             return false;
         }
+        if (run->disturbed) {
+            memcpy(k->given + run->width + c->column, k->next + c->column,
+                   c->n_outputs * sizeof *k->next);
+            disturb_coupled(run, c, k->next);
+        }
     }
     return true;
+}
+
+/* What a component gave when it stepped, as it is disturbed now. */
+static void give_again(const Run *run, int64_t first, int64_t end) {
+    const Coupling *k = run->coupling;
+    for (int64_t i = first; run->disturbed && i < end; i++) {
+        const Component *c = &run->components[i];
+        memcpy(k->next + c->column, k->given + run->width + c->column,
+               c->n_outputs * sizeof *k->next);
+        disturb_coupled(run, c, k->next);
+    }
 }
 
 bool attempt(Run *run, double t, double h) {
@@ -126,6 +158,7 @@ bool attempt(Run *run, double t, double h) {
     for (int64_t i = 0; i < k->n_loops; i++) {
         Loop *loop = &k->loops[i];
         if (run->done % k->members[loop->first].every) {
+            give_again(run, loop->first, loop->end);
             continue; /* it has stepped beyond this point already */
         }
         k->swept = false;
@@ -151,15 +184,21 @@ void keep(Run *run, const double *row, double t) {
     k->n_past += k->n_past < MAX_PAST;
 }
 
-void begin_coupled(Run *run) {
+bool begin_coupled(Run *run) {
     Coupling *k = run->coupling;
     k->n_past = k->steps = k->sweeps = k->rejected = 0;
     k->inner = run->step;
     memcpy(k->next, run->rows, (size_t)run->width * sizeof *k->next);
     keep(run, run->rows, run->start);
+    k->share = 1.0;
     for (int64_t i = 0; i < k->n_loops; i++) {
         k->loops[i].known = false; /* so that a run depends on nothing before it */
     }
+    for (int64_t i = 0; run->disturbed && i < k->n_members; i++) {
+        const Component *c = &run->components[i];
+        TRY(get_outputs(run, c, c->n_outputs, k->given));
+    }
+    return true;
 }
 
 static bool step_coupled(Run *run, double *row, double t, double h) {
@@ -169,8 +208,14 @@ static bool step_coupled(Run *run, double *row, double t, double h) {
     for (int64_t i = 0; i < k->n_members; i++) {
         const Component *c = &run->components[i];
         const bool reached = (run->done + 1) % k->members[i].every == 0;
-        memcpy(row + c->column, (reached ? k->next : k->past) + c->column,
-               c->n_outputs * sizeof *row);
+        const size_t size = c->n_outputs * sizeof *row;
+        memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
+        if (reached && run->disturbed) {
+            memcpy(k->given + c->column, k->given + run->width + c->column, size);
+        } else if (run->disturbed) {
+            memcpy(row + c->column, k->given + c->column, size);
+            disturb_coupled(run, c, row);
+        }
     }
     if (stepped) {
         keep(run, row, t + h);

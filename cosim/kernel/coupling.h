@@ -71,7 +71,10 @@ typedef struct Coupling {
     const double *nominal; /* (width) */
     int64_t steps, sweeps, rejected;
     double t, h;   /* the step that is tried, s */
+    double share;  /* of the step between two communication points that it will have done */
     int64_t swept; /* not 0: the FMUs are no longer at its begin */
+    double *given; /* (2, width): outputs before a scenario changed them, of components with a rate
+                      of their own: those that hold now, and those of the step they are in */
 } Coupling;
 
 /* hold.c: a0 + a1 s + a2 s^2, s seconds after the begin of the step */
@@ -96,7 +99,7 @@ bool invert(int64_t n, double *matrix, double *inverse);
 void update_inverse(int64_t n, double *inverse, const double *dw, const double *dr, double *work);
 
 /* coupled.c */
-void begin_coupled(Run *run);
+bool begin_coupled(Run *run);
 bool couple_until(Run *run, int64_t end);         /* as many steps as lead there */
 bool attempt(Run *run, double t, double h);       /* from t over h, to Coupling.next */
 void keep(Run *run, const double *row, double t); /* as the latest of the past */

@@ -81,5 +81,7 @@ class Coupling(Structure):
         ("rejected", c_int64),
         ("t", c_double),
         ("h", c_double),
+        ("share", c_double),
         ("swept", c_int64),
+        ("given", POINTER(c_double)),
     )

@@ -4,17 +4,16 @@
 
 #include "kernel.h"
 
+static inline double disturbed(double value, double before, double keep, double add) {
+    return keep != keep ? before : (keep != 0 ? keep * value : 0) + add;
+}
+
 /* Change the outputs of a component in the row of step n. */
 static inline void disturb(const Run *run, const Component *c, double *row, int64_t n) {
     for (size_t i = 0; run->disturbed && i < c->n_disturbances; i++) {
         const Disturbance *d = &c->disturbances[i];
-        const double keep = d->keep[n];
         double *value = row + d->column;
-        if (keep != keep) {
-            *value = n > 0 ? value[-run->width] : *value;
-        } else {
-            *value = (keep != 0 ? keep * *value : 0) + d->add[n];
-        }
+        *value = disturbed(*value, value[n > 0 ? -run->width : 0], d->keep[n], d->add[n]);
     }
 }
 

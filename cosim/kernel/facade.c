@@ -164,6 +164,20 @@ fmi2Status handle_event(Facade *f, bool with_inputs) {
     return plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
 }
 
+fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                       const void *group) {
+    Facade *f = c;
+    (void)references, (void)n;
+    if (!(f->event_mode || f->model_exchange)) {
+        return transfer(f, group);
+    }
+    TRY_STATUS(plain(f, ENTER_EVENT_MODE));
+    TRY_STATUS(transfer(f, group));
+    TRY_STATUS(update_discrete_states(f));
+    TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
+    return facade_go_on(f);
+}
+
 static fmi2Status step_fmi2(Facade *f, double t, double h) {
     AnyCall *call = f->call[DO_STEP];
     TRY_STATUS(noted(f, DO_STEP, (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, fmi2True)));

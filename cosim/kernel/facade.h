@@ -147,6 +147,13 @@ void end_exchange(Facade *f);
 
 EXPORT const char *facade_calls(void);
 
+/* Set tunable parameters between two steps, as an event where the FMU knows events. */
+EXPORT fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                              const void *group);
+
+/* After the FMU was brought into a saved state, and the facade's own fields with it. */
+EXPORT fmi2Status facade_go_on(Facade *f);
+
 /* Under these names the kernel's table of FMI 2.0 calls finds them. */
 EXPORT fmi2InstantiateTYPE facade_Instantiate;
 EXPORT fmi2FreeInstanceTYPE facade_FreeInstance;

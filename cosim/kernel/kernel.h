@@ -69,6 +69,13 @@ typedef struct {
     const double *add;  /* n_steps + 1 */
 } Disturbance;
 
+/* Values that a component is given when a step is done. */
+typedef struct {
+    int64_t step;
+    int64_t component;
+    Setting setting;
+} Change;
+
 /* Pairs x, y of values that an input maps: x becomes y, any other value stays. */
 typedef struct {
     size_t n;            /* 0: the input is not mapped */
@@ -160,8 +167,10 @@ typedef struct {
     struct Loop *initial;      /* what must agree before the first step, or NULL; see coupling.h */
     struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
     struct Loop *unsolved;
-    int64_t disturbed; /* not 0: some components have disturbances */
-    int64_t halt;      /* the step after which to hand back; n_steps to go through to the end */
+    int64_t disturbed;     /* not 0: some components have disturbances */
+    const Change *changes; /* n_changes, in the order of their steps */
+    int64_t n_changes, next_change;
+    int64_t halt; /* the step after which to hand back; n_steps to go through to the end */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */

@@ -109,11 +109,32 @@ static bool step_block(Run *run, int64_t end) {
         memcpy(row_of(run, n), run->external + n * run->n_external,
                (size_t)run->n_external * sizeof(double));
     }
-    const bool stepped = UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
-                         : run->coupling          ? couple_until(run, end)
-                                                  : step_until(run, end);
+    const bool stepped = run->coupling              ? couple_until(run, end)
+                         : UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
+                                                    : step_until(run, end);
     TRY(stepped || trace_back(run, first + 1));
     return close_rows(run);
+}
+
+/* Make the changes of parameters that are due. */
+static bool tune(Run *run) {
+    for (; run->next_change < run->n_changes; run->next_change++) {
+        const Change *change = &run->changes[run->next_change];
+        if (change->step > run->done) {
+            break;
+        }
+        const Component *c = &run->components[change->component];
+        TRY(change->step < run->done || set_values(run, c, &change->setting));
+    }
+    return true;
+}
+
+static int64_t end_before_change(const Run *run, int64_t end) {
+    if (run->next_change == run->n_changes) {
+        return end;
+    }
+    const int64_t step = run->changes[run->next_change].step;
+    return step < end ? step : end;
 }
 
 enum Outcome advance(Run *run) {
@@ -130,14 +151,15 @@ enum Outcome advance(Run *run) {
         if (!close_rows(run)) {
             return FAILED;
         }
-        if (run->coupling) {
-            begin_coupled(run);
+        if (run->coupling && !begin_coupled(run)) {
+            return FAILED;
         }
     }
     const time_t second = time(NULL);
     while (run->done < run->halt) {
         const int64_t left = run->halt - run->done;
-        if (!step_block(run, run->done + (left < run->block ? left : run->block))) {
+        const int64_t end = run->done + (left < run->block ? left : run->block);
+        if (!tune(run) || !step_block(run, end_before_change(run, end))) {
             return FAILED;
         }
         if (time(NULL) != second) {

@@ -43,8 +43,10 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
     AnyCall *call = f->call[SET_STATE];
     TRY_STATUS(noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, saved->state)));
-    return f->integrator ? restart_exchange(f) : fmi2OK;
+    return facade_go_on(f);
 }
+
+fmi2Status facade_go_on(Facade *f) { return f->integrator ? restart_exchange(f) : fmi2OK; }
 
 fmi2Status facade_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Facade *f = c;

@@ -19,12 +19,14 @@ from models.export.headers import table_header
 from models.export.reference import cross_check, layered_standard
 from models.export.sources import (
     MODELS,
-    FmiVersion,
     build_description,
     c_files,
     fmi_headers,
     grouped,
     text,
+)
+from models.export.sources import (
+    FmiVersion as FmiVersion,
 )
 from models.export.terminals import terminals_and_icons
 from toolchain import Platform, host_platform, shared_library, universal, write_whole
@@ -81,6 +83,22 @@ def build_fmu(
         When the file cannot be written.
     """
     model = load_model(name).with_start(start or {})
+    # What is expected is so for the start values of model.toml.
+    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=not start)
+
+
+def pack_fmu(
+    model: Model,
+    folder: Path | str,
+    *,
+    fmi: FmiVersion = 2,
+    platforms: Iterable[Platform] | None = None,
+    reference: bool = False,
+) -> Path:
+    """Write ``folder/NAME.fmu`` of any model, whose C lies in ``model.folder``; return its path.
+
+    With ``reference`` its reference.csv goes inside. The rest is as for ``build_fmu``.
+    """
     token = _token(model, fmi)
     files = c_files(model, fmi) | {"table.h": table_header(model, token)}
     texts = {
@@ -94,12 +112,12 @@ def build_fmu(
     }
     if fmi == 2:  # FMI 3.0 does not want its headers inside
         texts |= {f"sources/{path}": content for path, content in fmi_headers(fmi).items()}
-    if not start:  # what is expected is so for the start values of model.toml
+    if reference:
         texts |= layered_standard(model)
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))
-    members |= _binaries(name, files, fmi, list(platforms or [host_platform()]))
-    return write_whole(Path(folder) / f"{name}.fmu", _archive(members))
+    members |= _binaries(model.name, files, fmi, list(platforms or [host_platform()]))
+    return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
 def write_cross_check(name: str, folder: Path | str) -> list[Path]:

@@ -35,7 +35,7 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
         for path in sorted((MODELS / room).glob("*.[ch]")):
             files[f"{room}/{path.name}"] = text(path)
     return files | {
-        "model.c": text(model.folder / "model.c"),
+        **{path.name: text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.c": table_source(model),
     }

@@ -1,6 +1,12 @@
-"""The units that models use, as exponents of SI base units."""
+"""Units as exponents of SI base units: those of our models, and what is made of known symbols."""
 
 from __future__ import annotations
+
+import math
+import re
+
+BaseUnit = dict[str, float]
+"""Exponents of base units; ``factor`` where the unit is not made of these alone."""
 
 UNITS: dict[str, dict[str, int]] = {
     "1": {},
@@ -30,3 +36,73 @@ def rate_unit(unit: str) -> str:
     exponents["s"] -= 1
     wanted = {base: power for base, power in exponents.items() if power}
     return next(name for name, known in UNITS.items() if known == wanted)
+
+
+# symbol -> factor and exponents of kg, m, s, A, K, mol, cd, rad
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+_SYMBOLS: dict[str, tuple[float, tuple[int, ...]]] = {
+    "g": (1e-3, (1,)),
+    "m": (1.0, (0, 1)),
+    "s": (1.0, (0, 0, 1)),
+    "A": (1.0, (0, 0, 0, 1)),
+    "K": (1.0, (0, 0, 0, 0, 1)),
+    "mol": (1.0, (0, 0, 0, 0, 0, 1)),
+    "cd": (1.0, (0, 0, 0, 0, 0, 0, 1)),
+    "rad": (1.0, (0, 0, 0, 0, 0, 0, 0, 1)),
+    "Hz": (1.0, (0, 0, -1)),
+    "N": (1.0, (1, 1, -2)),
+    "Pa": (1.0, (1, -1, -2)),
+    "J": (1.0, (1, 2, -2)),
+    "W": (1.0, (1, 2, -3)),
+    "C": (1.0, (0, 0, 1, 1)),
+    "V": (1.0, (1, 2, -3, -1)),
+    "F": (1.0, (-1, -2, 4, 2)),
+    "Ohm": (1.0, (1, 2, -3, -2)),
+    "Wb": (1.0, (1, 2, -2, -1)),
+    "T": (1.0, (1, 0, -2, -1)),
+    "H": (1.0, (1, 2, -2, -2)),
+    "bar": (1e5, (1, -1, -2)),
+    "l": (1e-3, (0, 3)),
+}
+_WHOLE: dict[str, tuple[float, tuple[int, ...]]] = {  # take no prefix
+    "1": (1.0, ()),
+    "%": (1e-2, ()),
+    "min": (60.0, (0, 0, 1)),
+    "h": (3600.0, (0, 0, 1)),
+    "deg": (math.pi / 180, (0, 0, 0, 0, 0, 0, 0, 1)),
+    "rpm": (math.pi / 30, (0, 0, -1, 0, 0, 0, 0, 1)),
+}
+_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "d": 0.1, "c": 1e-2, "m": 1e-3}
+_PREFIXES |= {"u": 1e-6, "\N{MICRO SIGN}": 1e-6, "n": 1e-9, "p": 1e-12}
+_FACTOR = re.compile(r"([./*]|^)([^\W\d]+|%|1)\^?(-?\d+)?")
+
+
+def base_unit(unit: str) -> BaseUnit | None:
+    """Return a unit as exponents of base units, None where it is not made of known symbols.
+
+    Symbols are joined by ``.`` or ``*``, a ``/`` inverts the one behind it: ``N.s/m``, ``rad/s2``.
+    """
+    if unit in UNITS:
+        return dict(UNITS[unit])
+    text = unit.replace(" ", ".")
+    factor, exponents, end = 1.0, [0] * len(_BASE), 0
+    for match in _FACTOR.finditer(text):
+        symbol = _symbol(match[2])
+        if match.start() != end or symbol is None:
+            return None
+        power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
+        factor *= symbol[0] ** power
+        for k, exponent in enumerate(symbol[1]):
+            exponents[k] += power * exponent
+        end = match.end()
+    if end != len(text) or not end:
+        return None
+    base: BaseUnit = {name: n for name, n in zip(_BASE, exponents, strict=True) if n}
+    return base if factor == 1.0 else {**base, "factor": factor}
+
+
+def _symbol(text: str) -> tuple[float, tuple[int, ...]] | None:
+    if found := _WHOLE.get(text) or _SYMBOLS.get(text):
+        return found
+    factor, scaled = _PREFIXES.get(text[0]), _SYMBOLS.get(text[1:])
+    return (factor * scaled[0], scaled[1]) if factor and scaled else None

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from models.export.description import Model, Variable
-from models.export.units import DISPLAY, UNITS
+from models.export.units import DISPLAY, base_unit
 
 Attributes = dict[str, str]
+
+# A path of identifiers with indices (FMI 2.0.4, section 2.2.9).
+_NAME = r"[A-Za-z_]\w*(?:\[\d+(?:,\d+)*\])?"
+_PATH = rf"{_NAME}(?:\.{_NAME})*"
+_STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}\)", re.ASCII)
 
 LOG_CATEGORIES = {
     "logStatusError": "Calls that failed, and why",
@@ -54,25 +60,30 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "fmiVersion": version,
             "modelName": model.name,
             "description": f"{model.title}. {model.description}",
-            "version": model.version,
             "author": "The stickslip authors",
             "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
             "generationTool": "stickslip",
-            "variableNamingConvention": "structured",
+            "variableNamingConvention": "structured" if _structured(model) else "flat",
+            **({"version": model.version} if model.version else {}),
             **attributes,
         },
     )
+
+
+def _structured(model: Model) -> bool:
+    return all(_STRUCTURED.fullmatch(v.name) for v in model.variables)
 
 
 def add_units(parent: ET.Element, model: Model) -> None:
     """Append the UnitDefinitions of the units that the model uses."""
     definitions = child(parent, "UnitDefinitions")
     for unit in sorted({v.unit for v in model.variables if v.unit}):
-        element = child(definitions, "Unit", name=unit)
-        child(element, "BaseUnit", **UNITS[unit])
+        definition, base = child(definitions, "Unit", name=unit), base_unit(unit)
+        if base is not None:
+            child(definition, "BaseUnit", **base)
         for name, factor in DISPLAY.get(unit, {}).items():
-            child(element, "DisplayUnit", name=name, factor=factor)
+            child(definition, "DisplayUnit", name=name, factor=factor)
 
 
 def add_log_categories(parent: ET.Element) -> None:

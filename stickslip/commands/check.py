@@ -21,12 +21,19 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu")
     parser.add_argument("--json", action="store_true", help="print findings as JSON")
     parser.add_argument("--strict", action="store_true", help="warnings count as errors")
+    parser.add_argument("--no-run", action="store_true", help="do not load the binary")
+    parser.add_argument(
+        "--timeout", type=float, default=20.0, metavar="S", help="the binary may take for one rule"
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Print what was found; return 1 if any of it is an error."""
-    reports = [fmucheck.check(path) for path in options.files]
+    reports = [
+        fmucheck.check(path, run=not options.no_run, timeout=options.timeout)
+        for path in options.files
+    ]
     if options.json:
         print(json.dumps({"version": 1, "files": [r.as_json() for r in reports]}, indent=2))
     else:

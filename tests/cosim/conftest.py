@@ -42,7 +42,9 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
     variables, outputs = [], []
     for reference, (name, kind_, causality, unit, rest) in enumerate(VARIABLES):
         unit = units.get(name, unit)
-        variability = "fixed" if causality == "parameter" else "continuous"
+        variability = "continuous"
+        if causality == "parameter":
+            variability = "tunable" if name in {"k", "n", "flag"} else "fixed"
         common = (
             f'name="{name}" valueReference="{reference}" causality="{causality}"'
             f' variability="{variability}"'

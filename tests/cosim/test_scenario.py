@@ -116,15 +116,3 @@ def test_from_the_beginning_receivers_see_the_disturbed_value(make):
         with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
             result = run(simulation, Scenario().set("a.y", 3.0, at=0.0))
         assert set(result["b.y"]) == {6.0}
-
-
-def test_outputs_are_not_disturbed_where_the_coupling_is_not_plain(make):
-    system = cosim.System("slow")
-    system.add("a", make("gain"))
-    system.expose("x", "a.u")
-    coupling = cosim.Coupling(every={"a": 2})
-    with system.prepare(step=STEP, stop=N * STEP, coupling=coupling) as simulation:
-        with pytest.raises(cosim.ExperimentError, match=r"a\.y: outputs .* plain coupling"):
-            run(simulation, Scenario().set("a.y", 1.0, at=0.0))
-        again = run(simulation, Scenario().set("x", 1.0, at=0.0))["a.y"]
-        np.testing.assert_array_equal(again, run(simulation, None, x=1.0)["a.y"])

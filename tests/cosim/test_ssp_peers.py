@@ -1,13 +1,16 @@
 """Our packages in FMPy, libcosim and pyssp_standard.
 
 What they leave out is given to them by hand: FMPy reads no parameter bindings, and its first step
-sees zeros at all inputs; libcosim reads no nested systems and no inputs of the system itself.
+sees zeros at all inputs; libcosim reads no nested systems and no inputs of the system itself. So
+all outputs begin at 0, and integrators whose inputs have start values move the system.
 """
 
 from __future__ import annotations
 
+import string
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from libcosimpy.CosimExecution import CosimExecution
@@ -32,6 +35,27 @@ def chain(make, *names, unit="N"):
     system.connect(f"{ramp}.y", f"{gain}.u", Link(Scaling(3.0, 0.0)))
     system.connect(f"{gain}.y", f"{speed}.u")
     system.connect(f"{speed}.y", f"{position}.u")
+    return system
+
+
+def drawn(make, seed, *, nested=False, scaled=False):
+    """Return a system of gains and integrators, in loops or not, that begins at rest."""
+    rng = np.random.default_rng(seed)
+    system = cosim.System(f"drawn{seed}")
+    names = list(string.ascii_lowercase[: rng.integers(3, 9)])
+    names = [f"n/{x}" if nested and rng.random() < 0.5 else x for x in names]
+    kinds = ["integrator", *rng.choice(["gain", "integrator"], len(names) - 1)]
+    for name, kind in zip(names, kinds, strict=True):
+        units = {"y": "mN"} if scaled and rng.random() < 0.3 else {}
+        k = 0.0 if kind == "integrator" else rng.uniform(-1.5, 1.5)
+        system.add(name, make(kind, **units), {"k": k})
+    system.set(f"{names[0]}.u", rng.uniform(1, 2))
+    for name, kind in zip(names[1:], kinds[1:], strict=True):
+        if kind == "integrator" and rng.random() < 0.2:
+            system.set(f"{name}.u", rng.uniform(-1, 1))
+            continue
+        factor = rng.uniform(0.1, 2.0) if scaled and rng.random() < 0.5 else 1.0
+        system.connect(f"{rng.choice(names)}.y", f"{name}.u", Link(Scaling(factor)))
     return system
 
 
@@ -77,6 +101,61 @@ def test_libcosim_runs_a_scaled_chain_to_the_values_of_our_jacobi(make, tmp_path
     ours = jacobi(system)
     theirs = in_libcosim(system, path, [name for name in ours if name.endswith("y")])
     assert theirs == {name: pytest.approx(ours[name][-1], rel=1e-14) for name in theirs}
+
+
+SEEDS = range(12)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_libcosim_runs_any_system_to_the_values_of_our_jacobi(make, tmp_path, seed):
+    system = drawn(make, seed, scaled=True)
+    path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT)
+    ours = jacobi(system)
+    theirs = in_libcosim(system, path, [name for name in ours if name.endswith(".y")])
+    assert theirs == {name: pytest.approx(ours[name][-1], rel=1e-12, abs=1e-13) for name in theirs}
+    assert any(theirs.values())
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_fmpy_runs_any_system_to_the_values_of_our_jacobi(make, tmp_path, seed):
+    system = drawn(make, seed, nested=True)
+    path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT)
+    theirs, ours = in_fmpy(system, path), jacobi(system)
+    shown = [name for name in ours if name.endswith(".y")]
+    assert {name: theirs[name.replace("/", ".")] for name in shown} == {
+        name: ours[name][-1] for name in shown
+    }
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+def test_pyssp_standard_reads_any_system(make, tmp_path, seed, version):
+    pyssp = pytest.importorskip("pyssp_standard.ssp")
+    system = drawn(make, seed, scaled=True)
+    path = cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT, version=version)
+    with pyssp.SSP(path, mode="r") as package, package.system_structure as structure:
+        structure.__check_compliance__()
+        found = {
+            f"{c.end_element}.{c.end_connector}": f"{c.start_element}.{c.start_connector}"
+            for c in structure.system.connections
+        }
+        assert found == system.connections
+
+
+def test_libcosim_opens_a_system_once_its_inputs_are_taken_away(make, tmp_path):
+    system = drawn(make, 0)
+    system.expose("x", f"{next(iter(system.components))}.u")
+    system.expose_output("y", f"{next(iter(system.components))}.y")
+    with pytest.raises(Exception, match="Unable to create execution"):
+        CosimExecution.from_ssp_file(str(cosim.write_ssp(system, tmp_path / "a.ssp", EXPERIMENT)))
+    system.inputs.clear()
+    system.outputs.clear()
+    path = cosim.write_ssp(system, tmp_path / "b.ssp", EXPERIMENT)
+    ours = jacobi(system)
+    signals = [name for name in ours if name.endswith(".y")]
+    assert in_libcosim(system, path, signals) == {
+        name: pytest.approx(ours[name][-1], rel=1e-12, abs=1e-13) for name in signals
+    }
 
 
 def unscaled(system):

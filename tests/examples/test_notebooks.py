@@ -66,7 +66,7 @@ def test_loop_design(kernel, tmp_path):
     outputs = [output for cell in code_cells(notebook) for output in cell.outputs]
     text = "".join(output.text for output in outputs if output.output_type == "stream")
     pictures = [output for output in outputs if "image/png" in output.get("data", {})]
-    assert len(pictures) == 4
+    assert len(pictures) == 6
     assert not [output for output in outputs if output.get("name") == "stderr"]
 
     def number(pattern: str) -> float:
@@ -88,3 +88,10 @@ def test_loop_design(kernel, tmp_path):
     )
     assert with_compensation < 0.2 * without
     assert number("nothing quantised error # µm/s at most") < 10.0
+    assert number("without friction +differs from the design by # % at most") < 0.01
+    assert number("with friction, 2 mm/s +differs from the design by # % at most") > 30.0
+    assert number("linear axis and python-control: # m/s") < 1e-12
+    assert number(r"at rest expected -#, .* found") == pytest.approx(
+        number(r"at rest expected .* found -#, "), rel=1e-3
+    )
+    assert number(r"sliding expected .* found -[\d.]+, -#, ") == pytest.approx(1.19)

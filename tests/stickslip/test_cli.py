@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -117,6 +118,29 @@ def test_export_tells_what_is_wrong_with_the_parameters(content, said, form, tmp
     assert str(path) in line
     assert said in line
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
+    file = tmp_path / "lag.toml"
+    file.write_text('num = [2.0]\nden = [0.5, 1.0]\ninputs = { u = "N" }\noutputs = { y = "m" }')
+    assert main(["export", "lti", str(file), "--fmi", "3", "--out", str(tmp_path)]) == 0
+    fmu = tmp_path / "lag.fmu"
+    assert capsys.readouterr().out.split() == [str(fmu)]
+    arguments = ["simulate", str(fmu), "--set", "lag.u=3", "--stop", "1", "--step", "0.1"]
+    assert main([*arguments, "--out", str(tmp_path / "lag.csv")]) == 0
+    run = pd.read_csv(tmp_path / "lag.csv")
+    assert run["lag.y"].to_numpy() == pytest.approx(6 * (1 - np.exp(-2 * run["time"].to_numpy())))
+
+
+def test_export_tells_what_is_wrong_with_a_linear_system(tmp_path, capsys):
+    file = tmp_path / "lag.toml"
+    for content, said in (("num = [1, 2]\nden = [1]", "improper"), ("A = [", "lag.toml: ")):
+        file.write_text(content)
+        assert said in complaint(capsys, "export", "lti", file, "--out", tmp_path)
+    assert "No such file" in complaint(capsys, "export", "lti", tmp_path / "none.json")
+    assert "expected a .json or .toml" in complaint(capsys, "export", "lti", tmp_path / "a.mat")
+    file.write_text("D = [[1.0]]")
+    assert "step is 0" in complaint(capsys, "export", "lti", file, "--step", 0, "--out", tmp_path)
 
 
 def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, capsys):

@@ -27,7 +27,7 @@ def command(t):
     return 0.02 * np.sin(40 * t)
 
 
-@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
+@pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi", cosim.Coupling(degree=1)])
 @pytest.mark.parametrize("record", [None, ["drive.x_enc", "controller.u"]])
 def test_a_resumed_run_equals_the_uninterrupted_one_bit_for_bit(system, tmp_path, coupling, record):
     spec = {"step": STEP, "stop": STOP, "coupling": coupling, "record": record}
@@ -90,16 +90,3 @@ def test_a_state_of_another_run_is_refused(system, tmp_path):
         pytest.raises(cosim.SimulationError, match=r"a\.state: no saved state"),
     ):
         same.resume(path)
-
-
-def test_a_coupling_that_remembers_more_than_one_point_is_halted_but_not_saved(system, tmp_path):
-    coupling = cosim.Coupling(degree=1)
-    inputs = {"v_cmd": command}
-    with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
-        whole = simulation.run(inputs=inputs)
-        half = simulation.run(inputs=inputs, until=HALF)
-        np.testing.assert_array_equal(half.values, whole.values[: len(half.time)])
-        with pytest.raises(cosim.SimulationError, match="more than one point in time"):
-            simulation.save(tmp_path / "a.state")
-        paced = simulation.run(inputs=inputs, progress=lambda _: None)
-    np.testing.assert_array_equal(paced.values, whole.values)

@@ -339,6 +339,18 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     free(*state);
     return *state = NULL, fmi2OK;
 }
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *size) {
+    (void)c, (void)s;
+    return *size = sizeof(Model), fmi2OK;
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte room[], size_t size) {
+    return (void)c, memcpy(room, s, size), fmi2OK;
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte room[], size_t size,
+                                   fmi2FMUstate *s) {
+    return (void)size,
+           fmi2GetFMUstate(c, s) == fmi2OK ? (memcpy(*s, room, sizeof(Model)), fmi2OK) : fmi2Error;
+}
 
 /* FMI 3.0: the same, but for the arguments */
 const char *fmi3GetVersion(void) { return "3.0"; }
@@ -376,6 +388,16 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
 }
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
     return (fmi3Status)fmi2FreeFMUstate(c, state);
+}
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *size) {
+    return (fmi3Status)fmi2SerializedFMUstateSize(c, s, size);
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte room[], size_t size) {
+    return (void)c, memcpy(room, s, size), fmi3OK;
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte room[], size_t size,
+                                   fmi3FMUState *s) {
+    return (fmi3Status)fmi2DeSerializeFMUstate(c, (const fmi2Byte *)room, size, s);
 }
 fmi3Status fmi3Reset(fmi3Instance c) { return start(c), fmi3OK; }
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {

@@ -150,7 +150,7 @@ def mapping(*entries):
     )
 
 
-def test_mapped_parameters_take_pairs_of_every_type(export, pack):
+def test_mapped_parameters_take_pairs_of_every_type(export, pack, tmp_path):
     values = (
         parameter("on", "Boolean", "true")
         + parameter("n", "Int32", 4)
@@ -173,6 +173,10 @@ def test_mapped_parameters_take_pairs_of_every_type(export, pack):
         "a.Enumeration_in": 2,
         "a.UInt8_in": 200,
     }
+    system.set("a.Int8_in", 41)
+    system.set("a.Boolean_in", True)
+    again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "b.ssp"))
+    assert again.parameters == system.parameters
 
 
 ARRAY = '<ssd:Connectors><ssd:Connector name="{}" kind="{}"><ssc:Float64/>{}</ssd:Connector>'

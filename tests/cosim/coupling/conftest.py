@@ -81,8 +81,8 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
             binary = toolchain.shared_library("linear", files)
             platform = toolchain.host_platform()
             place = platform.fmi2 if version == 2 else platform.tuple
-            word = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
-            abilities = {word: restores}
+            word = "FMUstate" if version == 2 else "FMUState"
+            abilities = {f"canGetAndSet{word}": restores, f"canSerialize{word}": restores}
             if version == 2:
                 abilities["canInterpolateInputs"] = interpolates
             path = folder / f"{len(made)}.fmu"

@@ -171,6 +171,18 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) {
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) {
     return (void)c, (fmi2Status)discard(s);
 }
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *size) {
+    (void)c, (void)s;
+    return *size = sizeof(Model), fmi2OK;
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte room[], size_t size) {
+    return (void)c, memcpy(room, s, size), fmi2OK;
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte room[], size_t size,
+                                   fmi2FMUstate *s) {
+    return (void)size,
+           fmi2GetFMUstate(c, s) == fmi2OK ? (memcpy(*s, room, sizeof(Model)), fmi2OK) : fmi2Error;
+}
 
 /* FMI 3.0 */
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
@@ -215,4 +227,14 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState s) {
 }
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *s) {
     return (void)c, (fmi3Status)discard(s);
+}
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *size) {
+    return (fmi3Status)fmi2SerializedFMUstateSize(c, s, size);
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte room[], size_t size) {
+    return (void)c, memcpy(room, s, size), fmi3OK;
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte room[], size_t size,
+                                   fmi3FMUState *s) {
+    return (fmi3Status)fmi2DeSerializeFMUstate(c, (const fmi2Byte *)room, size, s);
 }

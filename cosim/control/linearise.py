@@ -1,0 +1,182 @@
+"""FMUs as systems of python-control: linearised at an operating point, or as they are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.control.errors import LinearisationError
+from cosim.control.exchange import Exchange
+from cosim.control.step_map import StepMap, alone
+from cosim.fmu import Fmu
+from cosim.names import suggestion
+from cosim.system import System
+
+Array = NDArray[np.float64]
+Dynamics = Exchange | StepMap
+
+
+def linearise(
+    model: Fmu | System | str | os.PathLike[str],
+    *,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    parameters: Mapping[str, object] | None = None,
+    outputs: Sequence[str] | None = None,
+    step: float | None = None,
+    change: float | None = None,
+) -> control.StateSpace:
+    """Return an FMU or a system as a state space at an operating point.
+
+    An FMU with Model Exchange becomes a system in continuous time: by its directional derivatives
+    where it has them, else by central differences. With a ``step``, and where there is
+    Co-Simulation only, a system in discrete time: by differences over one step, started anew from
+    each state.
+
+    Parameters
+    ----------
+    model : an FMU or its path; or a system, whose exposed inputs are the inputs
+    states, inputs : values at the operating point by name; those left out start as the FMU does
+    parameters : start values
+    outputs : to choose some; all, or those that the system exposes, by default
+    step : communication step [s]; needed for a system and for Co-Simulation only
+    change : by which share of its size (value or nominal value) a variable is moved for
+        differences: 6e-6 for derivatives, 1e-3 over a step, where an integrator may add noise
+
+    Returns
+    -------
+    StateSpace
+        In deviations from the operating point, with ``dt`` = step, 0 in continuous time. Inputs,
+        outputs and states keep their names, but for dots, which python-control does not take:
+        ``component_variable``.
+
+    Raises
+    ------
+    LinearisationError
+        When a name is unknown, there are no states, or there is more to know than the states.
+    FmuError, SimulationError
+    """
+    dynamics = _dynamics(model, parameters or {}, outputs, step)
+    names = _names(dynamics)
+    x = _point(names["states"], dynamics.x0, states, "state")
+    u = _point(names["inputs"], dynamics.u0, inputs, "input")
+    dynamics.put(x, u)
+    jacobian = dynamics.jacobian(x, u)
+    if jacobian is None:
+        jacobian = _differences(dynamics, x, u, change or dynamics.change)
+    n = len(x)
+    return control.ss(
+        *(jacobian[:n, :n], jacobian[:n, n:], jacobian[n:, :n], jacobian[n:, n:], dynamics.dt),
+        **_labels(dynamics),
+    )
+
+
+def nonlinear_system(
+    model: Fmu | System | str | os.PathLike[str],
+    *,
+    parameters: Mapping[str, object] | None = None,
+    outputs: Sequence[str] | None = None,
+    step: float | None = None,
+) -> control.NonlinearIOSystem:
+    """Return an FMU or a system as a nonlinear I/O system of python-control.
+
+    Arguments and errors are those of ``linearise``. In continuous time its events are not followed:
+    it stays in the mode in which it starts. In discrete time every step is a run from its state.
+    """
+    dynamics = _dynamics(model, parameters or {}, outputs, step)
+    dynamics.put(dynamics.x0, dynamics.u0)
+    return control.NonlinearIOSystem(
+        lambda t, x, u, _: dynamics.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
+        lambda t, x, u, _: dynamics.shown(t, np.atleast_1d(x), np.atleast_1d(u)),
+        dt=dynamics.dt,
+        **_labels(dynamics),
+    )
+
+
+def _dynamics(
+    model: Fmu | System | str | os.PathLike[str],
+    parameters: Mapping[str, object],
+    outputs: Sequence[str] | None,
+    step: float | None,
+) -> Dynamics:
+    if not isinstance(model, Fmu | System):
+        model = Fmu(model)
+    if isinstance(model, Fmu):
+        if step is None and "model_exchange" in model.interfaces:
+            dynamics = Exchange(Fmu(model.path, interface="model_exchange"), parameters)
+            dynamics.outputs = _chosen(outputs, dynamics.outputs)
+            return dynamics
+        ways = [v.name for v in model.variables.values() if v.causality == "output" and v.is_plain]
+        prefixed = [f"fmu.{name}" for name in _chosen(outputs, ways)]
+        return StepMap(alone(model, parameters), prefixed, _needed(step, model.path), "fmu.")
+    system = model.copy()
+    for name, value in parameters.items():
+        system.set(name, value)
+    shown = system.outputs.values() or [
+        f"{name}.{v.name}"
+        for name, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.causality == "output" and v.is_plain
+    ]
+    return StepMap(system, _chosen(outputs, [*shown]), _needed(step, system.name))
+
+
+def _needed(step: float | None, what: object) -> float:
+    if step is None:
+        raise LinearisationError(
+            f"{what} can be linearised over a step only, for it has no Model Exchange:"
+            " give step= [s]"
+        )
+    return step
+
+
+def _chosen(wanted: Sequence[str] | None, known: Sequence[str]) -> tuple[str, ...]:
+    for name in wanted or ():
+        if name not in known:
+            raise LinearisationError(f"there is no output {name!r}{suggestion(name, known)}")
+    return tuple(known if wanted is None else wanted)
+
+
+def _point(
+    names: Sequence[str], start: Array, values: Mapping[str, float] | None, what: str
+) -> Array:
+    point = dict(zip(names, start, strict=True))
+    for name, value in (values or {}).items():
+        if name not in point:
+            raise LinearisationError(f"there is no {what} {name!r}{suggestion(name, point)}")
+        point[name] = value
+    return np.array([*point.values()], dtype=float)
+
+
+def _names(dynamics: Dynamics) -> dict[str, list[str]]:
+    named = {"inputs": dynamics.inputs, "outputs": dynamics.outputs, "states": dynamics.states}
+    return {
+        key: [name.removeprefix(dynamics.prefix) for name in names] for key, names in named.items()
+    }
+
+
+def _labels(dynamics: Dynamics) -> dict[str, list[str]]:
+    """Return the names as python-control takes them."""
+    return {key: [n.replace(".", "_") for n in names] for key, names in _names(dynamics).items()}
+
+
+def _differences(dynamics: Dynamics, x: Array, u: Array, share: float) -> Array:
+    """Return d(f, g) / d(x, u), (n + p, n + m), by central differences."""
+    point = np.concatenate([x, u])
+    sizes = np.maximum(np.abs(point), np.concatenate([dynamics.x_size, dynamics.u_size]))
+    columns = []
+    for k, change in enumerate(share * sizes):
+        ends = []
+        for end in (point[k] + change, point[k] - change):
+            moved = point.copy()
+            moved[k] = end
+            parts = (moved[: len(x)], moved[len(x) :])
+            values = [dynamics.rates(0.0, *parts), dynamics.shown(0.0, *parts)]
+            ends.append((end, np.concatenate(values)))
+        (high, above), (low, below) = ends
+        columns.append((above - below) / (high - low))
+    return np.array(columns).T

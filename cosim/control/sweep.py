@@ -1,0 +1,142 @@
+"""The frequency response of a system of FMUs, measured sine by sine as on a test bench.
+
+What python-control designs is linear; friction, quantisation and limits are not. So the response
+depends on the amplitude, and is the ratio of the fundamentals: a describing function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cosim.errors import ExperimentError
+from cosim.result import Result
+from cosim.signals import Input
+from cosim.system import System
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+_Number = TypeVar("_Number", np.float64, np.complex128)
+_LEAST = 4  # samples in a period
+
+
+@dataclass(frozen=True)
+class MeasuredResponse:
+    """Fundamentals of signals under a sine at an input.
+
+    Attributes
+    ----------
+    input : its name
+    amplitude : of the sine, in the unit of the input
+    f : (n,) frequencies [Hz]
+    step : communication step [s]
+    fundamentals : signal -> (n,) complex amplitudes in its unit, the input's among them
+    distortion : signal -> (n,) RMS of all that is not fundamental, relative to that of it [1]
+    drift : signal -> (n,) change of the fundamental from one half of what is evaluated to the
+        other, relative to it [1]: large where the system had not settled
+    """
+
+    input: str
+    amplitude: float
+    f: Array
+    step: float
+    fundamentals: Mapping[str, ComplexArray]
+    distortion: Mapping[str, Array]
+    drift: Mapping[str, Array]
+
+    def response(self, output: str, source: str | None = None) -> ComplexArray:
+        """Return the response from a signal, the input by default, to another, (n,)."""
+        return self.fundamentals[output] / self.fundamentals[source or self.input]
+
+    def frd(self, output: str, source: str | None = None) -> control.FrequencyResponseData:
+        """Return the response for python-control: sampled, at angular frequencies [rad/s]."""
+        return control.frd(self.response(output, source), 2 * np.pi * self.f, dt=self.step)
+
+
+def measure_response(
+    system: System,
+    input: str,  # noqa: A002 - the word of control
+    outputs: Sequence[str],
+    f: ArrayLike,
+    amplitude: float,
+    *,
+    step: float,
+    periods: int = 8,
+    settle: float = 0.2,
+    offset: float = 0.0,
+    inputs: Mapping[str, Input] | None = None,
+    parameters: Mapping[str, object] | None = None,
+) -> MeasuredResponse:
+    """Run a system once for each frequency, with a sine at one input.
+
+    The samples evaluated are whole periods, so that harmonics and a mean do not leak in: each
+    frequency is moved to the nearest for which ``periods`` of it are a whole number of steps.
+
+    Parameters
+    ----------
+    input : an exposed input
+    outputs : signals to evaluate, ``component.variable``
+    f : (n,) frequencies [Hz], at most a quarter of the sample rate
+    amplitude, offset : of the sine, in the unit of the input
+    step : communication step, and sample period of what is evaluated [s]
+    periods : evaluated at each frequency, an even number
+    settle : time before that, rounded up to whole periods, at least one [s]
+    inputs, parameters : of every run, as for ``Simulation.run``
+
+    Raises
+    ------
+    ExperimentError
+        When a frequency is too high or not positive, or ``periods`` is not even.
+    SimulationError, ParameterError, SignalError
+    """
+    wanted = np.atleast_1d(np.asarray(f, dtype=float))
+    if periods < 2 or periods % 2:
+        raise ExperimentError(f"periods is {periods}; expected an even number, 2 or more")
+    if not ((wanted > 0.0) & (wanted * step <= 1 / _LEAST)).all():
+        raise ExperimentError(
+            f"frequencies must lie above 0 and up to {1 / (_LEAST * step):g} Hz, a quarter of the"
+            f" sample rate; got {wanted.min():g} .. {wanted.max():g} Hz"
+        )
+    names = [input, *outputs]
+    found: list[ComplexArray] = []
+    reached = np.empty_like(wanted)
+    for k, frequency in enumerate(wanted):
+        n = 2 * round(periods / (2 * frequency * step))
+        reached[k] = periods / (n * step)
+        before = int(np.ceil(max(settle * reached[k], 1.0) * n / periods))
+        with system.prepare(step=step, stop=(before + n) * step, record=names) as simulation:
+            sine = offset + amplitude * np.sin(2 * np.pi * reached[k] * simulation.time)
+            result = simulation.run(parameters, {**(inputs or {}), input: sine})
+        found.append(_evaluated(result, names, before, n, periods))
+    fundamental, distortion, drift = np.moveaxis(np.array(found), 2, 0)  # each (frequencies, names)
+    return MeasuredResponse(
+        *(input, amplitude, reached, step),
+        _by_name(names, fundamental),
+        _by_name(names, distortion.real),
+        _by_name(names, drift.real),
+    )
+
+
+def _by_name(names: Sequence[str], values: NDArray[_Number]) -> dict[str, NDArray[_Number]]:
+    return dict(zip(names, values.T, strict=True))
+
+
+def _evaluated(
+    result: Result, names: Sequence[str], before: int, n: int, periods: int
+) -> ComplexArray:
+    """Return fundamental, distortion and drift of each signal, (names, 3)."""
+    turns = np.exp(-2j * np.pi * periods * np.arange(n) / n)
+    rows = []
+    for name in names:
+        x = result[name][before : before + n]
+        first, second = (2 / len(half) * half @ turns[: n // 2] for half in np.split(x, 2))
+        fundamental = 0.5 * (first + second)
+        size = abs(fundamental) or np.finfo(float).tiny
+        rest = np.sqrt(max(np.var(x) - 0.5 * abs(fundamental) ** 2, 0.0))
+        rows.append((fundamental, rest / (size / np.sqrt(2)), abs(second - first) / size))
+    return np.array(rows)

@@ -1,0 +1,129 @@
+"""Changes of tunable parameters during a run, as a scenario wants them.
+
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.2.8 (tunable: between communication points; where
+events are known, in event mode).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cosim import kernel
+from cosim.batch import Batch
+from cosim.disturbances import disturbed
+from cosim.errors import ParameterError, SignalError
+from cosim.facade import Facade
+from cosim.layout import Layout
+from cosim.library import Library
+from cosim.names import component_of, suggestion
+from cosim.scenario import Tables
+from cosim.variables import Value
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+
+def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
+    """Return what happens to signals, and what to parameters.
+
+    Raises
+    ------
+    SignalError
+        When a name is neither a signal that is read or recorded nor a tunable parameter.
+    """
+    others = {name: table for name, table in tables.items() if name not in layout.columns}
+    for name in others:
+        try:
+            variable = system.variable(name, SignalError)
+        except SignalError:
+            variable = None
+        if variable is None or variable.causality != "parameter":
+            raise SignalError(
+                f"scenario: {name!r} is no signal of the run that is read or recorded, and no"
+                f" parameter{suggestion(name, layout.columns)}"
+            )
+        if variable.variability != "tunable" or not variable.is_signal or variable.array:
+            kind = "array" if variable.array or variable.dimensions else variable.type
+            raise SignalError(
+                f"scenario: {name} is a {variable.variability} parameter ({kind}); only tunable"
+                " ones that are a number or Boolean change during a run; set it before"
+            )
+    return {name: table for name, table in tables.items() if name not in others}, others
+
+
+class Change:
+    """One value for one parameter at a point in time."""
+
+    def __init__(self, step: int, component: str, batch: Batch, facade: Facade | None) -> None:
+        self.step, self.component = step, component
+        self._batch = batch
+        self._group = batch.group()
+        self._through_facade = facade is not None
+
+    def entry(self, component: int) -> kernel.Change:
+        """Return it as the kernel takes it."""
+        batch = self._batch
+        address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
+        if self._through_facade:
+            function = kernel.load().facade_tune
+            address = ctypes.cast(function, ctypes.c_void_p).value or 0
+            values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
+        setting = kernel.Setting(
+            set=address,
+            call=batch.call.encode(),
+            n=len(batch.references),
+            references=batch.references,
+            values=values,
+        )
+        return kernel.Change(self.step, component, setting)
+
+
+def tune(
+    tables: Tables,
+    values: Mapping[str, Value],
+    system: System,
+    libraries: Mapping[str, Library],
+    facades: Mapping[str, Facade],
+) -> list[Change]:
+    """Return the changes of parameters, in the order of time.
+
+    Parameters
+    ----------
+    tables : what happens to them
+    values : their start values, where these are not those of the FMUs
+
+    Raises
+    ------
+    SignalError
+        When a parameter would have a value that it cannot have, or has no start value.
+    """
+    changes = []
+    for name, (keep, add) in tables.items():
+        variable = system.variable(name)
+        start = values.get(name, variable.start)
+        if not isinstance(start, int | float):
+            raise SignalError(f"scenario: {name} has no start value; set one")
+        series = disturbed(np.full(len(keep), float(start)), keep, add)
+        before = np.append(float(start), series[:-1])
+        component = component_of(name)
+        for step in np.flatnonzero(series != before):
+            value = float(series[step])
+            try:
+                whole = int(value) if value.is_integer() else value
+                checked = variable.checked(whole, name)
+            except ParameterError as fault:
+                raise SignalError(f"scenario: {fault}") from None
+            batch = Batch(libraries[component], [variable], "Set")
+            batch.put(variable, checked)
+            changes.append(Change(int(step), component, batch, facades.get(component)))
+    return sorted(changes, key=lambda change: change.step)
+
+
+def in_order(changes: Sequence[Change], order: Sequence[str]) -> Any:
+    """Return the kernel's table of changes; ``changes`` must exist as long as it."""
+    place = {name: i for i, name in enumerate(order)}
+    return (kernel.Change * len(changes))(*(c.entry(place[c.component]) for c in changes))

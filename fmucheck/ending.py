@@ -1,0 +1,109 @@
+"""Rules about how the child process ended in which a binary was tried."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import dataclass
+
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+
+MISUSES = {
+    "unknown-reference-accepted",
+    "bad-step-accepted",
+    "step-before-initialisation",
+    "freeing-nothing-crashes",
+}
+"""Rules that call what no importer may call."""
+
+MOST_TEXT = 1_000_000  # bytes on standard output and error
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a child ended.
+
+    Attributes
+    ----------
+    during : interface and rule that was being tried
+    status : exit status, minus the signal where one ended it; ``None`` when it was ended from here
+    text : what was written to standard output and error, the beginning of it
+    reason : crash, exit, hang, flood, printed or unable
+    """
+
+    interface: str
+    during: str
+    reason: str
+    status: int | None = None
+    text: str = ""
+    seconds: float = 0.0
+
+    @property
+    def place(self) -> str:
+        """Where it happened."""
+        return f"{self.interface}, while trying {self.during}" if self.during else self.interface
+
+
+@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="run it under a debugger with these calls")
+def crash(ending: Ending) -> Claims:
+    """The binary crashes its process."""
+    if ending.reason == "crash" and ending.during not in MISUSES:
+        yield ending.place, f"the process died of {_name(ending.status)}"
+
+
+@rule(
+    Severity.WARNING, fmi2="2.1.3", fmi3="2.2.4", advice="check arguments and state, return Error"
+)
+def misuse_is_fatal(ending: Ending) -> Claims:
+    """The binary crashes or hangs when it is called in a way that it should refuse."""
+    if ending.reason in ("crash", "hang") and ending.during in MISUSES:
+        how = "hangs" if ending.reason == "hang" else f"dies of {_name(ending.status)}"
+        yield ending.place, f"the process {how}"
+
+
+def _name(status: int | None) -> str:
+    try:
+        return signal.Signals(-(status or 0)).name
+    except ValueError:
+        return f"status {status}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="return Error or Fatal instead of exit")
+def ends_the_process(ending: Ending) -> Claims:
+    """The binary ends its process, and with it any tool that loads it."""
+    if ending.reason == "exit":
+        last = ending.text.strip().splitlines()[-1:] or ["nothing"]
+        yield (
+            ending.place,
+            f"the process ended with status {ending.status} and said {last[0][:200]}",
+        )
+
+
+@rule(
+    Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="bound every loop, or allow more --timeout"
+)
+def hang(ending: Ending) -> Claims:
+    """The binary does not return in the time allowed."""
+    if ending.reason == "hang" and ending.during not in MISUSES:
+        yield ending.place, f"did not return in {ending.seconds:g} s"
+
+
+@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.2.4", advice="use the logger")
+def floods_output(ending: Ending) -> Claims:
+    """The binary writes without end to standard output."""
+    if ending.reason == "flood":
+        yield ending.place, f"wrote more than {MOST_TEXT} bytes"
+
+
+@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="use the logger")
+def prints(ending: Ending) -> Claims:
+    """The binary writes to standard output or error, where nobody may be reading."""
+    if ending.reason == "printed":
+        yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
+
+
+@rule(Severity.NOTE, fmi2="", fmi3="", advice="mend the errors, or check it where it has a binary")
+def not_run(ending: Ending) -> Claims:
+    """The binary was not run, for a reason that is told."""
+    if ending.reason == "unable":
+        yield ending.place, ending.text

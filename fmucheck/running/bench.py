@@ -1,0 +1,249 @@
+"""The bench an FMU is tried on: makes instances, knows what may be read, set and varied."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from ctypes import byref, c_bool, c_char_p, c_int, c_size_t, c_void_p
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from fmucheck.description.experiment import experiment_number
+from fmucheck.description.model import Description, Interface, Variable
+from fmucheck.description.units import items_of
+from fmucheck.description.values import FLOATS, RANGES, is_number, number
+from fmucheck.running.callbacks import Callbacks, Message
+from fmucheck.running.calls import FATAL, Binary, CallFailed
+from fmucheck.running.fmi2 import Instance2
+from fmucheck.running.fmi3 import Instance3
+from fmucheck.running.instance import Instance, Values
+
+MOST_READ = 500  # variables read at every step
+
+
+@dataclass
+class Bench:
+    """One interface of one FMU, to be tried.
+
+    Attributes
+    ----------
+    changes : other values of parameters, with which it still runs; ``None`` until tried
+    seen : for each mode and unknown the knowns it moves with; ``None`` until tried
+    first : what an earlier process found out, for rules that compare two processes
+    results : what a later process is to know
+    still : inputs stay at their start values, because the FMU fails when they move
+    """
+
+    description: Description
+    interface: Interface
+    library: Path
+    resources: Path
+    first: dict[str, str] = field(default_factory=dict)
+    results: dict[str, str] = field(default_factory=dict)
+    still: bool = False
+    changes: list[tuple[Variable, Values]] | None = None
+    seen: dict[tuple[str, int], set[int]] | None = None
+    _open: list[Instance] = field(default_factory=list)
+
+    @cached_property
+    def binary(self) -> Binary:
+        """The loaded library."""
+        return Binary(self.library, self.description.version)
+
+    @property
+    def is_exchange(self) -> bool:
+        """Whether this is Model Exchange."""
+        return self.interface.kind == "ModelExchange"
+
+    # Instances
+
+    def instantiate(
+        self, *, token: str | None = None, logging: bool = True, logger: bool = True
+    ) -> Instance | None:
+        """Return a new instance, or ``None`` when the FMU refuses."""
+        callbacks = Callbacks()
+        words = [
+            b"fmucheck",
+            (self.description.token if token is None else token).encode(),
+        ]
+        handle = (self._new2 if self.description.version == 2 else self._new3)(
+            words, logging, callbacks, logger
+        )
+        if not handle:
+            return None
+        kind = Instance2 if self.description.version == 2 else Instance3
+        instance = kind(self.binary, self.description, handle, callbacks)
+        instance.event_mode = self._event_mode
+        self._open.append(instance)
+        return instance
+
+    @property
+    def _event_mode(self) -> bool:
+        return self.interface.flag("hasEventMode")
+
+    def _new2(self, words: list[bytes], logging: bool, callbacks: Callbacks, _: bool) -> int | None:
+        location = self.resources.absolute().as_uri().encode()
+        new = self.binary.function("Instantiate", c_void_p)
+        kind = c_int(0 if self.is_exchange else 1)
+        text = [c_char_p(word) for word in (words[1], location)]
+        functions = byref(callbacks.functions)
+        handle: int | None = new(
+            c_char_p(words[0]), kind, *text, functions, c_int(0), c_int(logging)
+        )
+        return handle
+
+    def _new3(
+        self, words: list[bytes], logging: bool, callbacks: Callbacks, logger: bool
+    ) -> int | None:
+        location = f"{self.resources}/".encode() if self.resources.is_dir() else None
+        new = self.binary.function(f"Instantiate{self.interface.kind}", c_void_p)
+        begin = [c_char_p(words[0]), c_char_p(words[1]), c_char_p(location), c_bool(False)]
+        begin.append(c_bool(logging))
+        log = callbacks.logger3 if logger else c_void_p()
+        end: list[Any] = [c_void_p(), log]
+        if self.interface.kind == "CoSimulation":
+            begin += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
+            end.append(c_void_p())
+        elif self.interface.kind == "ScheduledExecution":
+            nothing = ctypes.CFUNCTYPE(None)
+            self._nothing = [nothing(_ignore) for _ in range(3)]
+            end += self._nothing
+        handle: int | None = new(*begin, *end)
+        return handle
+
+    def new(self, *, logging: bool = True) -> Instance:
+        """Return a new instance.
+
+        Raises
+        ------
+        CallFailed
+            When the FMU refuses.
+        """
+        instance = self.instantiate(logging=logging)
+        if instance is None:
+            raise CallFailed("instantiation", FATAL, ": it gave no instance")
+        return instance
+
+    def messages(self) -> list[Message]:
+        """Return what the open instances have logged."""
+        return [m for instance in self._open for m in instance.callbacks.messages]
+
+    def close(self) -> None:
+        """Free every instance that is still in order; one after a failed call may hurt."""
+        while self._open:
+            instance = self._open.pop()
+            if not instance.broken:
+                instance.free()
+
+    def free(self, instance: Instance) -> None:
+        """Free one instance now."""
+        self._open.remove(instance)
+        instance.free()
+
+    # Variables
+
+    def _readable(self, v: Variable) -> bool:
+        return v.kind != "Clock" and v.clocks is None and v.reference is not None
+
+    @cached_property
+    def observed(self) -> list[Variable]:
+        """What is read at every step: outputs and states first, then all others, up to a limit."""
+        first = [v for v in self.description.variables if v.causality == "output"]
+        every = dict.fromkeys([*first, *self.description.states, *self.description.variables])
+        return [v for v in every if self._readable(v)][:MOST_READ]
+
+    @cached_property
+    def inputs(self) -> list[Variable]:
+        """The inputs that can be moved as numbers or switches."""
+        return [
+            v
+            for v in self.description.variables
+            if v.causality == "input" and self._readable(v) and v.kind not in ("String", "Binary")
+        ]
+
+    @cached_property
+    def parameters(self) -> list[Variable]:
+        """The scalar numeric parameters that can be set before initialisation."""
+        return [
+            v
+            for v in self.description.variables
+            if v.causality == "parameter"
+            and self._readable(v)
+            and is_number(v.kind)
+            and v.kind != "Enumeration"
+            and not v.dimensions
+            and v.start_numbers
+        ]
+
+    def start(self, v: Variable) -> tuple[Any, ...] | None:
+        """Return a variable's start values in its own type, ``None`` when it has none."""
+        if v.start is None:
+            return None
+        if v.kind == "String":
+            return tuple(text.encode() for text in v.start)
+        if v.kind == "Binary":
+            return tuple(bytes.fromhex(text) for text in v.start)
+        if v.kind == "Boolean":
+            return tuple(text.strip() in ("true", "1") for text in v.start)
+        return tuple(number(text, v.kind) for text in v.start)
+
+    def other(self, v: Variable, factor: float = 0.1) -> tuple[Any, ...] | None:
+        """Return start values moved within the variable's range, ``None`` if they cannot be."""
+        starts = self.start(v)
+        if starts is None or v.kind in ("String", "Binary") or None in starts:
+            return None
+        return tuple(self.moved(v, start, factor) for start in starts)
+
+    def moved(self, v: Variable, value: Any, factor: float) -> Any:
+        """Return a value moved by ``factor`` of the variable's size, kept within its range."""
+        if v.kind == "Boolean":
+            return not value if factor > 0 else value
+        low, high = v.number("min"), v.number("max")
+        if v.kind == "Enumeration":
+            items = sorted(items_of(v)) or [value]
+            return items[(items.index(value) + 1) % len(items)] if value in items else value
+        if v.kind in RANGES:
+            least, most = RANGES[v.kind]
+            low, high = max(least, low or least), min(most, most if high is None else high)
+            there = value + (1 if factor > 0 else -1)
+        else:
+            there = value + factor * self.scale(v, value)
+        if low is not None and there < low:
+            return (value + low) / 2 if v.kind in FLOATS else low
+        if high is not None and there > high:
+            return (value + high) / 2 if v.kind in FLOATS else high
+        return there
+
+    def scale(self, v: Variable, value: float) -> float:
+        """Return the usual size of a variable."""
+        nominal = v.number("nominal")
+        if nominal and math.isfinite(nominal):
+            return abs(nominal)
+        return abs(value) if value and math.isfinite(value) else 1.0
+
+    # Times
+
+    @property
+    def start_time(self) -> float:
+        """Where runs begin, in s."""
+        start = experiment_number(self.description, "startTime")
+        return float(start) if start is not None and math.isfinite(start) else 0.0
+
+    @cached_property
+    def step_size(self) -> float:
+        """The communication step, in s."""
+        step = experiment_number(self.description, "stepSize")
+        stop = experiment_number(self.description, "stopTime")
+        if step is None or not (0.0 < step < math.inf):
+            span = (stop if stop is not None and stop < math.inf else 1.0) - self.start_time
+            step = span / 100.0 if span > 0.0 else 0.01
+        fixed = number(self.interface.given.get("fixedInternalStepSize"))
+        if fixed is not None and 0.0 < fixed < math.inf:
+            step = max(1.0, round(step / fixed)) * fixed
+        return float(step)
+
+
+def _ignore() -> None:
+    """Take a callback of Scheduled Execution."""

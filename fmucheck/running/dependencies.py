@@ -1,0 +1,134 @@
+"""Rules about declared dependencies: each known is moved, and what moves with it is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fmucheck.description.model import Unknown, Variable
+from fmucheck.description.values import listed
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.calls import CallFailed
+from fmucheck.running.exchange import new_run
+from fmucheck.running.run import Run
+from fmucheck.running.sensitivity import put
+
+_MOST = 100  # knowns moved
+_STEPS = (1, 4)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was seen: these unknowns move with this known."""
+
+    known: Variable
+    moved: frozenset[int]
+    mode: str
+
+
+def _probe(bench: Bench, run: Run, known: Variable, unknowns: list[Variable], mode: str) -> Seen:
+    """Move a known both ways and see which unknowns move."""
+    before = run.instance.get(unknowns)
+    middle = run.instance.get([known])[0]
+    moved: set[int] = set()
+    for factor in (0.1, -0.1, 0.37):
+        there = tuple(bench.moved(known, x, factor) for x in middle)
+        if known.causality == "input" or mode == "initialisation":
+            run.instance.set(known, there)
+        else:
+            put(run, known, there[0])
+        after = run.instance.get(unknowns)
+        pairs = zip(unknowns, before, after, strict=True)
+        moved |= {v.index for v, a, b in pairs if repr(a) != repr(b) and v is not known}
+    return Seen(known, frozenset(moved), mode)
+
+
+def _unknowns(bench: Bench, groups: tuple[str, ...]) -> list[Unknown]:
+    chosen = (u for u in bench.description.unknowns if u.group in groups and u.variable)
+    return [u for u in chosen if u.variable and u.variable in bench.observed]
+
+
+def _movable(v: Variable) -> bool:
+    return v.kind not in ("String", "Binary", "Clock") and v.clocks is None
+
+
+def _initial(bench: Bench) -> Iterator[Seen]:
+    """Yield what is seen in initialisation mode."""
+    unknowns = [u.variable for u in _unknowns(bench, ("InitialUnknown",)) if u.variable]
+    exact = [v for v in bench.description.variables if _movable(v) and v.variability != "constant"]
+    knowns = [v for v in exact if v.initial == "exact" and v.causality != "structuralParameter"]
+    for known in [*bench.inputs, *knowns][:_MOST] if unknowns else ():
+        instance = bench.new()
+        try:
+            instance.enter_initialisation(bench.start_time)
+            run = new_run(bench, instance)
+            if repr(instance.get(unknowns)) == repr(instance.get(unknowns)):
+                yield _probe(bench, run, known, unknowns, "initialisation")
+        except CallFailed:
+            continue  # it may refuse a value
+        bench.free(instance)
+
+
+def _stepping(bench: Bench) -> Iterator[Seen]:
+    """Yield what is seen between steps."""
+    groups = ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
+    unknowns = [u.variable for u in _unknowns(bench, groups) if u.variable]
+    inputs = [v for v in bench.inputs if not bench.is_exchange or v.variability == "continuous"]
+    states = [v for v in bench.description.states if not v.dimensions] if bench.is_exchange else []
+    for known in [*inputs, *states][:_MOST] if unknowns else ():
+        for steps in _STEPS:
+            run = new_run(bench, watching=False)
+            try:
+                run.begin()
+                run.go(steps)
+                if not run.ended:
+                    yield _probe(bench, run, known, unknowns, "stepping")
+            except CallFailed:
+                continue
+            bench.free(run.instance)
+
+
+def _seen(bench: Bench) -> dict[tuple[str, int], set[int]]:
+    """Return for each mode and unknown the indices of the knowns it moves with."""
+    if bench.seen is None:
+        bench.seen = {}
+        for seen in [*_initial(bench), *_stepping(bench)]:
+            bench.seen.setdefault((seen.mode, -1), set()).add(seen.known.index)
+            for index in seen.moved:
+                bench.seen.setdefault((seen.mode, index), set()).add(seen.known.index)
+    return bench.seen
+
+
+def _mode(unknown: Unknown) -> str:
+    return "initialisation" if unknown.group == "InitialUnknown" else "stepping"
+
+
+def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[int]]]:
+    """Yield unknown, knowns declared, knowns seen and knowns tried, as indices."""
+    seen = _seen(bench)
+    for unknown in _unknowns(bench, ("Output", "ContinuousStateDerivative", "InitialUnknown")):
+        if unknown.dependencies is not None and unknown.variable:
+            mode = _mode(unknown)
+            declared = {v.index for _, v in unknown.dependencies if v}
+            found = seen.get((mode, unknown.variable.index), set())
+            yield unknown, declared, found, seen.get((mode, -1), set())
+
+
+@rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="list it, or importers miss a loop")
+def undeclared_dependency(bench: Bench) -> Claims:
+    """A variable moves with a known that its dependencies do not list."""
+    names = {v.index: v.name for v in bench.description.variables}
+    for unknown, declared, found, _ in _declared(bench):
+        if extra := [names[index] for index in sorted(found - declared)]:
+            yield unknown.place, f"moves with {listed(extra)}, which is not listed"
+
+
+@rule(Severity.NOTE, fmi2="2.2.8", fmi3="2.4.8", advice="remove it if it never matters")
+def dependency_never_seen(bench: Bench) -> Claims:
+    """A variable never moves with a known that its dependencies list."""
+    names = {v.index: v.name for v in bench.description.variables}
+    for unknown, declared, found, tried in _declared(bench):
+        if idle := [names[index] for index in sorted((declared & tried) - found)]:
+            yield unknown.place, f"does not move with {listed(idle)}"

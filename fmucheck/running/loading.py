@@ -1,0 +1,119 @@
+"""Rules without which nothing else can be tried: it loads, instantiates and runs."""
+
+from __future__ import annotations
+
+from ctypes import c_char_p
+
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.calls import CallFailed, status_name
+from fmucheck.running.exchange import finished
+
+GATES = ("does-not-load", "refuses-its-token", "does-not-run")
+"""When one of these finds something, the rules after it are not tried."""
+
+
+@rule(
+    Severity.ERROR,
+    fmi2="2.3",
+    fmi3="2.5.1.4",
+    advice="build it for an older system, linked statically",
+)
+def does_not_load(bench: Bench) -> Claims:
+    """The system cannot load the binary."""
+    try:
+        _ = bench.binary
+    except OSError as fault:
+        yield bench.library.name, str(fault)
+
+
+@rule(Severity.ERROR, fmi2="2.1.4", fmi3="2.2", advice="return the version of the headers")
+def wrong_version_string(bench: Bench) -> Claims:
+    """GetVersion returns another version than the description claims."""
+    told = bench.binary.function("GetVersion", c_char_p)()
+    expected = bench.description.root.get("fmiVersion", "")
+    if (told or b"").decode("latin-1") != expected:
+        yield bench.library.name, f"GetVersion returns {told!r}; expected {expected}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.4", fmi3=None, advice="return 'default'")
+def wrong_types_platform(bench: Bench) -> Claims:
+    """fmi2GetTypesPlatform does not return the types this tool and all others use."""
+    told = bench.binary.function("GetTypesPlatform", c_char_p)()
+    if told != b"default":
+        yield bench.library.name, f"returns {told!r}; expected 'default'"
+
+
+@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="build binary and description together")
+def refuses_its_token(bench: Bench) -> Claims:
+    """It gives no instance for the token in its own description."""
+    callbacks = bench.instantiate()
+    if callbacks is None:
+        yield bench.library.name, f"no instance for token {bench.description.token}"
+
+
+@rule(
+    Severity.WARNING,
+    fmi2="2.1.5",
+    fmi3="2.3.1",
+    advice="compare the token, return NULL if it differs",
+)
+def accepts_any_token(bench: Bench) -> Claims:
+    """It gives an instance for a wrong token, so a stale description goes unnoticed."""
+    if bench.instantiate(token="{00000000-wrong-token}") is not None:  # noqa: S106 (no secret)
+        yield bench.library.name, "gave an instance for a token that is not its own"
+
+
+@rule(Severity.ERROR, fmi2="4.2", fmi3="2.3", advice="see what it logs; mend the model")
+def does_not_run(bench: Bench) -> Claims:
+    """It fails in a plain run: start values, the default step, inputs moved a little."""
+    if bench.interface.kind == "ScheduledExecution":
+        return
+    try:
+        finished(bench)
+    except CallFailed as moved:
+        bench.still = True
+        try:
+            finished(bench)
+        except CallFailed as still:
+            yield bench.interface.kind, f"{still}{_last_words(bench)}"
+        else:
+            bench.results["still"] = str(moved)
+
+
+def _last_words(bench: Bench) -> str:
+    """Return what was logged last, as half a sentence."""
+    texts = [m.text for m in bench.messages() if m.text]
+    return f"; it said: {texts[-1][:200]}" if texts else ""
+
+
+@rule(Severity.NOTE, fmi2="", fmi3="", advice="give the inputs min and max")
+def fails_when_inputs_move(bench: Bench) -> Claims:
+    """It fails when inputs move by a tenth of their size within their range."""
+    if "still" in bench.results:
+        yield (
+            bench.interface.kind,
+            f"{bench.results['still']}; inputs are kept at their start values",
+        )
+
+
+@rule(Severity.WARNING, fmi2="2.1.3", fmi3="2.2.4", advice="return OK when nothing is wrong")
+def warns_in_a_plain_run(bench: Bench) -> Claims:
+    """Calls of a plain run return Warning."""
+    if bench.interface.kind == "ScheduledExecution":
+        return
+    instance = finished(bench).instance
+    for name in dict.fromkeys(instance.warned):
+        yield f"{bench.binary.prefix}{name}", f"returned {status_name(1)}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.6", fmi3="2.3", advice="return OK")
+def does_not_terminate(bench: Bench) -> Claims:
+    """Terminate fails after a plain run."""
+    if bench.interface.kind == "ScheduledExecution":
+        return
+    run = finished(bench)
+    status = 0 if run.ended else run.instance.status("Terminate")
+    if status > 1:
+        yield f"{bench.binary.prefix}Terminate", f"returned {status_name(status)}"

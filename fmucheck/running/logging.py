@@ -1,0 +1,71 @@
+"""Rules about messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from ctypes import c_bool, c_char_p, c_int, c_size_t
+
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.callbacks import Message
+from fmucheck.running.calls import CallFailed, status_name
+from fmucheck.running.exchange import finished
+
+
+def _messages(bench: Bench) -> Iterator[Message]:
+    """Yield what is said in a plain run and in answer to a wrong token."""
+    run = finished(bench)
+    yield from run.instance.callbacks.messages
+
+
+@rule(Severity.WARNING, fmi2="2.2.4", fmi3="2.4.5", advice="list it in LogCategories")
+def undeclared_category(bench: Bench) -> Claims:
+    """A message has a category that LogCategories does not list."""
+    known = {*bench.description.categories, "", None}
+    for category in dict.fromkeys(m.category for m in _messages(bench)):
+        if category not in known:
+            yield "LogCategories", f"category {category} is used, but not listed"
+
+
+@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="pass text, category and a known status")
+def bad_message(bench: Bench) -> Claims:
+    """A message has a null pointer or an unknown status."""
+    for m in _messages(bench):
+        if m.text is None or m.category is None or not 0 <= m.status <= 5:
+            yield "logger", f"status {status_name(m.status)}, category {m.category}, text {m.text}"
+            return
+
+
+@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="log only when it is switched on")
+def logs_when_off(bench: Bench) -> Claims:
+    """A plain run without logging logs something that is no error."""
+    said = finished(bench, bench.new(logging=False)).instance.callbacks.messages
+    idle = [m for m in said if m.status < 3]
+    if idle:
+        yield "logger", f"{len(idle)} messages, the first: {idle[0].text}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="accept every category of LogCategories")
+def debug_logging_fails(bench: Bench) -> Claims:
+    """SetDebugLogging fails for the categories that are listed."""
+    names = [c_char_p(name.encode()) for name in bench.description.categories]
+    array = (c_char_p * max(len(names), 1))(*names)
+    on = (c_int if bench.description.version == 2 else c_bool)(True)
+    status = bench.new().status("SetDebugLogging", on, c_size_t(len(names)), array)
+    if status > 1:
+        yield f"{bench.binary.prefix}SetDebugLogging", f"returned {status_name(status)}"
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="2.3.1", advice="check the pointer before calling it")
+def needs_a_logger(bench: Bench) -> Claims:
+    """It fails without a logger, which may be NULL."""
+    instance = bench.instantiate(logger=False)
+    if instance is None:
+        yield bench.interface.kind, "gives no instance when logMessage is NULL"
+        return
+    try:
+        finished(bench, instance)
+    except CallFailed as failed:
+        yield bench.interface.kind, f"{failed} when logMessage is NULL"
+    bench.instantiate(token="{00000000-wrong-token}", logger=False)  # noqa: S106 (no secret)

@@ -1,0 +1,186 @@
+"""The parent: starts children, watches over them, and survives what they load."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import platform
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import fmucheck.rules
+from fmucheck.binaries.folders import target
+from fmucheck.ending import MOST_TEXT, Ending
+from fmucheck.finding import Finding
+from fmucheck.fmu import Fmu
+from fmucheck.running.child import Job
+from fmucheck.running.loading import GATES
+
+TIMEOUT = 20.0  # s that one rule may take
+_MOST_CHILDREN = 8
+_SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
+_PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
+
+
+def host_binary(fmu: Fmu, identifier: str) -> str | None:
+    """Return the path of the binary for this machine, ``None`` when there is none."""
+    system, suffix = _SYSTEMS.get(sys.platform, (sys.platform, ".so"))
+    processor = platform.machine().lower()
+    here = f"{_PROCESSORS.get(processor, processor)}-{system}"
+    for name in fmu.below("binaries/"):
+        parts = name.split("/")
+        fits = len(parts) == 3 and parts[2] == identifier + suffix
+        if fits and target(parts[1], fmu.description.version) == here:
+            return name
+    return None
+
+
+def findings_of_runs(fmu: Fmu, blocked: set[str], timeout: float = TIMEOUT) -> Iterator[Finding]:
+    """Yield what is found by running every interface of an FMU.
+
+    Parameters
+    ----------
+    blocked : rules whose findings make running pointless
+    timeout : s that one rule may take
+    """
+    for interface in fmu.description.interfaces:
+        name = host_binary(fmu, interface.identifier)
+        why = f"because of {', '.join(sorted(blocked))}" if blocked else ""
+        if not why and name is None:
+            why = "there is no binary for this machine"
+        if not why and interface.flag("needsExecutionTool"):
+            why = "it needs a tool"
+        if why or name is None:
+            ending = Ending(interface.kind, "", "unable", text=f"was not run: {why}")
+            yield from _ended(ending, fmu)
+            continue
+        job = Job(
+            stage="running",
+            description=fmu.description,
+            interface=interface.kind,
+            library=fmu.folder / name,
+            resources=fmu.folder / "resources",
+            first={},
+            tried=frozenset(),
+        )
+        results: dict[str, str] = {}
+        yield from _tried(job, fmu, timeout, results)
+        yield from _tried(replace(job, stage="rerunning", first=results), fmu, timeout, {})
+
+
+def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
+    for rule in fmucheck.rules.stage("ending"):
+        yield from rule.findings(ending, fmu.description.version)
+
+
+def _tried(job: Job, fmu: Fmu, timeout: float, results: dict[str, str]) -> Iterator[Finding]:
+    """Yield what a stage finds, in as many children as it takes."""
+    printed = False
+    for _ in range(_MOST_CHILDREN):
+        child = _Child(job, fmu.folder)
+        ending = child.watch(timeout)
+        results |= child.results
+        for rule, claims in child.claims.items():
+            for claim in claims:
+                yield fmucheck.rules.RULES[rule].finding(claim, fmu.description.version)
+        if child.text.strip() and not printed and not ending:
+            printed = True
+            yield from _ended(Ending(job.interface, "", "printed", text=child.text), fmu)
+        if ending is None:
+            return
+        yield from _ended(ending, fmu)
+        tried = job.tried | {*child.claims, ending.during}
+        if ending.during in GATES or not ending.during:
+            return
+        job = replace(job, tried=tried, first=job.first | child.results)
+
+
+@dataclass
+class _Child:
+    job: Job
+    folder: Path
+    claims: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    results: dict[str, str] = field(default_factory=dict)
+    text: str = ""
+
+    def watch(self, timeout: float) -> Ending | None:
+        """Run the child until it ends or has to be ended; ``None`` when all went well."""
+        room = self.folder.parent / f"{self.folder.name}-run"
+        room.mkdir(exist_ok=True)
+        job, report, output = (room / name for name in ("job", "report", "output"))
+        job.write_bytes(pickle.dumps(self.job))
+        report.write_text("")
+        command = [sys.executable, "-m", "fmucheck.running", str(job), str(report)]
+        with output.open("wb") as stream:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=stream,
+                cwd=room,
+                env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+                start_new_session=True,
+            )
+            try:
+                reason = self._wait(process, report, output, timeout)
+            finally:
+                _end(process)
+        with output.open("rb") as stream:
+            self.text = stream.read(2000).decode("utf-8", "replace")
+        during, done = self._read(report)
+        if done and reason == "exit":
+            return None
+        status = process.returncode if reason == "exit" else None
+        if reason == "exit" and (status or 0) < 0:
+            reason = "crash"
+        return Ending(self.job.interface, during, reason, status, self.text, timeout)
+
+    def _wait(
+        self, process: subprocess.Popen[bytes], report: Path, output: Path, timeout: float
+    ) -> str:
+        """Return why the child has to be ended, or that it ended."""
+        told, since = 0, time.monotonic()
+        while True:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.02)
+                return "exit"
+            size = report.stat().st_size
+            if size > told:
+                told, since = size, time.monotonic()
+            if time.monotonic() - since > timeout:
+                return "hang"
+            if output.stat().st_size > MOST_TEXT:
+                return "flood"
+
+    def _read(self, report: Path) -> tuple[str, bool]:
+        """Take over what the child told; return what it was trying, and whether it came through."""
+        during, done = "", False
+        for line in report.read_text(encoding="utf-8").splitlines():
+            try:
+                told = json.loads(line)
+            except ValueError:
+                continue  # the child died while it wrote
+            if "begin" in told:
+                during = told["begin"]
+            elif "claims" in told:
+                self.claims[during] = [(place, message) for place, message in told["claims"]]
+                self.results = told["results"]
+            done = done or "end" in told
+        return during, done
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a child with all that it started."""
+    if sys.platform == "win32":
+        process.kill()
+    else:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

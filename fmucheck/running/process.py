@@ -1,0 +1,99 @@
+"""Rules about what an FMU does to the process it is in."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import locale
+import os
+import sys
+from ctypes import Structure, c_int, c_size_t
+
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.exchange import finished
+
+_CYCLES = 200
+_LEAK = 32  # bytes a cycle that are told
+
+
+class _Memory(Structure):
+    """mallinfo2 of glibc."""
+
+    _fields_ = tuple(
+        (name, c_size_t)
+        for name in [
+            "arena",
+            "ordblks",
+            "smblks",
+            "hblks",
+            "hblkhd",
+            "usmblks",
+            "fsmblks",
+            "used",
+            "free",
+            "keepcost",
+        ]
+    )
+
+
+def _used() -> int | None:
+    """Return the bytes allocated from the C library, ``None`` where it does not tell."""
+    if not sys.platform.startswith("linux"):
+        return None
+    library = ctypes.CDLL(None)
+    if not hasattr(library, "mallinfo2"):
+        return None
+    library.mallinfo2.restype = _Memory
+    memory = library.mallinfo2()
+    return int(memory.used + memory.hblkhd)
+
+
+@rule(
+    Severity.WARNING, fmi2="2.1.5", fmi3="2.3.1", advice="free in FreeInstance what was allocated"
+)
+def leaks_memory(bench: Bench) -> Claims:
+    """Memory stays allocated each time an instance is made, initialised and freed."""
+    if bench.interface.kind == "ScheduledExecution" or _used() is None:
+        return
+    used = []
+    for _ in range(3):
+        for _ in range(_CYCLES):
+            instance = bench.new()
+            instance.enter_initialisation(bench.start_time)
+            instance.exit_initialisation()
+            bench.free(instance)
+        used.append(_used() or 0)
+    growth = min(b - a for a, b in itertools.pairwise(used)) / _CYCLES
+    if growth >= _LEAK:
+        yield bench.interface.kind, f"about {growth:.0f} bytes an instance are not freed"
+
+
+@rule(Severity.ERROR, fmi2="3.3.1", fmi3=None, advice="do not call them, or declare false")
+def memory_callbacks_used(bench: Bench) -> Claims:
+    """CanNotUseMemoryManagementFunctions is declared, but the callbacks for memory are used."""
+    if bench.interface.flag("canNotUseMemoryManagementFunctions"):
+        count = finished(bench).instance.callbacks.allocated
+        if count:
+            yield bench.interface.kind, f"allocateMemory was called {count} times"
+
+
+@rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2.1", advice="leave settings of the process alone")
+def changes_the_process(bench: Bench) -> Claims:
+    """It changes the working folder, the locale or the rounding mode of the process."""
+    before = _settings()
+    finished(bench)
+    for (name, old), (_, new) in zip(before, _settings(), strict=True):
+        if old != new:
+            yield name, f"was {old}, is {new}"
+
+
+def _settings() -> list[tuple[str, object]]:
+    library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
+    found: list[tuple[str, object]] = [("working folder", os.getcwd())]  # noqa: PTH109
+    found.append(("locale", locale.setlocale(locale.LC_ALL)))
+    if hasattr(library, "fegetround"):
+        library.fegetround.restype = c_int
+        found.append(("rounding mode", library.fegetround()))
+    return found

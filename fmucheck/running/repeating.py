@@ -1,0 +1,97 @@
+"""Rules about what must be the same again, bit for bit."""
+
+from __future__ import annotations
+
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.calls import CallFailed
+from fmucheck.running.exchange import changes, finished, new_run
+from fmucheck.running.run import STEPS, Run
+
+
+def difference(a: list[str], b: list[str]) -> str | None:
+    """Return where two records part, ``None`` when they are the same."""
+    for step, (x, y) in enumerate(zip(a, b, strict=False), 1):
+        if x != y:
+            return f"they part at step {step}"
+    return None if len(a) == len(b) else f"one has {len(a)} steps, the other {len(b)}"
+
+
+def _only_once(bench: Bench) -> bool:
+    return bench.interface.flag("canBeInstantiatedOnlyOncePerProcess")
+
+
+@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="keep all state in the instance")
+def second_run_differs(bench: Bench) -> Claims:
+    """A second instance in the same process, after the first, gives another result."""
+    first = finished(bench)
+    rows = first.rows
+    bench.results["rows"] = "\n".join(rows)
+    bench.free(first.instance)
+    if where := difference(rows, finished(bench).rows):
+        yield bench.interface.kind, f"two runs of new instances differ: {where}"
+
+
+@rule(
+    Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="keep all state in the instance, none global"
+)
+def instances_share_state(bench: Bench) -> Claims:
+    """Two instances that run side by side influence each other."""
+    if _only_once(bench):
+        return
+    alone = []
+    for phase in (0.0, 1.0):
+        run = _begun(bench, phase)
+        run.go(STEPS)
+        alone.append(run.rows)
+        bench.free(run.instance)
+    pair = [_begun(bench, phase) for phase in (0.0, 1.0)]
+    for _ in range(STEPS):
+        for run in pair:
+            run.go(1)
+    for expected, run in zip(alone, pair, strict=True):
+        if where := difference(expected, run.rows):
+            yield bench.interface.kind, f"interleaved with another instance: {where}"
+            return
+
+
+def _begun(bench: Bench, phase: float) -> Run:
+    """Return a run that has begun; with a phase also its parameters are others."""
+    run = new_run(bench, phase=phase)
+    run.begin(changes(bench) if phase else ())
+    return run
+
+
+@rule(Severity.ERROR, fmi2="2.1.6", fmi3="2.3.1", advice="put everything back to its start value")
+def reset_forgets_something(bench: Bench) -> Claims:
+    """After other parameters, a run and a reset, it does not run as a new instance does."""
+    expected = finished(bench).rows
+    run = _begun(bench, phase=1.0)
+    run.go(STEPS)
+    instance = run.instance
+    instance.do("Reset")
+    if where := difference(expected, finished(bench, instance).rows):
+        yield (
+            f"{bench.binary.prefix}Reset",
+            f"the run after it is not that of a new instance: {where}",
+        )
+
+
+@rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="allow it, or declare the flag false")
+def variable_steps_fail(bench: Bench) -> Claims:
+    """CanHandleVariableCommunicationStepSize is declared, but steps of other sizes fail."""
+    if bench.is_exchange or not bench.interface.flag("canHandleVariableCommunicationStepSize"):
+        return
+    run = new_run(bench)
+    run.begin()
+    time = bench.start_time
+    unit = 1.0 if bench.interface.given.get("fixedInternalStepSize") else 0.5
+    for factor in (1.0, unit, unit, 2.0):
+        try:
+            if run.instance.step(time, factor * bench.step_size):
+                return
+        except CallFailed as failed:
+            yield bench.interface.kind, f"{failed}: {factor} times the default step"
+            return
+        time += factor * bench.step_size

@@ -1,0 +1,162 @@
+"""Rules about derivatives: what the FMU tells against differences of what it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from ctypes import c_double, c_size_t
+from dataclasses import dataclass
+
+from fmucheck.description.model import Unknown, Variable
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.calls import references, status_name
+from fmucheck.running.exchange import new_run
+from fmucheck.running.instance import Instance
+from fmucheck.running.run import Run
+
+_MOST = 40  # knowns and unknowns compared
+_PLACES = (0, 5)  # steps after which it is compared
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A derivative from differences, and how far two of them disagree."""
+
+    value: float
+    doubt: float
+
+    def agrees(self, other: float) -> bool:
+        """Tell whether a derivative is near enough."""
+        return abs(other - self.value) <= 1e-3 * max(abs(other), abs(self.value)) + self.doubt
+
+
+def _scalar(v: Variable | None) -> bool:
+    return v is not None and v.kind in ("Real", "Float64") and not v.dimensions and not v.clocks
+
+
+def _knowns(bench: Bench) -> list[Variable]:
+    inputs = [v for v in bench.inputs if _scalar(v) and v.variability == "continuous"]
+    states = [v for v in bench.description.states if _scalar(v)] if bench.is_exchange else []
+    return [*inputs, *states][:_MOST]
+
+
+def _unknowns(bench: Bench) -> list[Unknown]:
+    groups = ("Output", "ContinuousStateDerivative") if bench.is_exchange else ("Output",)
+    every = [u for u in bench.description.unknowns if u.group in groups]
+    return [u for u in every if _scalar(u.variable)][:_MOST]
+
+
+def _pairs(bench: Bench) -> Iterator[tuple[Variable, Variable]]:
+    """Yield unknown and known wherever the first may depend on the second."""
+    for unknown in _unknowns(bench):
+        depends = unknown.dependencies
+        for known in _knowns(bench):
+            listed = depends is None or any(v is known for _, v in depends)
+            if unknown.variable and listed and unknown.variable is not known:
+                yield unknown.variable, known
+
+
+def put(run: Run, v: Variable, value: float) -> None:
+    """Set an input, or one state of the state vector."""
+    states = run.bench.description.states
+    if v.causality == "input":
+        run.instance.set(v, (value,))
+        return
+    vector = run.instance.vector("ContinuousStates", len(states))
+    vector[states.index(v)] = value
+    run.instance.set_states(vector)
+
+
+def _slope(run: Run, unknown: Variable, known: Variable) -> Slope | None:
+    """Return the central difference, ``None`` where it is not smooth or cannot be taken."""
+    middle = float(run.instance.get([known])[0][0])
+    scale = run.bench.scale(known, middle)
+    found = []
+    for step in (1e-4 * scale, 5e-5 * scale):
+        ends = []
+        for there in (middle + step, middle - step):
+            put(run, known, there)
+            ends.append(float(run.instance.get([unknown])[0][0]))
+        put(run, known, middle)
+        found.append((ends[0] - ends[1]) / (2 * step))
+    noise = 1e-11 * max(abs(e) for e in ends) / step
+    doubt = abs(found[0] - found[1])
+    if not doubt <= 1e-3 * max(map(abs, found)) + noise:
+        return None
+    return Slope(found[1], 10 * doubt + noise + 1e-12)
+
+
+def _at(bench: Bench, steps: int) -> Run:
+    run = new_run(bench, watching=False)
+    run.begin()
+    run.go(steps)
+    return run
+
+
+def _derivative(
+    instance: Instance, unknown: Variable, known: Variable, name: str = "GetDirectionalDerivative"
+) -> float:
+    """Return d unknown / d known as the FMU tells it."""
+    rows, columns = references([unknown.reference or 0]), references([known.reference or 0])
+    seed, result, one = (c_double * 1)(1.0), (c_double * 1)(), c_size_t(1)
+    if instance.description.version == 2:
+        instance.do(name, rows, one, columns, one, seed, result)
+    else:
+        instance.do(name, rows, one, columns, one, seed, one, result, one)
+    return float(result[0])
+
+
+def _compared(bench: Bench, name: str) -> Claims:
+    """Yield where a function's derivatives are not those of differences."""
+    told = set()
+    for steps in _PLACES:
+        run = _at(bench, steps)
+        for unknown, known in _pairs(bench) if not run.ended else ():
+            pair = f"d {unknown.name} / d {known.name}"
+            if pair in told:
+                continue
+            slope = _slope(run, unknown, known)
+            got = _derivative(run.instance, unknown, known, name)
+            # FMI 2.0 need not compute outputs before the next step of Co-Simulation.
+            blind = bench.description.version == 2 and not bench.is_exchange
+            if slope is None or (blind and slope.value == 0.0) or slope.agrees(got):
+                continue
+            told.add(pair)
+            yield (
+                pair,
+                f"{got:.6g} from {name}, {slope.value:.6g} from differences, at t = {run.time:g}",
+            )
+
+
+@rule(
+    Severity.ERROR, fmi2="2.1.9", fmi3="2.2", advice="correct the derivative, or do not provide it"
+)
+def wrong_directional_derivative(bench: Bench) -> Claims:
+    """A directional derivative is not what central differences give."""
+    if bench.interface.flag("providesDirectionalDerivatives"):
+        yield from _compared(bench, "GetDirectionalDerivative")
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="2.2", advice="correct the derivative, or do not provide it")
+def wrong_adjoint_derivative(bench: Bench) -> Claims:
+    """An adjoint derivative is not what central differences give."""
+    if bench.interface.flag("providesAdjointDerivatives"):
+        yield from _compared(bench, "GetAdjointDerivative")
+
+
+@rule(Severity.ERROR, fmi2=None, fmi3="4.2", advice="compute it, or declare order 0")
+def output_derivatives_fail(bench: Bench) -> Claims:
+    """MaxOutputDerivativeOrder is declared, but the derivatives of outputs cannot be had."""
+    order = int(bench.interface.given.get("maxOutputDerivativeOrder", "0") or 0)
+    wanted = [u.variable for u in _unknowns(bench) if u.variable]
+    if bench.is_exchange or not order or not wanted:
+        return
+    run = _at(bench, 3)
+    n = c_size_t(len(wanted))
+    orders = references([1] * len(wanted))
+    result = (c_double * len(wanted))()
+    numbers = references([v.reference or 0 for v in wanted])
+    status = run.instance.status("GetOutputDerivatives", numbers, n, orders, result, n)
+    if status > 1:
+        yield f"{bench.binary.prefix}GetOutputDerivatives", f"returned {status_name(status)}"

@@ -1,0 +1,160 @@
+"""Rules about the values that come out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from fmucheck.description.model import Variable
+from fmucheck.description.values import FLOATS, is_number
+from fmucheck.finding import Severity
+from fmucheck.rules import Claims, rule
+from fmucheck.running.bench import Bench
+from fmucheck.running.calls import CallFailed
+from fmucheck.running.exchange import finished, new_run
+from fmucheck.running.instance import Values
+from fmucheck.running.run import STEPS, Run
+
+
+def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
+    """Yield a run and all observed values, after initialisation and after each step."""
+    run = new_run(bench, watching=False)
+    run.begin()
+    yield run, run.instance.get(bench.observed)
+    for _ in range(STEPS):
+        run.go(1)
+        yield run, run.instance.get(bench.observed)
+
+
+@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="find the division by 0 or missing start")
+def value_not_finite(bench: Bench) -> Claims:
+    """A value becomes infinite or not a number."""
+    told = set()
+    for run, values in _samples(bench):
+        for v, elements in zip(bench.observed, values, strict=True):
+            bad = v.kind in FLOATS and not all(math.isfinite(x) for x in elements)
+            if bad and v.index not in told:
+                told.add(v.index)
+                yield v.place, f"is {elements} at t = {run.time}"
+
+
+@rule(Severity.WARNING, fmi2="2.2.7", fmi3="2.2.7", advice="widen the range, or keep within it")
+def leaves_its_range(bench: Bench) -> Claims:
+    """A value leaves the range [min, max] that is declared for it."""
+    told = set()
+    for run, values in _samples(bench):
+        for v, elements in zip(bench.observed, values, strict=True):
+            low, high = v.number("min"), v.number("max")
+            if v.index in told or not is_number(v.kind) or v.causality == "input":
+                continue
+            slack = 1e-9 * bench.scale(v, max(abs(low or 0), abs(high or 0)))
+            if any(_outside(x, low, high, slack) for x in elements):
+                told.add(v.index)
+                yield v.place, f"is {elements} at t = {run.time}"
+
+
+def _outside(x: Any, low: float | None, high: float | None, slack: float) -> bool:
+    return bool((low is not None and x < low - slack) or (high is not None and x > high + slack))
+
+
+@rule(
+    Severity.ERROR,
+    fmi2="2.2.7",
+    fmi3="2.4.7.5",
+    advice="use the same values in code and description",
+)
+def start_differs(bench: Bench) -> Claims:
+    """A parameter, constant or input does not have the start value of the description."""
+    run = new_run(bench, watching=False)
+    run.begin()
+    for v in bench.observed:
+        fixed = v.causality in ("parameter", "input", "structuralParameter")
+        if fixed or v.variability == "constant":
+            expected, got = bench.start(v), run.instance.get([v])[0]
+            if expected is not None and not _same(v, expected, got):
+                yield v.place, f"start {' '.join(map(str, expected))}, but the binary has {got}"
+
+
+def _same(v: Variable, expected: Values, got: Values) -> bool:
+    if len(expected) == 1:
+        expected = expected * len(got)
+    if None in expected or len(expected) != len(got):
+        return True  # the description is wrong, which other rules say
+    if v.kind == "Float32":
+        return all(math.isclose(a, b, rel_tol=1e-6) for a, b in zip(expected, got, strict=True))
+    if v.kind == "Boolean":
+        return [bool(x) for x in expected] == [bool(x) for x in got]
+    return expected == got
+
+
+@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="store what is set")
+def set_value_is_lost(bench: Bench) -> Claims:
+    """A parameter that is set before initialisation has another value after it."""
+    for v in bench.parameters[:100]:
+        values = bench.other(v)
+        if values is None:
+            continue
+        run = new_run(bench, watching=False)
+        try:
+            run.begin([(v, values)])
+            got = run.instance.get([v])[0]
+        except CallFailed:
+            continue  # a model may refuse a value; set_refused tells it
+        finally:
+            if not run.instance.broken:
+                bench.free(run.instance)
+        if not _same(v, values, got):
+            yield v.place, f"was set to {values[0]}, is {got[0]}"
+
+
+@rule(Severity.WARNING, fmi2="2.1.7", fmi3="2.2.7", advice="declare min and max, or take the value")
+def set_refused(bench: Bench) -> Claims:
+    """A parameter cannot be set before initialisation to a value within its range."""
+    for v in bench.parameters[:100]:
+        values = bench.other(v)
+        instance = bench.new()
+        try:
+            if values is not None:
+                instance.set(v, values)
+        except CallFailed as failed:
+            yield v.place, f"{failed} for {values[0] if values else None}"
+        else:
+            bench.free(instance)
+
+
+@rule(Severity.ERROR, fmi2="2.2.7", fmi3="2.4.7.4", advice="declare it discrete or continuous")
+def fixed_value_changes(bench: Bench) -> Claims:
+    """A variable that is constant, fixed or tunable changes during a run."""
+    first: dict[int, Values] = {}
+    told = set()
+    for run, values in _samples(bench):
+        for v, elements in zip(bench.observed, values, strict=True):
+            if v.variability not in ("constant", "fixed", "tunable") or v.index in told:
+                continue
+            if repr(first.setdefault(v.index, elements)) != repr(elements):
+                told.add(v.index)
+                yield v.place, f"is {v.variability}, and changes until t = {run.time}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="return the time that was reached")
+def time_is_wrong(bench: Bench) -> Claims:
+    """The independent variable is not at the time that was reached."""
+    independent = [v for v in bench.observed if v.causality == "independent"]
+    if not independent:
+        return
+    run = finished(bench, watching=False)
+    got = run.instance.get(independent)[0][0]
+    if not run.ended and abs(got - run.time) > 1e-6 * max(bench.step_size, abs(run.time) * 1e-6):
+        yield independent[0].place, f"is {got} at t = {run.time}"
+
+
+@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="compute in setters and steps only")
+def getter_changes_state(bench: Bench) -> Claims:
+    """Reading values changes them, or how the run goes on."""
+    watched, blind = finished(bench), finished(bench, watching=False)
+    twice = [watched.read(), watched.read()]
+    if twice[0] != twice[1]:
+        yield bench.interface.kind, "reading twice gives two results"
+    elif watched.rows and blind.read() != watched.rows[-1]:
+        yield bench.interface.kind, "a run that was read at every step ends elsewhere"

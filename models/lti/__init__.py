@@ -1,0 +1,1 @@
+"""Linear systems of python-control as FMUs."""

@@ -1,0 +1,123 @@
+"""A linear system with named variables, taken from python-control."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import LtiError
+from models.lti.realisation import realise
+
+Array = NDArray[np.float64]
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSystem:
+    """dx/dt = A x + B u, y = C x + D u; or x+ = A x + B u at each sample.
+
+    Attributes
+    ----------
+    name : a C identifier
+    A, B, C, D : (n, n), (n, m), (p, n), (p, m)
+    dt : sample period [s]; 0 in continuous time
+    inputs, outputs, states : name -> unit, None where it has none; m, p and n of them
+    x0 : (n,) state at the start
+
+    Raises
+    ------
+    LtiError
+        When sizes do not fit, a number is not finite, or a name is taken or empty.
+    """
+
+    name: str
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    dt: float
+    inputs: Mapping[str, str | None]
+    outputs: Mapping[str, str | None]
+    states: Mapping[str, str | None]
+    x0: Array
+
+    def __post_init__(self) -> None:
+        n, m, p = len(self.states), len(self.inputs), len(self.outputs)
+        shapes = {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m), "x0": (n,)}
+        for field, shape in shapes.items():
+            matrix = getattr(self, field)
+            if matrix.shape != shape:
+                raise LtiError(f"{self.name}: {field} is {matrix.shape}, expected {shape}")
+            if not np.isfinite(matrix).all():
+                raise LtiError(f"{self.name}: {field} holds a number that is not finite")
+        if not (np.isfinite(self.dt) and self.dt >= 0.0):
+            raise LtiError(f"{self.name}: dt is {self.dt} s; expected 0 or a sample period above 0")
+        if not _IDENTIFIER.fullmatch(self.name):
+            raise LtiError(f"{self.name!r} cannot name an FMU: letters, digits and _ only")
+        if not p:
+            raise LtiError(f"{self.name}: it has no output")
+        names = ["time", *self.inputs, *self.outputs, *self.states]
+        for name in names:
+            if not name.strip() or not name.isprintable() or names.count(name) > 1:
+                raise LtiError(f"{self.name}: {name!r} cannot name a variable: empty or taken")
+
+
+def linear_system(
+    system: Any,
+    *,
+    name: str | None = None,
+    units: Mapping[str, str] | None = None,
+    x0: ArrayLike | None = None,
+) -> LinearSystem:
+    """Take a state space or transfer function of python-control, with its names.
+
+    Parameters
+    ----------
+    name : instead of the system's own
+    units : of inputs, outputs and states by name
+    x0 : (n,) state at the start; 0 by default
+
+    Raises
+    ------
+    LtiError
+        When it is neither, is improper, has no sample period though it is discrete, or has no
+        variable of a name in ``units``.
+    """
+    if isinstance(system, control.TransferFunction):
+        A, B, C, D = realise(*control.tfdata(system))
+        states: Sequence[str] = [f"x[{i}]" for i in range(len(A))]
+    elif isinstance(system, control.StateSpace):
+        A, B, C, D = (np.array(m, dtype=float) for m in (system.A, system.B, system.C, system.D))
+        states = system.state_labels
+    else:
+        raise LtiError(
+            f"{type(system).__name__} is no linear system: expected a StateSpace or"
+            " TransferFunction of python-control; linearise a nonlinear one first"
+        )
+    if system.dt is True:
+        raise LtiError(
+            f"{system.name}: it is discrete, but its sample period is not given (dt=True)"
+        )
+    known = [*system.input_labels, *system.output_labels, *states]
+    for unknown in (units or {}).keys() - set(known):
+        raise LtiError(f"{system.name} has no variable {unknown!r}; it has {', '.join(known)}")
+    own = system.name if _IDENTIFIER.fullmatch(system.name or "") else "lti"
+    return LinearSystem(
+        name or own,
+        *(A, B, C, D),
+        dt=float(system.dt or 0.0),
+        inputs=_with_units(system.input_labels, units),
+        outputs=_with_units(system.output_labels, units),
+        states=_with_units(states, units),
+        x0=np.zeros(len(states)) if x0 is None else np.array(x0, dtype=float),
+    )
+
+
+def _with_units(names: Sequence[str], units: Mapping[str, str] | None) -> dict[str, str | None]:
+    return {name: (units or {}).get(name) for name in names}

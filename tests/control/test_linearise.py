@@ -1,0 +1,161 @@
+"""FMUs as systems of python-control, against closed forms and the systems they were made of."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+from pendulum import by_hand, pendulum
+
+import cosim
+import models
+from cosim.control import LinearisationError, linearise, nonlinear_system
+
+POINT = {"states": {"theta": 0.7, "omega": -1.5}, "inputs": {"torque": 2.0}}
+PARAMETERS = {"k": 4.0, "drag": 0.3}
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
+
+
+@pytest.mark.parametrize(("derivatives", "tolerance"), [(True, 1e-14), (False, 1e-9)])
+def test_a_pendulum_is_linearised_as_by_hand(derivatives, tolerance, version, tmp_path):
+    path = pendulum(tmp_path, version, derivatives)
+    found = linearise(path, **POINT, parameters=PARAMETERS)
+    expected = by_hand(0.7, -1.5, 2.0, **PARAMETERS)
+    for name, matrix in zip("ABCD", expected, strict=True):
+        np.testing.assert_allclose(getattr(found, name), matrix, rtol=0, atol=tolerance)
+    assert found.dt == 0
+    assert found.state_labels == ["theta", "omega"]
+    assert (found.input_labels, found.output_labels) == (["torque"], ["x", "power"])
+
+
+def test_outputs_can_be_chosen(tmp_path):
+    found = linearise(pendulum(tmp_path, 2, True), **POINT, outputs=["power"])
+    assert found.output_labels == ["power"]
+    np.testing.assert_allclose(found.C, [[0.0, 2.0]])
+
+
+def test_a_pendulum_swings_in_python_control(version, tmp_path):
+    """Energy is conserved, and the system swings as the equation integrated by python-control."""
+    system = nonlinear_system(pendulum(tmp_path, version, False), parameters={"k": 4.0})
+    t = np.linspace(0, 5, 101)
+    torque = 0.5 * np.sin(t)
+    options = {"solve_ivp_kwargs": {"rtol": 1e-9, "atol": 1e-9}}
+    swung = control.input_output_response(system, t, torque, [1.0, 0.0], **options)
+
+    def rates(_, x, u, __):
+        return [x[1], -4.0 * np.sin(x[0]) + u[0]]
+
+    reference = control.nlsys(rates, None, states=2, inputs=1)
+    expected = control.input_output_response(reference, t, torque, [1.0, 0.0], **options)
+    np.testing.assert_allclose(swung.states, expected.states, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(swung.outputs[0], np.sin(expected.states[0]), rtol=0, atol=1e-8)
+    free = control.input_output_response(system, t, 0 * t, [1.0, 0.0], **options).states
+    energy = 0.5 * free[1] ** 2 - 4.0 * np.cos(free[0])
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
+
+
+def random_system(dt: float) -> control.StateSpace:
+    control_system = control.rss(5, 3, 2) if not dt else control.drss(5, 3, 2)
+    return control.ss(
+        control_system.A, control_system.B, control_system.C, np.arange(6.0).reshape(3, 2), dt,
+        inputs=["F", "M"], outputs=["x", "v", "phi"], states=list("abcde"), name="plant",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.02])
+def test_a_linear_system_comes_back(dt, version, tmp_path):
+    """lti -> FMU -> lti. A held input makes of the continuous one what python-control samples."""
+    np.random.seed(7)  # noqa: NPY002 - python-control draws from it
+    system = random_system(dt)
+    path = models.export_lti(system, tmp_path, fmi=version)
+    back = linearise(path, step=0.02)
+    expected = system if dt else control.sample_system(system, 0.02, method="zoh")
+    for name in "ABCD":
+        np.testing.assert_allclose(getattr(back, name), getattr(expected, name), rtol=0, atol=1e-9)
+    assert back.dt == 0.02
+    assert back.state_labels == system.state_labels
+    assert back.input_labels == system.input_labels
+    assert back.output_labels == system.output_labels
+
+
+def test_a_loop_of_fmus_is_the_closed_loop(tmp_path):
+    plant = control.ss([[0.9, 0.1], [0, 0.8]], [[0], [0.1]], [[1, 0]], 0, 0.01, name="plant")
+    pi = control.ss(
+        1, [[0.2, -0.2]], 1, [[0.6, -0.6]], 0.01, name="pi", inputs=["r", "y"], outputs=["u"]
+    )
+    system = cosim.System()
+    for part in (plant, pi):
+        system.add(part.name, models.export_lti(part, tmp_path, held=True))
+    system.connect("pi.u", "plant.u[0]")
+    system.connect("plant.y[0]", "pi.y")
+    system.expose("r", "pi.r")
+    found = linearise(system, step=0.01, outputs=["plant.y[0]"])
+    closed = control.feedback(plant * control.ss(1, 0.2, 1, 0.6, 0.01), 1)
+    np.testing.assert_allclose(
+        np.sort_complex(found.poles()), np.sort_complex(closed.poles()), rtol=0, atol=1e-8
+    )
+    f = np.geomspace(0.1, 300, 20)
+    np.testing.assert_allclose(found(np.exp(0.01j * f)), closed(np.exp(0.01j * f)), atol=1e-7)
+    assert found.state_labels == ["plant_x[0]", "plant_x[1]", "pi_x[0]"]
+
+
+def test_the_stage_slides_as_the_closed_form_says(tmp_path):
+    """Fast sliding: friction no longer changes with velocity, m dv/dt = u - F_c - b v."""
+    stage = models.build_fmu("stage", tmp_path)
+    m, b = 5.557, 6.6135
+    h = 1e-3
+    point = {"v": 0.05, "z": 5.999 / 3.9162e5}
+    found = linearise(stage, step=h, states=point, inputs={"u": 5.999 + b * 0.05})
+    x, v = found.state_labels.index("x"), found.state_labels.index("v")
+    decay = np.exp(-b / m * h)
+    assert found.A[v, v] == pytest.approx(decay, abs=1e-6)
+    assert found.A[x, v] == pytest.approx((1 - decay) * m / b, rel=1e-6)
+    assert found.B[v, 0] == pytest.approx((1 - decay) / b, rel=1e-5)
+
+
+def test_a_system_in_discrete_time_runs_in_python_control(tmp_path):
+    stage = models.build_fmu("stage", tmp_path)
+    system = cosim.System()
+    system.add("stage", stage)
+    system.expose("u", "stage.u")
+    wrapped = nonlinear_system(system, step=1e-3)
+    t = np.arange(60) * 1e-3
+    u = 12.0 * np.sin(100 * t)
+    response = control.input_output_response(wrapped, t, u, 0)
+    with system.prepare(step=1e-3, stop=t[-1]) as simulation:
+        expected = simulation.run(inputs={"u": u})
+    name = "stage.v"
+    found = response.outputs[wrapped.output_labels.index("stage_v")]
+    assert np.ptp(expected[name]) > 1e-3
+    np.testing.assert_allclose(found, expected[name], rtol=0, atol=1e-8)
+
+
+def test_memory_beside_the_states_is_found(fmus, tmp_path):
+    """A sampled controller counts; the compensator remembers the velocity before."""
+    compensator = models.build_fmu("compensator", tmp_path)
+    with pytest.raises(LinearisationError, match="remembers more than its states"):
+        linearise(compensator, step=1e-3, inputs={"v": 1e-3}, parameters={"hold": False})
+    sampled = models.export_lti(control.ss(0.5, 1, 1, 0, 0.02), tmp_path, name="sampled")
+    with pytest.raises(LinearisationError, match="counts time"):
+        linearise(sampled, step=0.01)
+    with pytest.raises(LinearisationError, match="has no states that can be set"):
+        linearise(fmus / "nominal_loop.fmu", step=5e-4)
+
+
+def test_wrong_names_are_told(tmp_path):
+    path = pendulum(tmp_path, 3, True)
+    for options, said in (
+        ({"states": {"tetha": 1.0}}, "no state 'tetha'; did you mean 'theta'"),
+        ({"inputs": {"u": 1.0}}, "no input 'u'"),
+        ({"outputs": ["y"]}, "no output 'y'"),
+        ({"parameters": {"g": 1.0}}, "has no variable 'g'"),
+    ):
+        with pytest.raises(LinearisationError) as error:
+            linearise(path, **options)
+        assert said in str(error.value)
+    with pytest.raises(LinearisationError, match=r"give step="):
+        linearise(models.export_lti(control.ss(-1, 1, 1, 0), tmp_path, name="lag"))

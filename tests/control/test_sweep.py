@@ -1,0 +1,120 @@
+"""The measured frequency response, against designs and describing functions."""
+
+from __future__ import annotations
+
+import math
+
+import control
+import numpy as np
+import pytest
+from closed_loop import ideal_servo
+
+import cosim
+import models
+from cosim.control import measure_response
+from stickslip.report.bode import draw_bode
+
+T_S = 5e-4
+F = np.geomspace(2.0, 450.0, 9)
+
+
+def test_a_linear_system_shows_its_response(tmp_path):
+    """Continuous and held: what python-control samples, at every amplitude and offset."""
+    plant = control.tf([4e4, 2e6], [1.0, 60.0, 4e4], inputs="u", outputs="y", name="plant")
+    system = cosim.System()
+    system.add("plant", models.export_lti(plant, tmp_path))
+    system.expose("u", "plant.u")
+    found = measure_response(system, "u", ["plant.y"], F, 3.0, step=T_S, offset=1.0, settle=1.0)
+    sampled = control.sample_system(plant, T_S, method="zoh")
+    expected = sampled(np.exp(2j * np.pi * found.f * T_S))
+    np.testing.assert_allclose(found.response("plant.y"), expected, rtol=1e-9)
+    np.testing.assert_allclose(abs(found.response("plant.y", "plant.y")), 1.0)
+    assert found.distortion["plant.y"].max() < 1e-6
+    assert found.drift["plant.y"].max() < 1e-9
+    data = found.frd("plant.y")
+    np.testing.assert_allclose(data(2j * np.pi * found.f), expected, rtol=1e-9)
+    assert data.dt == T_S
+
+
+def test_the_loop_of_fmus_shows_the_designed_bode_plot(fmus, loop):
+    found = measure_response(ideal_servo(fmus, loop), "v_cmd", ["drive.v"], F, 0.005, step=T_S)
+    designed = loop.nominal(np.exp(2j * np.pi * found.f * T_S))
+    tolerance = 1e-4 if loop.axis.tau_i > 0.0 else 1e-5
+    np.testing.assert_allclose(found.response("drive.v"), designed, rtol=0, atol=tolerance)
+
+
+def test_a_limit_shows_its_describing_function(fmus):
+    """u = 205 N at most: N(A) = 2/pi (asin(s) + s sqrt(1 - s^2)) K with s = limit / (K A)."""
+    system = cosim.System()
+    parameters = {"K_p": 1e3, "K_i": 0.0, "tau_f": 0.0, "T_s": 1e-4}
+    system.add("controller", fmus / "velocity_controller.fmu", parameters)
+    system.expose("v_cmd", "controller.v_cmd")
+    limit = cosim.Fmu(fmus / "velocity_controller.fmu").variables["u_max"].start
+    for amplitude in (0.1, 0.3, 2.0):
+        found = measure_response(
+            system, "v_cmd", ["controller.u"], [1.0], amplitude, step=1e-4, periods=2
+        )
+        s = min(1.0, limit / (1e3 * amplitude))
+        corner, rise = math.asin(s), s * math.sqrt(1 - s**2)
+        gain = 2 / math.pi * (corner + rise)
+        assert abs(found.response("controller.u")[0]) == pytest.approx(1e3 * gain, rel=1e-5)
+        power = s**2 * (1 - 2 * corner / math.pi) + (corner - rise) / math.pi
+        distortion = math.sqrt(max(power / (0.5 * gain**2) - 1, 0.0))
+        assert found.distortion["controller.u"][0] == pytest.approx(distortion, abs=1e-5)
+    assert distortion > 0.4
+
+
+def test_friction_weighs_more_on_small_amplitudes(fmus, loop):
+    system = ideal_servo(fmus, loop)
+    for name, value in {"F_s": 9.0, "F_c": 6.0, "sigma_0": 3.9e5, "sigma_1": 4.4e3}.items():
+        system.set(f"drive.{name}", value)
+    off = []
+    for amplitude in (0.002, 0.01, 0.05):
+        found = measure_response(system, "v_cmd", ["drive.v"], [5.0], amplitude, step=T_S)
+        designed = loop.nominal(np.exp(2j * np.pi * found.f * T_S))
+        off.append(abs(found.response("drive.v") / designed - 1)[0])
+    assert off[0] > 3 * off[1] > 9 * off[2] > 0.0
+
+
+def test_a_system_that_did_not_settle_drifts(tmp_path):
+    slow = control.tf([1.0], [10.0, 1.0], inputs="u", outputs="y", name="slow")
+    system = cosim.System()
+    system.add("slow", models.export_lti(slow, tmp_path))
+    system.expose("u", "slow.u")
+    drift = [
+        measure_response(system, "u", ["slow.y"], [5.0], 1.0, step=0.01, settle=s).drift["slow.y"][
+            0
+        ]
+        for s in (0.0, 100.0)
+    ]
+    assert drift[0] > 100 * drift[1]
+
+
+@pytest.mark.parametrize(
+    ("f", "periods", "said"),
+    [
+        ([600.0], 8, "up to 500 Hz, a quarter of the sample rate; got 600"),
+        ([0.0, 1.0], 8, "must lie above 0"),
+        ([1.0], 3, "periods is 3; expected an even number"),
+    ],
+)
+def test_what_cannot_be_measured_is_told(f, periods, said, fmus, loop):
+    with pytest.raises(cosim.ExperimentError, match=said):
+        measure_response(
+            ideal_servo(fmus, loop), "v_cmd", ["drive.v"], f, 0.01, step=T_S, periods=periods
+        )
+
+
+def test_the_bode_plot_draws_designed_and_measured(fmus, loop):
+    found = measure_response(ideal_servo(fmus, loop), "v_cmd", ["drive.v"], F, 0.005, step=T_S)
+    figure = draw_bode(loop.nominal, {"measured": (found, "drive.v")}, distortion=True)
+    gain, phase, distortion = figure.axes
+    assert gain.get_ylabel() == "Gain [dB]"
+    assert (phase.get_ylabel(), distortion.get_ylabel()) == ("Phase [deg]", "Distortion [%]")
+    designed, measured = gain.lines
+    expected = np.interp(np.log(found.f), np.log(designed.get_xdata()), designed.get_ydata())
+    np.testing.assert_allclose(measured.get_ydata(), expected, atol=0.05)
+    designed, measured = phase.lines
+    expected = np.interp(np.log(found.f), np.log(designed.get_xdata()), designed.get_ydata())
+    np.testing.assert_allclose(measured.get_ydata(), expected, atol=0.5)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["designed", "measured"]

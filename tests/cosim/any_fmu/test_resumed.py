@@ -1,0 +1,95 @@
+"""Saving and resuming FMUs behind facades: events, arrays, other types; Model Exchange anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+
+WORD = {2: "FMUstate", 3: "FMUState"}
+
+
+def flags(version):
+    return f'canGetAndSet{WORD[version]}="true" canSerialize{WORD[version]}="true"'
+
+
+def halves(system, path, inputs=None, parameters=None, **how):
+    """Return a whole run and the rest of one that was saved halfway and resumed elsewhere."""
+    spec = {"step": 0.1, "stop": 2.0, **how}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(parameters, inputs)
+        first = simulation.run(parameters, inputs, until=1.0)
+        np.testing.assert_array_equal(first.values, whole.values[:11])
+        simulation.save(path)
+    with system.prepare(**spec) as another:
+        return whole.values[10:], another.resume(path, inputs).values
+
+
+def one(fmu, parameters=None, **how):
+    system = cosim.System()
+    system.add("a", fmu, parameters, **how)
+    return system
+
+
+@pytest.mark.parametrize("model", ["ball", "stair"])
+@pytest.mark.parametrize("interfaces", ["CS", "CS events"])
+def test_events(export, tmp_path, model, interfaces):
+    system = one(export(model, 3, interfaces, flags(3)))
+    inputs = {}
+    if model == "stair":
+        system.expose("u", "a.trigger")
+        inputs = {"u": cosim.Table([0.0, 0.3, 1.0, 1.55], [0, 1, 0, 1])}
+    whole, rest = halves(system, tmp_path / "a.state", inputs)
+    np.testing.assert_array_equal(rest, whole)
+    assert len(np.unique(rest, axis=0)) > 3
+
+
+def test_arrays_keep_the_elements_that_are_not_fed(export, tmp_path):
+    fmu = export("state_space", 3, "CS", flags(3))
+    system = one(fmu, {"n": 2, "A": [[0.0, 1.0], [-1.0, 0.0]], "x0": [1.0, 0.0]})
+    system.add("b", fmu, {"n": 2})
+    system.connect("a.y", "b.u")
+    system.expose("x", "a.u[2]")
+    whole, rest = halves(system, tmp_path / "a.state", {"x": np.sin}, {"a.u[1]": 0.5})
+    np.testing.assert_array_equal(rest, whole)
+
+
+@pytest.mark.parametrize("coupling", ["jacobi", cosim.Coupling("iterative")], ids=str)
+def test_other_types(export, tmp_path, coupling):
+    fmu = export("feedthrough", 3, "CS", flags(3))
+    system = one(fmu)
+    system.add("b", fmu)
+    for kind in ("Int8", "Boolean", "Float32", "Float64"):
+        system.connect(f"a.{kind}_out", f"b.{kind}_in")
+    system.expose("x", "a.Float32_in")
+    system.expose("n", "a.Int8_in")
+    inputs = {"x": np.sin, "n": np.arange(21.0)}
+    whole, rest = halves(system, tmp_path / "a.state", inputs, coupling=coupling)
+    np.testing.assert_array_equal(rest, whole)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("model", ["ball", "oscillator", "stair"])
+def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, model):
+    system = one(export(model, version, "ME", flags(version)))
+    inputs = {}
+    if model == "oscillator":
+        system.expose("x", "a.force")
+        inputs = {"x": np.sin}
+    whole, rest = halves(system, tmp_path / "a.state", inputs, tolerance=1e-8)
+    np.testing.assert_array_equal(rest[0], whole[0])
+    np.testing.assert_allclose(rest, whole, rtol=1e-5, atol=1e-6)
+    assert np.ptp(rest, axis=0).max() > 0.1
+
+
+def test_a_state_by_another_interface_is_refused(export, tmp_path):
+    fmu = export("oscillator", 2, "ME CS", flags(2))
+    for interface in ("co_simulation", "model_exchange"):
+        with one(fmu, interface=interface).prepare(step=0.1, stop=2.0) as simulation:
+            if interface == "co_simulation":
+                simulation.run(until=1.0)
+                path = simulation.save(tmp_path / "a.state")
+                continue
+            with pytest.raises(cosim.SimulationError, match="another system"):
+                simulation.resume(path)

@@ -1,0 +1,334 @@
+"""Linear systems as FMUs, against python-control's responses and closed forms."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+import zipfile
+
+import control
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from scipy.linalg import expm
+
+import cosim
+import models
+
+FMUTOOL = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def fmi(request):
+    return request.param
+
+
+def alone(path) -> cosim.System:
+    """Return a system of one FMU ``f`` with its inputs exposed as in0, in1 ..."""
+    system = cosim.System()
+    system.add("f", path)
+    variables = system.components["f"].variables.values()
+    for k, v in enumerate(v for v in variables if v.causality == "input"):
+        system.expose(f"in{k}", f"f.{v.name}")
+    return system
+
+
+def run(path, step, n, inputs, parameters=None) -> cosim.Result:
+    system = alone(path)
+    names = [f"f.{v.name}" for v in system.components["f"].variables.values() if v.name != "time"]
+    with system.prepare(step=step, stop=n * step, record=names) as simulation:
+        given = {f"in{k}": u for k, u in enumerate(inputs)}
+        return simulation.run({f"f.{k}": v for k, v in (parameters or {}).items()}, given)
+
+
+def many_modes(states: int) -> control.StateSpace:
+    """Return lightly damped modes from 1 to 100 rad/s, in coordinates that mix them all."""
+    rng = np.random.default_rng(3)
+    w = np.geomspace(1.0, 100.0, states // 2)
+    A = np.zeros((states, states))
+    for k, rate in enumerate(w):
+        A[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = [[-0.02 * rate, rate], [-rate, -0.02 * rate]]
+    T = np.linalg.qr(rng.standard_normal((states, states)))[0]
+    B, C = rng.standard_normal((states, 1)), rng.standard_normal((1, states))
+    return control.ss(T @ A @ T.T, T @ B, C @ T.T, 0, name="modes")
+
+
+def test_fifty_states_follow_python_controls_step_response(fmi, tmp_path):
+    system = many_modes(50)
+    path = models.export_lti(system, tmp_path, fmi=fmi, step=0.01)
+    for step, n in ((0.01, 500), (0.0173, 20), (0.5, 10)):
+        result = run(path, step, n, [1.0])
+        expected = control.step_response(system, result.time).outputs
+        assert np.ptp(expected) > 1.0
+        np.testing.assert_allclose(result["f.y[0]"], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.37, 5.0, 1e4])
+def test_stiff_first_order_lag_is_its_closed_form_at_any_step(h, tmp_path):
+    """dx/dt = -(x - u) / T, T from 1 us to 10 s in one system: e^(-h / T) at every step."""
+    T = np.array([1e-6, 1e-3, 10.0])
+    system = control.ss(-np.diag(1 / T), 1 / T[:, None], np.eye(3), 0)
+    result = run(models.export_lti(system, tmp_path), h, 3, [1e6])
+    for k in range(3):
+        expected = -1e6 * np.expm1(-result.time / T[k])
+        np.testing.assert_allclose(result[f"f.y[{k}]"], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("h", [0.1, 0.123])
+def test_double_integrator_from_its_own_start(h, tmp_path):
+    """x = x0 + v0 t + u t^2 / 2: A cannot be inverted nor diagonalised."""
+    system = control.ss([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], 0, states=["x", "v"], inputs="u")
+    path = models.export_lti(system, tmp_path, x0=[3.0, -1.0], step=0.1)
+    t = run(path, h, 50, [2.0]).time
+    np.testing.assert_allclose(run(path, h, 50, [2.0])["f.x"], 3 - t + t**2, rtol=0, atol=1e-11)
+    again = run(path, h, 50, [2.0], {"x": 0.0, "v": 5.0})
+    np.testing.assert_allclose(again["f.x"], 5 * t + t**2, rtol=0, atol=1e-11)
+
+
+def test_badly_scaled_coordinates_cost_no_digits(tmp_path):
+    """Companion form of poles at 1e4: coefficients up to 1e16 beside ones."""
+    system = control.tf([1e16], np.poly([-1e4, -1.1e4, -0.9e4, -1.2e4]))
+    result = run(models.export_lti(system, tmp_path), 1.3e-4, 12, [1.0])
+    modes = control.ss(system)
+    scale = np.diag([1e12, 1e8, 1e4, 1.0])
+    A, B, C = (
+        scale @ modes.A @ np.linalg.inv(scale),
+        scale @ modes.B,
+        modes.C @ np.linalg.inv(scale),
+    )
+    expected = [(C @ np.linalg.solve(A, (expm(A * t) - np.eye(4)) @ B))[0, 0] for t in result.time]
+    np.testing.assert_allclose(result["f.y[0]"], expected, rtol=0, atol=1e-11 * max(expected))
+
+
+def test_uneven_steps_end_where_even_ones_do(fmi, tmp_path):
+    system = many_modes(6)
+    path = models.export_lti(system, tmp_path, fmi=fmi, step=0.05)
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal(20)
+    expected = run(path, 0.05, 20, [np.append(u, 0.0)])
+    x, A, B = np.zeros(6), np.array(system.A), np.array(system.B)[:, 0]
+    for value in u:  # each step in two unequal parts
+        for h in (0.013, 0.037):
+            M = expm(np.block([[A, B[:, None]], [np.zeros((1, 7))]]) * h)
+            x = M[:6, :6] @ x + M[:6, 6] * value
+    np.testing.assert_allclose([expected[f"f.x[{k}]"][-1] for k in range(6)], x, atol=1e-12)
+    parts = np.repeat(u, 5)
+    finer = run(path, 0.01, 100, [np.append(parts, 0.0)])
+    np.testing.assert_allclose(finer["f.y[0]"][::5], expected["f.y[0]"], rtol=0, atol=1e-12)
+
+
+def transfer_matrix(dt: float) -> control.TransferFunction:
+    poles = [-1.0, -5.0, -2.0] if dt == 0 else [0.9, 0.5, -0.3]
+    first, second, third = ([1.0, -p] for p in poles)
+    return control.tf(
+        [[[1.0], [2.0, 1.0]], [[3.0], [0.0]], [[1.0, 1.0], [4.0]]],
+        [[first, np.polymul(first, second)], [first, [1.0]], [third, third]],
+        *([dt] if dt else []),
+        inputs=["force", "torque"],
+        outputs=["x", "phi", "i"],
+    )
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.1])
+def test_transfer_functions_of_many_inputs_and_outputs(dt, fmi, tmp_path):
+    """Each response is that of the single transfer function; none of them needs slycot."""
+    system = transfer_matrix(dt)
+    path = models.export_lti(system, tmp_path, fmi=fmi)
+    for k in range(2):
+        inputs = [float(j == k) for j in range(2)]
+        result = run(path, 0.1, 40, inputs)
+        for i, name in enumerate(["x", "phi", "i"]):
+            single = control.tf(system.num[i][k], system.den[i][k], *([dt] if dt else []))
+            expected = control.step_response(single, result.time).outputs
+            np.testing.assert_allclose(result[f"f.{name}"], expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.25, 3.0])
+def test_discrete_systems_sample_at_their_own_period(ratio, fmi, tmp_path):
+    """Held, an output with direct gain shows the last sample taken, any other the one due."""
+    system = control.ss(
+        [[0.9, 0.2], [-0.1, 0.7]], [[0.3], [1.0]], [[1, 0.5], [0, 1]], [[2.0], [0.0]], 0.01
+    )
+    path = models.export_lti(system, tmp_path, fmi=fmi, x0=[1.0, -2.0], held=True)
+    n = 60
+    u = np.sin(0.3 * np.arange(n + 1))
+    result = run(path, 0.01 * ratio, n, [u])
+    samples = np.arange(round(n * ratio) + 1)
+    met = u[np.floor(samples / ratio + 1e-9).astype(int)]  # within a step its input holds
+    direct, delayed = control.forced_response(system, samples * 0.01, met, [1.0, -2.0]).outputs
+    now = np.arange(n + 1) * ratio
+    last = np.maximum(np.ceil(now - 1e-9).astype(int) - 1, 0)
+    np.testing.assert_allclose(result["f.y[0]"], direct[last], rtol=0, atol=1e-12)
+    due = np.floor(now + 1e-9).astype(int)
+    np.testing.assert_allclose(result["f.y[1]"], delayed[due], rtol=0, atol=1e-12)
+
+
+def test_a_loop_of_discrete_systems_is_python_controls(tmp_path):
+    """PI controller with direct gain, plant without: closed by cosim and by python-control."""
+    plant = control.ss([[0.9, 0.1], [0, 0.8]], [[0], [0.1]], [[1, 0]], 0, 0.01, name="plant")
+    integral = control.ss(1, 0.2, 1, 0.6, 0.01, name="pi")
+    system = cosim.System()
+    for part in (plant, integral):
+        system.add(part.name, models.export_lti(part, tmp_path, held=True))
+    error = control.ss([], [], [], [[1, -1]], 0.01, name="error", inputs=["r", "y"])
+    system.add("error", models.export_lti(error, tmp_path, held=True))
+    system.connect("error.y[0]", "pi.u[0]")
+    system.connect("pi.y[0]", "plant.u[0]")
+    system.connect("plant.y[0]", "error.y")
+    system.expose("r", "error.r")
+    with system.prepare(step=0.01, stop=1.0) as simulation:
+        result = simulation.run(inputs={"r": 1.0})
+    closed = control.feedback(plant * integral, 1)
+    expected = control.step_response(closed, result.time).outputs
+    assert expected[-1] > 0.5
+    np.testing.assert_allclose(result["plant.y[0]"], expected, rtol=0, atol=1e-12)
+
+
+def test_names_and_units_are_kept(fmi, tmp_path):
+    system = control.ss(
+        -np.eye(2), np.eye(2), np.eye(2), 0, name="motor",
+        inputs=["voltage", "load torque"], outputs=["speed", "i"], states=["w", "flux.d"],
+    )  # fmt: skip
+    units = {"voltage": "mV", "speed": "rpm", "i": "A", "w": "rad/s", "flux.d": "furlong"}
+    path = models.export_lti(system, tmp_path, units=units, fmi=fmi)
+    assert path == tmp_path / "motor.fmu"
+    fmu = cosim.Fmu(path)
+    found = {v.name: (v.causality, v.unit) for v in fmu.variables.values()}
+    found.pop("time", None)
+    assert found == {
+        "voltage": ("input", "mV"),
+        "load torque": ("input", None),
+        "speed": ("output", "rpm"),
+        "i": ("output", "A"),
+        "w": ("local", "rad/s"),
+        "flux.d": ("local", "furlong"),
+    }
+    assert fmu.units["mV"].factor == pytest.approx(1e-3)
+    assert fmu.units["rpm"].factor == pytest.approx(2 * math.pi / 60)
+    assert fmu.units["rpm"].exponents == fmu.units["rad/s"].exponents
+    assert fmu.units["furlong"].exponents is None
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.1])
+def test_checkers_and_fmpy_take_it(dt, fmi, tmp_path):
+    path = models.export_lti(transfer_matrix(dt), tmp_path, fmi=fmi, name="matrix")
+    assert validate_fmu(str(path)) == []
+    command = [sys.executable, "-c", FMUTOOL, "-input", str(path), "-check"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "No semantic error" in done.stdout + done.stderr
+    table = np.array([(0.0, 1.0, 0.5)], dtype=[("time", "f8"), ("force", "f8"), ("torque", "f8")])
+    theirs = fmpy.simulate_fmu(
+        str(path), stop_time=1.0, step_size=0.1, output_interval=0.1, input=table, output=["x", "i"]
+    )
+    ours = run(path, 0.1, 10, [1.0, 0.5])
+    for name in ("x", "i"):
+        np.testing.assert_allclose(theirs[name], ours[f"f.{name}"], rtol=0, atol=1e-13)
+
+
+def test_gains_and_autonomous_systems(tmp_path):
+    gain = models.export_lti(control.ss([], [], [], [[1.0, 2.0]]), tmp_path, name="gain")
+    assert run(gain, 0.1, 3, [1.0, 3.0])["f.y[0]"].tolist() == [7.0] * 4
+    free = models.LinearSystem(
+        "free", np.array([[-1.0]]), np.zeros((1, 0)), np.array([[2.0]]), np.zeros((1, 0)), 0.0,
+        {}, {"y": None}, {"x": None}, np.array([3.0]),
+    )  # fmt: skip
+    result = run(models.export_lti(free, tmp_path), 0.3, 4, [])
+    np.testing.assert_allclose(result["f.y"], 6 * np.exp(-result.time), rtol=1e-14)
+
+
+def test_direct_gains_alone_are_feedthrough(fmi, tmp_path):
+    system = control.ss(-1, [[1, 1]], [[1], [1]], [[0, 2.0], [0, 0]], inputs=["a", "b"])
+    fmu = cosim.Fmu(models.export_lti(system, tmp_path, fmi=fmi))
+    assert fmu.feedthrough == {"y[0]": {"b"}, "y[1]": frozenset()}
+
+
+def test_the_same_system_gives_the_same_bytes(tmp_path):
+    system = many_modes(4)
+    first, second = (models.export_lti(system, tmp_path / d).read_bytes() for d in "ab")
+    assert first == second
+    members = zipfile.ZipFile(tmp_path / "a" / "modes.fmu").namelist()
+    assert sum(name.startswith("binaries/") for name in members) == 1
+
+
+@pytest.mark.parametrize(
+    ("system", "options", "said"),
+    [
+        (control.tf([1, 0, 0], [1, 1]), {}, "from input 1 to output 1 is improper"),
+        (control.tf([1], [1, 0.5], True), {}, "sample period is not given"),
+        (control.frd([1.0], [1.0]), {}, "FrequencyResponseData is no linear system"),
+        (control.ss(-1, 1, 1, 0), {"units": {"w": "N"}}, "has no variable 'w'"),
+        (control.ss(-1, 1, 1, 0), {"x0": [1, 2]}, "x0 is (2,), expected (1,)"),
+        (control.ss(-1, np.inf, 1, 0), {}, "B holds a number that is not finite"),
+        (control.ss(-1, 1, 1, 0), {"name": "a b"}, "'a b' cannot name an FMU"),
+        (control.ss(-1, 1, 1, 0), {"step": 0.0}, "step is 0.0 s"),
+        (control.ss(-1, 1, 1, 0, inputs="y", outputs="y"), {}, "'y' cannot name a variable"),
+        (many_modes(130), {}, "130 states, at most 128"),
+    ],
+)
+def test_what_cannot_be_an_fmu_is_told(system, options, said, tmp_path):
+    with pytest.raises(models.LtiError) as error:
+        models.export_lti(system, tmp_path, **options)
+    assert said in str(error.value)
+    assert not list(tmp_path.iterdir())
+
+
+TOML = """
+name = "slide"
+A = [[0.0, 1.0], [-400.0, -4.0]]
+B = [[0.0], [0.18]]
+C = [[1.0, 0.0]]
+inputs = { F = "N" }
+outputs = { x = "m" }
+states = { position = "m", velocity = "m/s" }
+step = 1e-3
+stop = 3.0
+"""
+
+
+def test_files_in_toml_and_json(tmp_path):
+    (tmp_path / "a.toml").write_text(TOML)
+    transfer = {"num": [0.18], "den": [1.0, 4.0, 400.0], "inputs": ["F"], "outputs": {"x": "m"}}
+    (tmp_path / "b.json").write_text(json.dumps(transfer))
+    results = []
+    for name in ("a.toml", "b.json"):
+        described = models.read_lti(tmp_path / name)
+        path = models.export_lti(
+            described.system, tmp_path, step=described.step, stop=described.stop
+        )
+        results.append(run(path, 1e-3, 500, [2.0])["f.x"])
+        assert cosim.Fmu(path).variables["x"].unit == "m"
+    assert cosim.Fmu(tmp_path / "slide.fmu").experiment.stop == 3.0
+    np.testing.assert_allclose(results[0], results[1], rtol=0, atol=1e-15)
+    assert results[0].max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("A = [[1", "Unclosed array"),
+        ("", "expected A, B, C and D, or num and den"),
+        ("A = [[1.0]]\nB = [[1.0]]\nC = [[1.0], [2.0, 3.0]]", "C: expected numbers in rows"),
+        ("A = [[1.0]]\nB = [[1.0], [2.0]]\nC = [[1.0]]", "B is (2, 1), expected (1, 1)"),
+        ("A = [1.0]\nB = [[1.0]]\nC = [[1.0]]", "A: expected rows of numbers"),
+        ("D = [[1.0]]\nsample = 1", "unknown key 'sample'"),
+        ("D = [[1.0]]\ndt = true", "dt is True"),
+        ("D = [[1.0]]\ndt = -1.0", "dt is -1.0 s"),
+        ("D = [[1.0]]\ninputs = ['a', 'b']", "inputs: 2 names for 1"),
+        ("num = [1.0]", "den is missing"),
+        ("num = [1.0]\nden = [0.0]", "den holds a polynomial that is 0"),
+        ("num = [1.0, 2.0]\nden = [1.0]", "improper"),
+        ("num = [[[1.0], [2.0]]]\nden = [[[1.0]]]", "num and den differ"),
+        ("num = ['a']\nden = [1.0]", "num: expected numbers"),
+    ],
+)
+def test_wrong_files_are_told_in_one_line(content, said, tmp_path):
+    path = tmp_path / "system.toml"
+    path.write_text(content)
+    with pytest.raises(models.LtiError) as error:
+        models.read_lti(path)
+    assert said in str(error.value)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
