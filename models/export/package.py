@@ -19,14 +19,12 @@ from models.export.headers import table_header
 from models.export.reference import cross_check, layered_standard
 from models.export.sources import (
     MODELS,
+    FmiVersion,
     build_description,
     c_files,
     fmi_headers,
     grouped,
     text,
-)
-from models.export.sources import (
-    FmiVersion as FmiVersion,
 )
 from models.export.terminals import terminals_and_icons
 from toolchain import Platform, host_platform, shared_library, universal, write_whole

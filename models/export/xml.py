@@ -122,9 +122,13 @@ def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict
     }
 
 
-def initial_dependencies(v: Variable, place: Mapping[str, int]) -> dict[str, object]:
-    """Return both attributes of an element of InitialUnknowns, where parameters count as well."""
-    listed = sorted(place[name] for name in {*v.depends, *v.uses})
+def initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of InitialUnknowns, where parameters count as well.
+
+    What is sampled answers its inputs from the first sample on.
+    """
+    at_once = () if model.sampled else v.depends
+    listed = sorted(place[name] for name in {*at_once, *v.uses})
     return {
         "dependencies": " ".join(map(str, listed)),
         "dependenciesKind": " ".join("dependent" for _ in listed),

@@ -13,7 +13,8 @@ from scipy.linalg import matrix_balance
 
 from models.errors import LtiError
 from models.export.description import Model, Role, Variable
-from models.export.package import FmiVersion, pack_fmu
+from models.export.package import pack_fmu
+from models.export.sources import FmiVersion
 from models.lti.experiment import proposed
 from models.lti.exponential import exponential
 from models.lti.system import Array, LinearSystem, linear_system
