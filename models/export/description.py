@@ -79,15 +79,15 @@ class Model:
     name: str
     title: str
     description: str
-    version: str
     stop: float
     step: float
-    sampled: bool
     variables: tuple[Variable, ...]
     fields: Mapping[Role, tuple[tuple[str, tuple[int, ...]], ...]]
-    terminals: Mapping[str, Terminal]
-    icon: tuple[tuple[float, ...], ...]
     folder: Path
+    version: str | None = None
+    sampled: bool = False
+    terminals: Mapping[str, Terminal] = field(default_factory=dict)
+    icon: tuple[tuple[float, ...], ...] = ()
 
     @property
     def is_continuous(self) -> bool:

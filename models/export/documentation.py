@@ -34,7 +34,10 @@ Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.<
 
 def index(model: Model, icon: str) -> str:
     """Return the page. ``icon`` is its picture's path from the root of the FMU."""
-    text = (model.folder / "README.md").read_text(encoding="utf-8")
+    readme = model.folder / "README.md"
+    text = f"# {model.title}\n\n{model.description}\n"
+    if readme.exists():
+        text = readme.read_text(encoding="utf-8")
     body = "\n".join(_blocks(text))
     return _PAGE.format(title=html.escape(model.title), icon=icon, body=body)
 

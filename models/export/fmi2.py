@@ -99,7 +99,7 @@ def model_description(model: Model, token: str) -> str:
             section = xml.child(structure, tag)
         for v in unknowns:
             depends = (
-                xml.initial_dependencies(v, place)
+                xml.initial_dependencies(v, model, place)
                 if tag == "InitialUnknowns"
                 else xml.dependencies(v, known, place)
             )

@@ -59,6 +59,6 @@ def model_description(model: Model, token: str) -> str:
             xml.child(structure, tag, valueReference=place[v.name], **depends)
     for v in (*outputs, *derivatives):
         if initial(v) == "calculated":
-            depends = xml.initial_dependencies(v, place)
+            depends = xml.initial_dependencies(v, model, place)
             xml.child(structure, "InitialUnknown", valueReference=place[v.name], **depends)
     return xml.document(root)

@@ -20,7 +20,7 @@ def variables_header(model: Model) -> str:
     lines = ["/* Generated from model.toml. */", "#ifndef VARIABLES_H", "#define VARIABLES_H", ""]
     for role, struct in _STRUCTS.items():
         # A derivative goes by the name of its state.
-        fields = model.fields[role]
+        fields = model.fields.get(role, ())
         if not fields:
             lines += [f"typedef struct {struct} {struct}; /* has no variables */", ""]
             continue
@@ -39,7 +39,7 @@ def _jacobian(model: Model) -> list[str]:
     """Return the struct of all partial derivatives: a row of states and inputs for each result."""
     if not model.is_continuous:
         return ["typedef struct Jacobian Jacobian; /* has no derivatives */", ""]
-    rows = {role: ", ".join(map(_member, model.fields[role])) for role in _STRUCTS}
+    rows = {role: ", ".join(map(_member, model.fields.get(role, ()))) for role in _STRUCTS}
     return [
         "typedef struct {",
         "    States x;",

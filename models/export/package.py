@@ -82,7 +82,7 @@ def build_fmu(
     """
     model = load_model(name).with_start(start or {})
     # What is expected is so for the start values of model.toml.
-    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, expected=not start)
+    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=not start)
 
 
 def pack_fmu(
@@ -91,12 +91,12 @@ def pack_fmu(
     *,
     fmi: FmiVersion = 2,
     platforms: Iterable[Platform] | None = None,
-    expected: bool = False,
+    reference: bool = False,
 ) -> Path:
     """Write ``folder/NAME.fmu`` of any model and return its path.
 
-    ``model.folder`` has its C and README.md, and reference.csv where ``expected`` results are to be
-    inside. The rest is as for ``build_fmu``.
+    ``model.folder`` has its C and README.md. With ``reference`` its reference.csv goes inside. The
+    rest is as for ``build_fmu``.
     """
     token = _token(model, fmi)
     files = c_files(model, fmi) | {"table.h": table_header(model, token)}
@@ -111,7 +111,7 @@ def pack_fmu(
     }
     if fmi == 2:  # FMI 3.0 does not want its headers inside
         texts |= {f"sources/{path}": content for path, content in fmi_headers(fmi).items()}
-    if expected:
+    if reference:
         texts |= layered_standard(model)
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))

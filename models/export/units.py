@@ -20,6 +20,24 @@ UNITS: dict[str, dict[str, int]] = {
     "s": {"s": 1},
 }
 
+
+DISPLAY = {
+    "m": {"mm": 1e3, "um": 1e6},
+    "m/s": {"mm/s": 1e3},
+    "s": {"ms": 1e3},
+    "N/m": {"N/um": 1e-6},
+}
+"""Unit -> what people read it in, and how many of those it is."""
+
+
+def rate_unit(unit: str) -> str:
+    """Return the unit of a derivative by time."""
+    exponents = {"s": 0, **UNITS[unit]}
+    exponents["s"] -= 1
+    wanted = {base: power for base, power in exponents.items() if power}
+    return next(name for name, known in UNITS.items() if known == wanted)
+
+
 # symbol -> factor and exponents of kg, m, s, A, K, mol, cd, rad
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _SYMBOLS: dict[str, tuple[float, tuple[int, ...]]] = {
@@ -88,20 +106,3 @@ def _symbol(text: str) -> tuple[float, tuple[int, ...]] | None:
         return found
     factor, scaled = _PREFIXES.get(text[0]), _SYMBOLS.get(text[1:])
     return (factor * scaled[0], scaled[1]) if factor and scaled else None
-
-
-DISPLAY = {
-    "m": {"mm": 1e3, "um": 1e6},
-    "m/s": {"mm/s": 1e3},
-    "s": {"ms": 1e3},
-    "N/m": {"N/um": 1e-6},
-}
-"""Unit -> what people read it in, and how many of those it is."""
-
-
-def rate_unit(unit: str) -> str:
-    """Return the unit of a derivative by time."""
-    exponents = {"s": 0, **UNITS[unit]}
-    exponents["s"] -= 1
-    wanted = {base: power for base, power in exponents.items() if power}
-    return next(name for name, known in UNITS.items() if known == wanted)

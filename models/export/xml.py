@@ -60,12 +60,12 @@ def root(model: Model, version: str, **attributes: str) -> ET.Element:
             "fmiVersion": version,
             "modelName": model.name,
             "description": f"{model.title}. {model.description}",
-            "version": model.version,
             "author": "The stickslip authors",
             "copyright": "(c) 2026 The stickslip authors",
             "license": "MIT",
             "generationTool": "stickslip",
             "variableNamingConvention": "structured" if _structured(model) else "flat",
+            **({"version": model.version} if model.version else {}),
             **attributes,
         },
     )
@@ -79,11 +79,11 @@ def add_units(parent: ET.Element, model: Model) -> None:
     """Append the UnitDefinitions of the units that the model uses."""
     definitions = child(parent, "UnitDefinitions")
     for unit in sorted({v.unit for v in model.variables if v.unit}):
-        element, base = child(definitions, "Unit", name=unit), base_unit(unit)
+        definition, base = child(definitions, "Unit", name=unit), base_unit(unit)
         if base is not None:
-            child(element, "BaseUnit", **base)
+            child(definition, "BaseUnit", **base)
         for name, factor in DISPLAY.get(unit, {}).items():
-            child(element, "DisplayUnit", name=name, factor=factor)
+            child(definition, "DisplayUnit", name=name, factor=factor)
 
 
 def add_log_categories(parent: ET.Element) -> None:
@@ -122,9 +122,13 @@ def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict
     }
 
 
-def initial_dependencies(v: Variable, place: Mapping[str, int]) -> dict[str, object]:
-    """Return both attributes of an element of InitialUnknowns, where parameters count as well."""
-    listed = sorted(place[name] for name in {*v.depends, *v.uses})
+def initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[str, object]:
+    """Return both attributes of an element of InitialUnknowns, where parameters count as well.
+
+    What is sampled answers its inputs from the first sample on.
+    """
+    at_once = () if model.sampled else v.depends
+    listed = sorted(place[name] for name in {*at_once, *v.uses})
     return {
         "dependencies": " ".join(map(str, listed)),
         "dependenciesKind": " ".join("dependent" for _ in listed),

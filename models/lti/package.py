@@ -87,11 +87,15 @@ def _matrices(system: LinearSystem, step: float, held: bool) -> str:
     """Return ``matrices.h``."""
     n, m, p = len(system.states), len(system.inputs), len(system.outputs)
     tables = {"A": system.A, "B": system.B, "C": system.C, "D": system.D}
+    norm = 0.0
     if not system.dt:
-        tables |= _over(step, system)
+        balance = _balance(system.A)
+        norm = np.abs(system.A * balance / balance[:, None]).sum(axis=1).max(initial=0.0)
+        tables |= _over(step, system, balance)
     lines = [
         f"enum {{ N = {n}, M = {m}, P = {p}, R = N + 1, HELD = {held:d} }};",
         f"#define STEP {step!r}",
+        f"#define NORM {float(norm)!r}",
         f"#define STATES(s) {'((s)->x)' if n else '((double *)(s))'}",
         f"#define INPUTS(s) {'((s)->u)' if m else '((const double *)(s))'}",
         *(["#define HAS_DERIVATIVES"] if has_derivatives(system) else []),
@@ -100,12 +104,16 @@ def _matrices(system: LinearSystem, step: float, held: bool) -> str:
     return "\n".join(["/* Generated. */", *lines, ""])
 
 
-def _over(step: float, system: LinearSystem) -> dict[str, Array]:
-    """Return how to balance A, and by what A and B change the state over a step."""
+def _balance(A: Array) -> Array:
+    """Return by what to scale the states (n,), powers of 2, so that rows and columns are alike."""
+    if not len(A):
+        return np.ones(0)
+    return np.array(matrix_balance(A, permute=False, separate=True)[1][0])
+
+
+def _over(step: float, system: LinearSystem, balance: Array) -> dict[str, Array]:
+    """Return the scales, and by what A and B change the state over a step."""
     n, m = system.B.shape
-    balance: Array = np.ones(n)
-    if n:
-        balance = np.array(matrix_balance(system.A, permute=False, separate=True)[1][0])
     A, B = system.A * balance / balance[:, None], system.B / balance[:, None]
     scale = np.abs(B).max(initial=0.0) or 1.0
     rates = np.vstack([np.hstack([A, B / scale]), np.zeros((m, n + m))])
