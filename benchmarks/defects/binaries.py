@@ -57,6 +57,7 @@ _BOTH = [
     ("history", "rates-depend-on-history"),
     ("nominal", "bad-state-nominal"),
     ("iterates", "does-not-run"),
+    ("nonlinear", "wrong-dependency-kind"),
     ("reset-fails", "call-fails"),
     ("input-stuck", "fails-when-inputs-move"),
     ("null-message", "bad-message"),

@@ -59,7 +59,7 @@ def leaks_memory(bench: Bench) -> Claims:
         return
     used = []
     for _ in range(3):
-        for _ in range(_CYCLES):
+        for _ in bench.while_time(range(_CYCLES)):
             instance = bench.new()
             instance.enter_initialisation(bench.start_time)
             instance.exit_initialisation()
