@@ -17,6 +17,7 @@ _BOTH = [
     ("crash", "crash"),
     ("abort", "crash"),
     ("stack", "crash"),
+    ("unload", "crash"),
     ("exit", "ends-the-process"),
     ("hang", "hang"),
     ("flood", "floods-output"),

@@ -114,6 +114,11 @@ static void load(State *s) {
         s->v[W + i] = i + 1;
 }
 
+__attribute__((destructor)) static void unload(void) {
+    if (has("unload"))
+        abort();
+}
+
 static Model *make(const char *name, const char *token) {
     Model *m = calloc(1, sizeof *m);
     m->name = strdup(name);
