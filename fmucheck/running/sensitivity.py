@@ -165,7 +165,7 @@ def wrong_dependency_kind(bench: Bench) -> Claims:
 
 @rule(Severity.ERROR, fmi2="4.2.1", fmi3="4.2", advice="compute it, or declare order 0")
 def output_derivatives_fail(bench: Bench) -> Claims:
-    """MaxOutputDerivativeOrder is declared, but the derivatives of outputs cannot be had."""
+    """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
     order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
     wanted = [u.variable for u in _unknowns(bench) if u.variable]
     if bench.is_exchange or not order or not wanted:
@@ -184,7 +184,7 @@ def output_derivatives_fail(bench: Bench) -> Claims:
 
 @rule(Severity.ERROR, fmi2="4.2.1", fmi3=None, advice="accept them, or declare false")
 def input_derivatives_fail(bench: Bench) -> Claims:
-    """CanInterpolateInputs is declared, but derivatives of inputs cannot be set."""
+    """It declares canInterpolateInputs, but takes no derivatives of inputs."""
     known = [v for v in _knowns(bench) if v.causality == "input"]
     if bench.is_exchange or not bench.interface.flag("canInterpolateInputs") or not known:
         return
