@@ -17,7 +17,16 @@ Claim = tuple[str, str]
 Claims = Iterable[Claim]
 
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
-_STAGES = "archive document description files binaries running rerunning ending".split()
+_STAGES = [
+    "archive",
+    "document",
+    "description",
+    "files",
+    "binaries",
+    "running",
+    "rerunning",
+    "ending",
+]
 _MOST = 20  # claims of one rule about one file that are told
 
 
