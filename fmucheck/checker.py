@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from fmucheck.archive.reading import Archive, read_archive, unpack
+from fmucheck.archive.reading import read_archive, unpack
 from fmucheck.description.reading import read_description
 from fmucheck.document import claimed_version, judged_version
 from fmucheck.finding import Report
@@ -47,10 +47,11 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
     with tempfile.TemporaryDirectory(prefix="fmucheck-") as folder:
         content = Path(folder, "fmu")
         content.mkdir()
+        members: frozenset[str] = frozenset()
         if archive.fault is None and not archive.is_bomb:
-            unpack(archive, content)
+            members = unpack(archive, content)
         _judge(report, "archive", archive, None)
-        if fmu := _judge_content(report, archive, content):
+        if fmu := _judge_content(report, members, content):
             blocked = report.rules & _BLOCKING
             runs = findings_of_runs(fmu, blocked, timeout) if run else ()
             report.findings += runs
@@ -64,11 +65,10 @@ def _judge(report: Report, name: str, subject: object, version: int | None) -> N
         report.findings += rule.findings(subject, version)
 
 
-def _judge_content(report: Report, archive: Archive, folder: Path) -> Fmu | None:
-    file = folder / _DESCRIPTION
-    if not file.is_file():
+def _judge_content(report: Report, members: frozenset[str], folder: Path) -> Fmu | None:
+    if _DESCRIPTION not in members:
         return None
-    document = read_document(_DESCRIPTION, file.read_bytes())
+    document = read_document(_DESCRIPTION, (folder / _DESCRIPTION).read_bytes())
     report.fmi = claimed_version(document)
     version = judged_version(document)
     _judge(report, "document", document, version)
@@ -76,9 +76,6 @@ def _judge_content(report: Report, archive: Archive, folder: Path) -> Fmu | None
         return None
     description = read_description(document.root, version)
     _judge(report, "description", description, version)
-    members = frozenset(
-        m.orig_filename for m in archive.files if (folder / m.orig_filename).is_file()
-    )
     fmu = Fmu(report.path, folder, members, description)
     _judge(report, "files", fmu, version)
     _judge(report, "binaries", fmu, version)

@@ -57,7 +57,7 @@ def fmi1_is_not_judged(document: Document) -> Claims:
 
 @rule(Severity.ERROR, fmi2="2.2.1", fmi3="2.4.1", advice="write 2.0 or 3.0")
 def unknown_version(document: Document) -> Claims:
-    """FmiVersion is missing, or is no version of FMI."""
+    """The fmiVersion is missing, or is no version of FMI."""
     claimed = claimed_version(document)
     if document.root is not None and claimed not in ("1.0", "2.0", "3.0"):
         yield document.name, f'fmiVersion="{claimed}"; expected 2.0 or 3.0'

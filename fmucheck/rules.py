@@ -17,6 +17,16 @@ Claim = tuple[str, str]
 Claims = Iterable[Claim]
 
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
+_STAGES = [
+    "archive",
+    "document",
+    "description",
+    "files",
+    "binaries",
+    "running",
+    "rerunning",
+    "ending",
+]
 _MOST = 20  # claims of one rule about one file that are told
 
 
@@ -100,7 +110,7 @@ def stage(name: str) -> list[Rule]:
 def table() -> str:
     """Return all rules as a table in Markdown."""
     rows = ["| rule | severity | FMI 2.0.5 | FMI 3.0.2 | finds |", "|---|---|---|---|---|"]
-    for each in RULES.values():
+    for each in sorted(RULES.values(), key=lambda each: _STAGES.index(each.stage)):
         sections = " | ".join(each.sections.get(v, "–") for v in (2, 3))
         rows.append(f"| `{each.id}` | {each.severity} | {sections} | {each.summary} |")
     return "\n".join(rows)

@@ -103,6 +103,8 @@ _FMI2 = [
     ("start-differs", "in the description", 'max="10" start="2"', 'max="10" start="3"'),
     ("wrong-count", "event indicators", 'numberOfEventIndicators="1"', 'numberOfEventIndicators="0"'),
     ("undeclared-category", "not listed", '<Category name="logEvents"/>', ""),
+    ("output-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation maxOutputDerivativeOrder="1" '),
+    ("input-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation canInterpolateInputs="true" '),
     ("start-not-of-type", "too large", '"0" start="0"', '"0" start="3000000000"'),
     ("dependency-never-seen", "on the input", 'index="9" dependencies=""', 'index="9" dependencies="2"'),
 ]  # fmt: skip

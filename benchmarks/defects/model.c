@@ -91,7 +91,7 @@ static double derivative(State *s) {
 
 static void refresh(State *s) {
     s->v[DER_X] = derivative(s);
-    s->v[Y] = s->v[X] + s->v[D] * s->v[U];
+    s->v[Y] = s->v[X] + s->v[D] * s->v[U] * (has("nonlinear") ? 1 + s->v[U] : 1);
     s->v[Z] = 2 * s->v[X] + (has("feedthrough") ? 0.1 * s->v[U] : 0);
     s->v[INDICATOR] = s->v[X] + 100;
     if (has("output-nan") && s->v[TIME] > 0.25)
@@ -112,6 +112,11 @@ static void load(State *s) {
     s->v[MODE] = 1;
     for (int i = 0; i < 3; i++)
         s->v[W + i] = i + 1;
+}
+
+__attribute__((destructor)) static void unload(void) {
+    if (has("unload"))
+        abort();
 }
 
 static Model *make(const char *name, const char *token) {

@@ -83,10 +83,11 @@ def read_archive(path: Path) -> Archive:
         return Archive(path, fault=getattr(fault, "strerror", None) or str(fault))
 
 
-def unpack(archive: Archive, folder: Path) -> None:
-    """Write every safe, readable member below ``folder``; note the damaged ones.
+def unpack(archive: Archive, folder: Path) -> frozenset[str]:
+    """Write every safe, readable member below ``folder`` and return their names.
 
-    Links, members with unsafe names and further members of the same name are left out.
+    Links, members with unsafe names and further members of the same name are left out; damaged
+    ones are noted.
     """
     seen: set[str] = set()
     with zipfile.ZipFile(archive.path) as file:
@@ -104,3 +105,4 @@ def unpack(archive: Archive, folder: Path) -> None:
                 archive.damaged[name] = str(fault)
                 if target.is_file():
                     target.unlink()
+    return frozenset(seen - archive.damaged.keys())

@@ -92,7 +92,7 @@ def independent_variable(description: Description) -> Claims:
 
 @rule(Severity.WARNING, fmi2="2.2.7", fmi3="2.4.7.4", advice="remove the attribute")
 def multiple_set_of_no_input(description: Description) -> Claims:
-    """CanHandleMultipleSetPerTimeInstant stands at a variable that is no input."""
+    """The flag canHandleMultipleSetPerTimeInstant stands at a variable that is no input."""
     for v in description.variables:
         if "canHandleMultipleSetPerTimeInstant" in v.given and v.causality != "input":
             yield v.place, f"canHandleMultipleSetPerTimeInstant, but causality {v.causality}"

@@ -28,7 +28,7 @@ def repeated_dependency(description: Description) -> Claims:
 
 @rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="give one kind for each dependency")
 def kinds_do_not_match(description: Description) -> Claims:
-    """DependenciesKind has another length than dependencies, or stands alone."""
+    """The dependenciesKind are not as many as the dependencies, or stand alone."""
     for unknown in description.unknowns:
         if unknown.kinds is None:
             continue

@@ -19,7 +19,7 @@ def experiment_number(description: Description, name: str) -> Number | None:
 
 @rule(Severity.ERROR, fmi2="2.2.5", fmi3="2.4.6", advice="stop after the start")
 def stop_before_start(description: Description) -> Claims:
-    """StopTime is not after startTime."""
+    """The stopTime is not after startTime."""
     start = experiment_number(description, "startTime") or 0.0
     stop = experiment_number(description, "stopTime")
     if stop is not None and stop <= start:

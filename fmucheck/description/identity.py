@@ -22,7 +22,7 @@ def no_interface(description: Description) -> Claims:
 
 @rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2", advice="use letters, digits and _, no digit first")
 def bad_model_identifier(description: Description) -> Claims:
-    """ModelIdentifier is no name in C; with path parts it even points outside the FMU."""
+    """The modelIdentifier is no name in C; with path parts it even points outside the FMU."""
     for interface in description.interfaces:
         if not _C_NAME.fullmatch(interface.identifier):
             yield interface.place, f'modelIdentifier="{interface.identifier}" is not a C name'
@@ -37,14 +37,14 @@ def empty_token(description: Description) -> Claims:
 
 @rule(Severity.WARNING, fmi2="2.2.1", fmi3="2.4.1", advice="name the model")
 def empty_model_name(description: Description) -> Claims:
-    """ModelName is empty."""
+    """The modelName is empty."""
     if not description.root.get("modelName", "").strip():
         yield _FILE, "modelName is empty"
 
 
 @rule(Severity.WARNING, fmi2="2.2.1", fmi3="2.4.1", advice="write YYYY-MM-DDThh:mm:ssZ")
 def date_not_utc(description: Description) -> Claims:
-    """GenerationDateAndTime is not written as UTC with Z."""
+    """The generationDateAndTime is not written as UTC with Z."""
     date = description.root.get("generationDateAndTime")
     if date is not None and not _UTC.fullmatch(date.strip()):
         yield _FILE, f'generationDateAndTime="{date}"'

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import math
+import time
+from collections.abc import Callable, Iterable, Iterator
 from ctypes import byref, c_bool, c_char_p, c_int, c_size_t, c_void_p
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from fmucheck.description.experiment import experiment_number
 from fmucheck.description.model import Description, Interface, Variable
@@ -21,6 +23,8 @@ from fmucheck.running.instance import Instance, Values
 
 Settings = list[tuple[str, object]]
 """Settings of a process by name."""
+Thing = TypeVar("Thing")
+PATIENCE = 8.0  # s for one rule that tries one thing after the other
 MOST_READ = 500  # variables read at every step
 
 
@@ -35,6 +39,8 @@ class Bench:
     before : settings of the process before the library was loaded
     first : what an earlier process found out, for rules that compare two processes
     results : what is found out, for a later process
+    tick : tells the parent that work goes on
+    began : when the rule that is being tried began, by the monotonic clock
     """
 
     description: Description
@@ -44,6 +50,8 @@ class Bench:
     before: Settings
     first: dict[str, str] = field(default_factory=dict)
     results: dict[str, str] = field(default_factory=dict)
+    tick: Callable[[], None] = lambda: None
+    began: float = 0.0
     changes: list[tuple[Variable, Values]] | None = None
     seen: dict[tuple[str, int], set[int]] | None = None
     _open: list[Instance] = field(default_factory=list)
@@ -69,6 +77,7 @@ class Bench:
         self, *, token: str | None = None, logging: bool = True, logger: bool = True
     ) -> Instance | None:
         """Return a new instance, or ``None`` when the FMU refuses."""
+        self.tick()
         callbacks = Callbacks()
         words = [
             b"fmucheck",
@@ -147,6 +156,13 @@ class Bench:
         """Free one instance now."""
         self._open.remove(instance)
         instance.free()
+
+    def while_time(self, things: Iterable[Thing]) -> Iterator[Thing]:
+        """Yield things until the rule has taken long; slow FMUs are judged by fewer of them."""
+        for thing in things:
+            if time.monotonic() - self.began > PATIENCE:
+                return
+            yield thing
 
     # Variables
 

@@ -12,6 +12,7 @@ _LIBC.calloc.restype = c_void_p
 _LIBC.calloc.argtypes = (c_size_t, c_size_t)
 _LIBC.free.argtypes = (c_void_p,)
 
+MOST_MESSAGES = 10_000  # kept of one instance
 LOGGER2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
 LOGGER3 = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 _ALLOCATE = CFUNCTYPE(c_void_p, c_size_t, c_size_t)
@@ -61,10 +62,11 @@ class Callbacks:
     def _log2(
         self, _: int, __: bytes, status: int, category: bytes | None, text: bytes | None
     ) -> None:
-        self.messages.append(Message(status, _word(category), _word(text)))
+        self._log3(_, status, category, text)
 
     def _log3(self, _: int, status: int, category: bytes | None, text: bytes | None) -> None:
-        self.messages.append(Message(status, _word(category), _word(text)))
+        if len(self.messages) < MOST_MESSAGES:
+            self.messages.append(Message(status, _word(category), _word(text)))
 
     def _allocate(self, count: int, size: int) -> int | None:
         self.allocated += 1

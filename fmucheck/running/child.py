@@ -9,8 +9,10 @@ from __future__ import annotations
 import json
 import pickle
 import sys
+import time
 import traceback
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -61,12 +63,14 @@ def main(job_file: str, report_file: str) -> None:
 
 def _try(job: Job, bench: Bench, report: IO[str]) -> None:
     kind = bench.interface.kind
+    bench.tick = partial(_tell, report)
     for rule in fmucheck.rules.stage(job.stage):
         applies = job.description.version in rule.sections
         if kind == "ScheduledExecution":
             applies = applies and rule.id in LOADING
         if applies and (kind, rule.id) not in job.tried:
             _tell(report, begin=[kind, rule.id])
+            bench.began = time.monotonic()
             claims, failed, puzzled = _claims(bench, rule)
             told = {"claims": claims, "failed": failed, "puzzled": puzzled}
             _tell(report, **told, results=bench.results)

@@ -69,7 +69,7 @@ def _initial(bench: Bench) -> Iterator[Seen]:
     exact = [v for v in bench.description.variables if _movable(v) and v.variability != "constant"]
     knowns = [v for v in exact if v.initial == "exact" and v.causality != "structuralParameter"]
     everything = [*bench.inputs, *knowns][:_MOST] if unknowns else []
-    for known, shift in itertools.product(everything, (False, True)):
+    for known, shift in bench.while_time(itertools.product(everything, (False, True))):
         instance = bench.new()
         try:
             instance.enter_initialisation(bench.start_time)
@@ -90,7 +90,7 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
     unknowns = [u.variable for u in _unknowns(bench, _stepped(bench)) if u.variable]
     inputs = [v for v in bench.inputs if not bench.is_exchange or v.variability == "continuous"]
     states = [v for v in bench.description.states if not v.dimensions] if bench.is_exchange else []
-    for known in [*inputs, *states][:_MOST] if unknowns else ():
+    for known in bench.while_time([*inputs, *states][:_MOST]) if unknowns else ():
         for steps in _STEPS:
             run = new_run(bench, watching=False)
             try:
@@ -109,7 +109,8 @@ def _after_steps(bench: Bench) -> Iterator[Seen]:
     No dependency in the sense of the standard, but reason enough for one to be declared.
     """
     outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
-    for known in bench.inputs[:_MOST] if outputs and not bench.is_exchange else ():
+    knowns = bench.inputs[:_MOST] if outputs and not bench.is_exchange else []
+    for known in bench.while_time(knowns):
         try:
             rows = [_rows(bench, outputs, shifted) for shifted in (None, known)]
         except CallFailed:

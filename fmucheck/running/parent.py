@@ -147,9 +147,11 @@ class _Child:
         with output.open("rb") as stream:
             self.text = stream.read(2000).decode("utf-8", "replace")
         interface, during, done = self._read(report)
-        if done and reason == "exit":
-            return None
         status = process.returncode if reason == "exit" else None
+        if done and status == 0:
+            return None
+        if done:
+            interface, during = "unloading the library", ""
         if reason == "exit" and (status or 0) < 0:
             reason = "crash"
         return Ending(interface, during, reason, status, self.text, timeout)

@@ -59,7 +59,7 @@ def leaks_memory(bench: Bench) -> Claims:
         return
     used = []
     for _ in range(3):
-        for _ in range(_CYCLES):
+        for _ in bench.while_time(range(_CYCLES)):
             instance = bench.new()
             instance.enter_initialisation(bench.start_time)
             instance.exit_initialisation()
@@ -72,7 +72,7 @@ def leaks_memory(bench: Bench) -> Claims:
 
 @rule(Severity.ERROR, fmi2="3.3.1", fmi3=None, advice="do not call them, or declare false")
 def memory_callbacks_used(bench: Bench) -> Claims:
-    """CanNotUseMemoryManagementFunctions is declared, but the callbacks for memory are used."""
+    """It declares canNotUseMemoryManagementFunctions, but uses callbacks for memory."""
     if bench.interface.flag("canNotUseMemoryManagementFunctions"):
         count = finished(bench).instance.callbacks.allocated
         if count:

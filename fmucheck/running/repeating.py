@@ -80,7 +80,7 @@ def reset_forgets_something(bench: Bench) -> Claims:
 
 @rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="allow it, or declare the flag false")
 def variable_steps_fail(bench: Bench) -> Claims:
-    """CanHandleVariableCommunicationStepSize is declared, but steps of other sizes fail."""
+    """It declares canHandleVariableCommunicationStepSize, but other steps fail."""
     if bench.is_exchange or not bench.interface.flag("canHandleVariableCommunicationStepSize"):
         return
     run = new_run(bench)

@@ -87,7 +87,7 @@ class Run:
 
     def branch(self, instance: Instance | None = None) -> Run:
         """Return a run that goes on from here, with another instance if one is given."""
-        other = copy.copy(self)
-        other.rows = []
-        other.instance = instance or self.instance
-        return other
+        twin = copy.copy(self)
+        twin.rows = []
+        twin.instance = instance or self.instance
+        return twin

@@ -7,6 +7,7 @@ from ctypes import c_double, c_size_t
 from dataclasses import dataclass
 
 from fmucheck.description.model import Unknown, Variable
+from fmucheck.description.values import whole
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
 from fmucheck.running.bench import Bench
@@ -146,10 +147,26 @@ def wrong_adjoint_derivative(bench: Bench) -> Claims:
         yield from _compared(bench, "GetAdjointDerivative")
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="4.2", advice="compute it, or declare order 0")
+@rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="write dependent")
+def wrong_dependency_kind(bench: Bench) -> Claims:
+    """A dependency is declared as a constant or fixed factor, but the factor changes in a run."""
+    runs = [_at(bench, steps) for steps in (*_PLACES, 9)]
+    for unknown in _unknowns(bench) if not any(run.ended for run in runs) else ():
+        for (_, known), kind in zip(unknown.dependencies or (), unknown.kinds or (), strict=False):
+            if kind not in ("constant", "fixed") or known is None or known not in _knowns(bench):
+                continue
+            if unknown.variable is None or unknown.variable is known or bench.still:
+                continue
+            slopes = [s for run in runs if (s := _slope(run, unknown.variable, known))]
+            if any(not slopes[0].agrees(other.value) for other in slopes[1:]):
+                factors = ", ".join(f"{s.value:.6g}" for s in slopes)
+                yield unknown.place, f"{kind} factor of {known.name}, but it is {factors}"
+
+
+@rule(Severity.ERROR, fmi2="4.2.1", fmi3="4.2", advice="compute it, or declare order 0")
 def output_derivatives_fail(bench: Bench) -> Claims:
-    """MaxOutputDerivativeOrder is declared, but the derivatives of outputs cannot be had."""
-    order = int(bench.interface.given.get("maxOutputDerivativeOrder", "0") or 0)
+    """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
+    order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
     wanted = [u.variable for u in _unknowns(bench) if u.variable]
     if bench.is_exchange or not order or not wanted:
         return
@@ -158,6 +175,25 @@ def output_derivatives_fail(bench: Bench) -> Claims:
     orders = references([1] * len(wanted))
     result = (c_double * len(wanted))()
     numbers = references([v.reference or 0 for v in wanted])
-    status = run.instance.status("GetOutputDerivatives", numbers, n, orders, result, n)
+    two = bench.description.version == 2
+    name = "GetRealOutputDerivatives" if two else "GetOutputDerivatives"
+    status = run.instance.status(name, numbers, n, orders, result, *([] if two else [n]))
     if status > 1:
-        yield f"{bench.binary.prefix}GetOutputDerivatives", f"returned {status_name(status)}"
+        yield f"{bench.binary.prefix}{name}", f"returned {status_name(status)}"
+
+
+@rule(Severity.ERROR, fmi2="4.2.1", fmi3=None, advice="accept them, or declare false")
+def input_derivatives_fail(bench: Bench) -> Claims:
+    """It declares canInterpolateInputs, but takes no derivatives of inputs."""
+    known = [v for v in _knowns(bench) if v.causality == "input"]
+    if bench.is_exchange or not bench.interface.flag("canInterpolateInputs") or not known:
+        return
+    run = _at(bench, 3)
+    count = c_size_t(len(known))
+    numbers = references([v.reference or 0 for v in known])
+    values = (c_double * len(known))()
+    status = run.instance.status(
+        "SetRealInputDerivatives", numbers, count, references([1] * len(known)), values
+    )
+    if status > 1:
+        yield f"{bench.binary.prefix}SetRealInputDerivatives", f"returned {status_name(status)}"

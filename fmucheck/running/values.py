@@ -92,7 +92,7 @@ def _same(v: Variable, expected: Values, got: Values) -> bool:
 @rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="store what is set")
 def set_value_is_lost(bench: Bench) -> Claims:
     """A parameter that is set before initialisation has another value after it."""
-    for v in bench.parameters[:100]:
+    for v in bench.while_time(bench.parameters[:100]):
         values = other(v)
         if values is None:
             continue
@@ -112,7 +112,7 @@ def set_value_is_lost(bench: Bench) -> Claims:
 @rule(Severity.WARNING, fmi2="2.1.7", fmi3="2.2.7", advice="declare min and max, or take the value")
 def set_refused(bench: Bench) -> Claims:
     """A parameter cannot be set before initialisation to a value within its range."""
-    for v in bench.parameters[:100]:
+    for v in bench.while_time(bench.parameters[:100]):
         values = other(v)
         instance = bench.new()
         try:

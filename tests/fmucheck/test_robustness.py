@@ -76,7 +76,9 @@ def test_nothing_is_left_and_nothing_leaves_the_folder(tmp_path, monkeypatch):
     room = tmp_path / "room"
     room.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(room))
-    evil = members(2) | {"../../evil": b"", "/tmp/fmucheck-evil": b""}  # noqa: S108 (not written)
-    fmucheck.check(pack(tmp_path / "evil.fmu", evil))
+    outside = "terminalsAndIcons/../../../../../../../../etc/hostname"
+    names = ("../../evil", "/tmp/fmucheck-evil", outside)  # noqa: S108 (not written)
+    report = fmucheck.check(pack(tmp_path / "evil.fmu", members(2) | dict.fromkeys(names, b"")))
+    assert {f.place for f in report if f.rule == "unsafe-path"} == {repr(name) for name in names}
     assert list(room.iterdir()) == []
     assert sorted(p.name for p in tmp_path.iterdir()) == ["evil.fmu", "room"]

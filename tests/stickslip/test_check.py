@@ -6,6 +6,7 @@ import zipfile
 import pytest
 
 import models
+from benchmarks.defects import binaries
 from stickslip.cli import main
 
 
@@ -64,3 +65,17 @@ def test_strict_counts_warnings(sound, tmp_path, capsys):
 def test_a_missing_file_is_one_clear_line(tmp_path, capsys):
     assert main(["check", str(tmp_path / "none.fmu")]) == 1
     assert "none.fmu: No such file" in capsys.readouterr().err
+
+
+def test_no_run_does_not_load_the_binary(tmp_path, capsys):
+    seed = next(seed for seed in binaries.SEEDS if seed.what == "exit")
+    path = str(seed.make(tmp_path))
+    assert main(["check", path]) == 1
+    assert "ends-the-process" in capsys.readouterr().out
+    assert main(["check", path, "--no-run"]) == 0
+
+
+def test_a_hanging_binary_is_given_up(tmp_path, capsys):
+    seed = next(seed for seed in binaries.SEEDS if seed.what == "hang")
+    assert main(["check", str(seed.make(tmp_path)), "--timeout", "1"]) == 1
+    assert "did not return in 1 s" in capsys.readouterr().out
