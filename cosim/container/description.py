@@ -54,6 +54,9 @@ def model_description(
         "modelName": name,
         "guid" if version == 2 else "instantiationToken": token,
         "description": "A system of coupled FMUs, stepped by the kernel of stickslip",
+        "version": "1.0",
+        "author": "The authors of its components",
+        "license": "That of each component: documentation/licenses/license.txt",
         "generationTool": "stickslip",
         "variableNamingConvention": "structured" if structured else "flat",
     }

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
+from lxml import etree
+
 if TYPE_CHECKING:
     from cosim.system import System
 
@@ -30,7 +32,7 @@ all components.</p>
 {connections}
 <h2>Licence</h2>
 <p>The components lie in <code>resources/</code> as they came, each under the licence that it states
-itself.</p>
+itself: <a href="licenses/license.txt">licenses/license.txt</a>.</p>
 </body>
 </html>
 """
@@ -48,6 +50,15 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
         connections=_table(("from", "to"), feeds),
         delay=", each late by one step" if jacobi else "",
     )
+
+
+def licences(system: System) -> str:
+    """Return what the components say of their licences, a line each."""
+    lines = ["The FMUs in resources/ stay under their own licences:", ""]
+    for name, fmu in system.components.items():
+        root = etree.parse(fmu.folder / "modelDescription.xml").getroot()
+        lines.append(f"{name} ({fmu.name}): {root.get('license') or 'not stated'}")
+    return "\n".join([*lines, ""])
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

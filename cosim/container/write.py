@@ -14,7 +14,7 @@ import fmpy
 import toolchain
 from cosim import kernel
 from cosim.container.description import model_description
-from cosim.container.documentation import index
+from cosim.container.documentation import index, licences
 from cosim.container.faces import refusals
 from cosim.container.tables import system_header
 from cosim.container.variables import shown_variables
@@ -116,6 +116,7 @@ def write_fmu(
     members = {
         "modelDescription.xml": described(token).encode(),
         "documentation/index.html": index(system, order, step, jacobi=jacobi).encode(),
+        "documentation/licenses/license.txt": licences(system).encode(),
     }
     members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():

@@ -104,12 +104,13 @@ def _stepping(bench: Bench) -> Iterator[Seen]:
 
 
 def _after_steps(bench: Bench) -> Iterator[Seen]:
-    """Yield what is seen in the steps of Co-Simulation after a known was moved.
+    """Yield what is seen after a known was moved, in steps of Co-Simulation or with events alone.
 
     No dependency in the sense of the standard, but reason enough for one to be declared.
     """
     outputs = [u.variable for u in _unknowns(bench, ("Output",)) if u.variable]
-    knowns = bench.inputs[:_MOST] if outputs and not bench.is_exchange else []
+    moves_by_itself = bench.is_exchange and bench.description.states
+    knowns = bench.inputs[:_MOST] if outputs and not moves_by_itself else []
     for known in bench.while_time(knowns):
         try:
             rows = [_rows(bench, outputs, shifted) for shifted in (None, known)]
@@ -173,14 +174,15 @@ def undeclared_dependency(bench: Bench) -> Claims:
             yield unknown.place, f"moves with {listed(extra)}, which is not listed"
 
 
-@rule(Severity.NOTE, fmi2="2.2.8", fmi3="2.4.8", advice="remove it if it never matters")
+@rule(Severity.NOTE, fmi2="2.2.8", fmi3="2.4.8", advice="remove what never matters")
 def dependency_never_seen(bench: Bench) -> Claims:
-    """A variable never moves with a known that its dependencies list."""
+    """A variable moves with nothing that its dependencies list, by whatever interface."""
     names = {v.index: v.name for v in bench.description.variables}
     seen = _seen(bench)
     for unknown, declared, found, tried in _declared(bench):
         found = found | {unknown.variable.index} if unknown.variable else found
         if unknown.group == "Output":
             found |= seen.get((_LATER, unknown.variable.index if unknown.variable else 0), set())
-        if idle := [names[index] for index in sorted((declared & tried) - found)]:
+        idle = [names[index] for index in sorted(declared & tried)]
+        if idle and not declared & found:  # the others may wait for a parameter that turns them on
             yield unknown.place, f"does not move with {listed(idle)}"

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -23,8 +23,11 @@ from fmucheck.fmu import Fmu
 from fmucheck.running.child import Job
 from fmucheck.running.loading import GATES
 
+Claim = tuple[str, str]
+
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
+_UNANIMOUS = ("dependency-never-seen",)
 _SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
 _PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 
@@ -94,7 +97,7 @@ def _tried(
         ending = child.watch(timeout)
         results |= child.results
         for (_, rule), claims in child.claims.items():
-            for claim in claims:
+            for claim in _agreed(rule, claims, child.claims):
                 yield fmucheck.rules.RULES[rule].finding(claim, fmu.description.version)
         for (interface, rule, reason), text in child.failed.items():
             yield from _ended(Ending(interface, rule, reason, text=text), fmu)
@@ -111,6 +114,16 @@ def _tried(
         if ending.during in GATES:
             del libraries[ending.interface]
         job = replace(job, libraries=libraries, tried=tried, first=job.first | child.results)
+
+
+def _agreed(
+    rule: str, claims: list[Claim], everywhere: Mapping[tuple[str, str], list[Claim]]
+) -> list[Claim]:
+    """Return the claims that stand: of some rules those that every interface makes."""
+    if rule not in _UNANIMOUS:
+        return claims
+    places = [{place for place, _ in made} for (_, r), made in everywhere.items() if r == rule]
+    return [claim for claim in claims if all(claim[0] in made for made in places)]
 
 
 @dataclass

@@ -81,6 +81,8 @@ def test_its_page_tells_what_is_inside(loop, version, tmp_path):
     path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
     with zipfile.ZipFile(path) as archive:
         page = archive.read("documentation/index.html").decode()
+        licence = archive.read("documentation/licenses/license.txt").decode()
+    assert "plant (integrator): not stated" in licence
     for text in ("<h1>a loop</h1>", "0.01 s", "<td>plant.y</td><td>feedback.u</td>", "FMI 3.0"):
         assert text in page
 
