@@ -45,7 +45,8 @@ __attribute__((cold, noinline, unused)) static bool step_in_parts(Run *run, cons
 /* Take the row of step n into the sums. */
 typedef void Add(Run *run, int64_t n, const double *row);
 
-INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, bool constant) {
+INLINE bool walk_straight(Run *run, int64_t end, Step step_all, Add add, int64_t width,
+                          bool constant) {
     double *now = row_of(run, run->done);
     run->h = run->step;
     for (int64_t n = run->done; n < end; now += width) {
@@ -53,15 +54,28 @@ INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, b
         if (!constant) {
             run->h = run->start + (double)(n + 1) * run->step - run->t;
         }
-        if (!constant && UNLIKELY(n + 1 == run->event_end)) {
-            TRY(step_in_parts(run, now, now + width, step_all));
-        } else {
-            TRY(step_all(run, now, now + width));
-        }
+        TRY(step_all(run, now, now + width));
         add(run, ++n, now + width);
         run->done = n;
     }
     return true;
+}
+
+/* Straight on to the step of the next input event, that one in parts, and on. */
+INLINE bool walk(Run *run, int64_t end, Step step_all, Add add, int64_t width, bool constant) {
+    for (;;) {
+        const int64_t next = run->event_end;
+        const bool event = UNLIKELY(next != 0) && next <= end;
+        TRY(walk_straight(run, event ? next - 1 : end, step_all, add, width, constant));
+        if (LIKELY(!event)) {
+            return true;
+        }
+        double *now = row_of(run, next - 1);
+        run->t = run->start + (double)(next - 1) * run->step;
+        TRY(step_in_parts(run, now, now + width, step_all));
+        add(run, next, now + width);
+        run->done = next;
+    }
 }
 
 #endif
