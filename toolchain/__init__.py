@@ -9,6 +9,7 @@ The ground floor of the house: it knows C files and platforms, nothing of FMI or
         NotALibrary         bytes that are no ELF, PE or Mach-O library (also a ValueError)
 """
 
+from toolchain.binaries import binaries
 from toolchain.binary import Interface, interface
 from toolchain.cache import cache_directory, write_whole
 from toolchain.compiler import shared_library
@@ -31,6 +32,7 @@ __all__ = [
     "Platform",
     "ToolchainError",
     "WrongExports",
+    "binaries",
     "cache_directory",
     "host_platform",
     "interface",

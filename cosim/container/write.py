@@ -15,7 +15,7 @@ import toolchain
 from cosim import kernel
 from cosim.container.description import model_description
 from cosim.container.documentation import index, licences
-from cosim.container.faces import refusals
+from cosim.container.faces import refusals, standard_functions
 from cosim.container.tables import system_header
 from cosim.container.variables import shown_variables
 from cosim.coupling import Coupling
@@ -128,13 +128,15 @@ def _binaries(
     name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[toolchain.Platform]
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
-    parts: dict[str, list[bytes]] = {}
-    for target in targets:
+    functions = standard_functions(sources[f"system/fmi{fmi}FunctionTypes.h"])
+
+    def build(target: toolchain.Platform) -> Path:
         flags = ["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])]
-        library = toolchain.shared_library(name, sources, platform=target, flags=flags)
-        folder = target.fmi2 if fmi == 2 else target.tuple
-        parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
-    return {path: toolchain.universal(libraries) for path, libraries in parts.items()}
+        return toolchain.shared_library(
+            name, sources, platform=target, flags=flags, exports=functions
+        )
+
+    return toolchain.binaries(fmi, targets, build)
 
 
 def _folders(system: System) -> dict[str, str]:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import re
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from models.errors import UnknownModel
@@ -27,7 +25,7 @@ from models.export.sources import (
     text,
 )
 from models.export.terminals import terminals_and_icons
-from toolchain import Platform, host_platform, shared_library, universal, write_whole
+from toolchain import Platform, binaries, host_platform, shared_library, write_whole
 
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
@@ -115,7 +113,7 @@ def pack_fmu(
         texts |= layered_standard(model)
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))
-    members |= _binaries(model.name, files, fmi, list(platforms or [host_platform()]))
+    members |= _binaries(model.name, files, fmi, platforms or [host_platform()])
     return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
@@ -133,11 +131,14 @@ def write_cross_check(name: str, folder: Path | str) -> list[Path]:
 
 
 def _binaries(
-    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Sequence[Platform]
+    name: str, files: dict[str, str], fmi: FmiVersion, platforms: Iterable[Platform]
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
     headers = fmi_headers(fmi)
     files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
+    functions = re.findall(
+        r"^ *FMI._Export +\w+ +(\w+);", headers[f"fmi{fmi}Functions.h"], re.MULTILINE
+    )
 
     def build(platform: Platform) -> Path:
         # A fixed interface has parameters that not every model needs.
@@ -150,15 +151,7 @@ def _binaries(
             exports=functions,
         )
 
-    functions = re.findall(
-        r"^ *FMI._Export +\w+ +(\w+);", headers[f"fmi{fmi}Functions.h"], re.MULTILINE
-    )
-    parts: dict[str, list[bytes]] = {}
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for platform, library in zip(platforms, pool.map(build, platforms), strict=True):
-            folder = platform.fmi2 if fmi == 2 else platform.tuple
-            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
-    return {path: universal(libraries) for path, libraries in parts.items()}
+    return binaries(fmi, platforms, build)
 
 
 def _token(model: Model, fmi: FmiVersion) -> str:

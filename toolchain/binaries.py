@@ -1,0 +1,32 @@
+"""The libraries of an FMU for several platforms, by their place in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from toolchain.platforms import Platform
+from toolchain.universal import universal
+
+
+def binaries(
+    fmi: int, platforms: Iterable[Platform], build: Callable[[Platform], Path]
+) -> dict[str, bytes]:
+    """Build for all platforms side by side; return path in the FMU -> library.
+
+    Platforms that share a folder in FMI 2.0 share a universal library.
+
+    Parameters
+    ----------
+    fmi : version of the standard, which names the folders
+    build : returns the library of a platform
+    """
+    targets = list(platforms)
+    parts: dict[str, list[bytes]] = {}
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for platform, library in zip(targets, pool.map(build, targets), strict=True):
+            folder = platform.fmi2 if fmi == 2 else platform.tuple
+            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+    return {path: universal(libraries) for path, libraries in parts.items()}
