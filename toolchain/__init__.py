@@ -9,7 +9,7 @@ The ground floor of the house: it knows C files and platforms, nothing of FMI or
         NotALibrary         bytes that are no ELF, PE or Mach-O library (also a ValueError)
 """
 
-from toolchain.binaries import binaries
+from toolchain.binaries import binaries, standard_functions
 from toolchain.binary import Interface, interface
 from toolchain.cache import cache_directory, write_whole
 from toolchain.compiler import shared_library
@@ -37,6 +37,7 @@ __all__ = [
     "host_platform",
     "interface",
     "shared_library",
+    "standard_functions",
     "universal",
     "write_whole",
 ]

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from toolchain.platforms import Platform
 from toolchain.universal import universal
+
+
+def standard_functions(header: str) -> list[str]:
+    """Return what every FMU of a standard exports, as its ``fmi?Functions.h`` says."""
+    return re.findall(r"^ *FMI._Export +\w+ +(\w+);", header, re.MULTILINE)
 
 
 def binaries(

@@ -8,11 +8,6 @@ _PROTOTYPE = re.compile(r"typedef\s+(?P<result>\w+)\s+(?P<name>fmi\w+)TYPE\s*\((
 _PARAMETER = re.compile(r"(\w+)\s*(\[\])?$")
 
 
-def standard_functions(header: str) -> list[str]:
-    """Return the names of all functions of the standard, of ``fmi?FunctionTypes.h``."""
-    return [found["name"] for found in _PROTOTYPE.finditer(_plain(header))]
-
-
 def refusals(header: str, face: str, version: int) -> str:
     """Return C for all functions of the standard that ``face`` does not define.
 
@@ -21,21 +16,18 @@ def refusals(header: str, face: str, version: int) -> str:
     header : text of ``fmi2FunctionTypes.h`` or ``fmi3FunctionTypes.h``
     face : text of ``fmi2.c`` or ``fmi3.c``
     """
+    plain = " ".join(re.sub(r"/\*.*?\*/", " ", header, flags=re.DOTALL).split())
     present = set(re.findall(rf"fmi{version}\w+(?=\()", face))
     for kind in re.findall(r"^ACCESS\((\w+),", face, re.MULTILINE):
         present |= {f"fmi{version}Get{kind}", f"fmi{version}Set{kind}"}
     status = f"fmi{version}Status"
     functions = [
         _refusal(found, status)
-        for found in _PROTOTYPE.finditer(_plain(header))
+        for found in _PROTOTYPE.finditer(plain)
         if found["result"] == status and found["name"] not in present
     ]
     head = [f"#include <fmi{version}Functions.h>", '#include "container.h"']
     return "\n".join([*head, *functions, ""])
-
-
-def _plain(header: str) -> str:
-    return " ".join(re.sub(r"/\*.*?\*/", " ", header, flags=re.DOTALL).split())
 
 
 def _refusal(found: re.Match[str], status: str) -> str:

@@ -15,7 +15,7 @@ import toolchain
 from cosim import kernel
 from cosim.container.description import model_description
 from cosim.container.documentation import index, licences
-from cosim.container.faces import refusals, standard_functions
+from cosim.container.faces import refusals
 from cosim.container.tables import system_header
 from cosim.container.variables import shown_variables
 from cosim.coupling import Coupling
@@ -128,7 +128,7 @@ def _binaries(
     name: str, sources: Mapping[str, str], fmi: int, targets: Iterable[toolchain.Platform]
 ) -> dict[str, bytes]:
     """Return the libraries by path in the FMU."""
-    functions = standard_functions(sources[f"system/fmi{fmi}FunctionTypes.h"])
+    functions = toolchain.standard_functions(sources[f"system/fmi{fmi}Functions.h"])
 
     def build(target: toolchain.Platform) -> Path:
         flags = ["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])]

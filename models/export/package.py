@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import re
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -25,7 +24,14 @@ from models.export.sources import (
     text,
 )
 from models.export.terminals import terminals_and_icons
-from toolchain import Platform, binaries, host_platform, shared_library, write_whole
+from toolchain import (
+    Platform,
+    binaries,
+    host_platform,
+    shared_library,
+    standard_functions,
+    write_whole,
+)
 
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
@@ -136,9 +142,7 @@ def _binaries(
     """Return the libraries by path in the FMU."""
     headers = fmi_headers(fmi)
     files = grouped(files) | {f"system/{path}": content for path, content in headers.items()}
-    functions = re.findall(
-        r"^ *FMI._Export +\w+ +(\w+);", headers[f"fmi{fmi}Functions.h"], re.MULTILINE
-    )
+    functions = standard_functions(headers[f"fmi{fmi}Functions.h"])
 
     def build(platform: Platform) -> Path:
         # A fixed interface has parameters that not every model needs.
