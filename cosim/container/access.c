@@ -79,27 +79,33 @@ int access_get(const Access *access, const Component *c, Type type, uint32_t ref
 }
 
 int access_save(const Access *access, const Component *c, void **state) {
-    return ((int (*)(void *, void **))access->save)(c->instance, state);
+    return !access->save ? ERROR : ((int (*)(void *, void **))access->save)(c->instance, state);
 }
 
 int access_restore(const Access *access, const Component *c, void *state) {
-    return ((int (*)(void *, void *))access->restore)(c->instance, state);
+    return !access->restore ? ERROR
+                            : ((int (*)(void *, void *))access->restore)(c->instance, state);
 }
 
 int access_forget(const Access *access, const Component *c, void **state) {
-    return ((int (*)(void *, void **))access->forget)(c->instance, state);
+    return !access->forget ? ERROR : ((int (*)(void *, void **))access->forget)(c->instance, state);
 }
 
 int access_size(const Access *access, const Component *c, void *state, size_t *size) {
-    return ((int (*)(void *, void *, size_t *))access->size)(c->instance, state, size);
+    return !access->size
+               ? ERROR
+               : ((int (*)(void *, void *, size_t *))access->size)(c->instance, state, size);
 }
 
 int access_pack(const Access *access, const Component *c, void *state, void *bytes, size_t size) {
-    return ((int (*)(void *, void *, void *, size_t))access->pack)(c->instance, state, bytes, size);
+    return !access->pack ? ERROR
+                         : ((int (*)(void *, void *, void *, size_t))access->pack)(
+                               c->instance, state, bytes, size);
 }
 
 int access_unpack(const Access *access, const Component *c, const void *bytes, size_t size,
                   void **state) {
-    return ((int (*)(void *, const void *, size_t, void **))access->unpack)(c->instance, bytes,
-                                                                            size, state);
+    return !access->unpack ? ERROR
+                           : ((int (*)(void *, const void *, size_t, void **))access->unpack)(
+                                 c->instance, bytes, size, state);
 }

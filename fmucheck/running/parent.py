@@ -130,7 +130,7 @@ def _agreed(
 class _Child:
     job: Job
     folder: Path
-    claims: dict[tuple[str, str], list[tuple[str, str]]] = field(default_factory=dict)
+    claims: dict[tuple[str, str], list[Claim]] = field(default_factory=dict)
     failed: dict[tuple[str, str, str], str] = field(default_factory=dict)
     results: dict[str, dict[str, str]] = field(default_factory=dict)
     text: str = ""
