@@ -4,6 +4,9 @@
               ^ -                                                                |
               +------------- filter <- difference over T_s <------- sampler -----+
 
+A velocity filter can take the place of difference and filter. It sees the motor force too, and
+takes from it the feedforward that it is told of.
+
 Everything is discretised exactly for a held force, so the loop of FMUs without friction and
 quantisation follows the same difference equations.
 """
@@ -16,30 +19,8 @@ import control
 import numpy as np
 
 from cosim.control import frequency
-
-
-class ControlError(ValueError):
-    """No controller meets the specification; the message says what can be reached."""
-
-
-@dataclass(frozen=True)
-class Axis:
-    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s].
-
-    Raises
-    ------
-    ControlError
-        When m is not positive, tau_i negative, or a number not finite.
-    """
-
-    m: float
-    b: float
-    tau_i: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check("m", self.m, "kg", self.m > 0.0, "above 0")
-        _check("b", self.b, "N s/m", True, "a number")
-        _check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
+from cosim.control.axis import Array, Axis, ControlError, check
+from cosim.control.velocity_filter import VelocityFilter
 
 
 @dataclass(frozen=True)
@@ -65,13 +46,13 @@ class LoopSpecification:
     tau_f: float = 0.0
 
     def __post_init__(self) -> None:
-        _check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
-        _check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
+        check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
+        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
         inside = 0.0 < self.phase_margin < 180.0
-        _check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
+        check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
         inside = 0.0 < self.bandwidth < 0.5 / self.T_s
         limits = f"between 0 and half the sample rate, {0.5 / self.T_s:g} Hz"
-        _check("bandwidth", self.bandwidth, "Hz", inside, limits)
+        check("bandwidth", self.bandwidth, "Hz", inside, limits)
 
 
 @dataclass(frozen=True)
@@ -86,6 +67,11 @@ class VelocityLoop:
     open_loop : from velocity error to velocity estimate, discrete
     nominal : from v_cmd [m/s] to the velocity v_r [m/s], discrete, minimal: Fig. 2b of the paper
     compliance : from a feedforward force [N] to the velocity it adds [m/s], discrete
+    acceleration : from a_cmd [m/s2] to the velocity that m_ff a_cmd adds [m/s], with the states of
+        ``nominal``
+    m_ff : mass in the feedforward of inertia [kg], 0 for none
+    velocity_filter : what estimates the velocity, None for the controller's own difference; with
+        it ``nominal`` is not minimal, and tau_f is without effect
     """
 
     axis: Axis
@@ -96,6 +82,18 @@ class VelocityLoop:
     open_loop: control.StateSpace
     nominal: control.StateSpace
     compliance: control.StateSpace
+    acceleration: control.StateSpace
+    m_ff: float = 0.0
+    velocity_filter: VelocityFilter | None = None
+
+    def commands(self, v_cmd: Array) -> dict[str, Array]:
+        """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
+
+        With feedforward of inertia there is ``a_cmd`` too, what leads to the next velocity.
+        """
+        if self.m_ff == 0.0:
+            return {"v_cmd": v_cmd}
+        return {"v_cmd": v_cmd, "a_cmd": np.diff(v_cmd, append=v_cmd[-1]) / self.T_s}
 
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
@@ -146,36 +144,90 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
 
 
 def close_velocity_loop(
-    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float
+    axis: Axis,
+    T_s: float,
+    tau_f: float,
+    K_p: float,
+    K_i: float,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
 ) -> VelocityLoop:
     """Close the loop with given gains; units as in ``VelocityLoop``.
 
     Raises
     ------
     ControlError
-        When the closed loop is unstable.
+        When the closed loop is unstable, or the filter has another sample period.
     """
-    plant = _plant(axis, T_s)
-    estimator = _estimator(T_s, tau_f)
     # I+ = I + T_s K_i e,  u = K_p e + I+
     controller = control.ss(
         1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, name="controller", inputs="e", outputs="u_pi"
     )
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
+    if velocity_filter is None:
+        plant, estimator = _plant(axis, T_s), _estimator(T_s, tau_f)
+        seen = estimator * plant[1, 0]
+        told: list[control.StateSpace] = []
+    else:
+        check(
+            "T_s of the velocity filter",
+            velocity_filter.T_s,
+            "s",
+            velocity_filter.T_s == T_s,
+            f"{T_s:g}",
+        )
+        plant, estimator = _plant_with_force(axis, T_s), velocity_filter.system()
+        seen = estimator * plant[[1, 2], 0]
+        told = _known_force(velocity_filter)
     force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
     parts = [plant, estimator, controller, error, force]
-    closed = control.interconnect(parts, inputs=["v_cmd", "F_ff"], outputs=["v"])
-    nominal, compliance = (
+    closed = control.interconnect([*parts, *told[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
+    nominal, pushed = (
         control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
     )
+    compliance = pushed
+    if told:
+        compliance = control.interconnect([*parts, *told[1:]], inputs=["F_ff"], outputs=["v"])
     fastest = max(abs(nominal.poles()))
     if fastest >= 1.0:
         raise ControlError(
             f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
             f"a pole lies at |z| = {fastest:.4f}"
         )
-    open_loop = estimator * plant[1, 0] * controller
-    return VelocityLoop(axis, T_s, tau_f, K_p, K_i, open_loop, nominal, compliance)
+    return VelocityLoop(
+        axis,
+        T_s,
+        tau_f,
+        K_p,
+        K_i,
+        open_loop=seen * controller,
+        nominal=nominal,
+        compliance=compliance,
+        acceleration=control.ss(pushed.A, m_ff * pushed.B, pushed.C, m_ff * pushed.D, T_s),
+        m_ff=m_ff,
+        velocity_filter=velocity_filter,
+    )
+
+
+def _known_force(velocity_filter: VelocityFilter) -> list[control.StateSpace]:
+    """Return what makes the net force N of the motor force F: all of it, or less F_ff."""
+    T_s = velocity_filter.T_s
+    keep = float(velocity_filter.axis.sampled(T_s).A[0, 0])
+    return [
+        control.summing_junction(["F"], "N", name="net"),
+        control.ss(keep, 1 - keep, 1, 0, T_s, name="known", inputs="F_ff", outputs="F_known"),
+        control.summing_junction(["F", "-F_known"], "N", name="net"),
+    ]
+
+
+def _plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
+    """Return ``_plant`` with one output more: the motor force F [N], which is its first state."""
+    sampled = axis.sampled(T_s)
+    A = np.array(sampled.A)
+    A[-1, -1] = 0.0  # the way in one period, as in _plant
+    C = np.eye(3)[[1, 2, 0]]
+    return control.ss(A, sampled.B, C, 0, T_s, name="axis", inputs="u", outputs=["v", "d", "F"])
 
 
 def _plant(axis: Axis, T_s: float) -> control.StateSpace:
@@ -204,8 +256,3 @@ def _estimator(T_s: float, tau_f: float) -> control.StateSpace:
         return control.ss([], [], [], 1 / T_s, T_s, **names)
     keep = np.exp(-T_s / tau_f)
     return control.ss(keep, (1 - keep) / T_s, keep, (1 - keep) / T_s, T_s, **names)
-
-
-def _check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:
-    if not (holds and np.isfinite(value)):
-        raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")
