@@ -113,16 +113,17 @@ def validate(
     instants = {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
     v_cmd = command.sample(rig.samples(corners[-1] + command.begin))
     without, compensated = (
-        _run(paper_loop(rig.fmus, loop, values, feed), v_cmd, rig.T_s)
+        _run(paper_loop(rig.fmus, loop, values, feed), loop.commands(v_cmd), rig.T_s)
         for values in (None, compensator)
     )
     return Validation(without, compensated, instants)
 
 
-def _run(system: cosim.System, v_cmd: Array, T_s: float) -> Run:
+def _run(system: cosim.System, commands: Mapping[str, Array], T_s: float) -> Run:
+    v_cmd = commands["v_cmd"]
     stop = (len(v_cmd) - 1) * T_s
     with system.prepare(step=T_s, stop=stop, record=RECORD) as simulation:
-        result = simulation.run(inputs={"v_cmd": v_cmd})
+        result = simulation.run(inputs=commands)
     velocity = {
         "measured": measured_velocity(result["drive.x_enc"], T_s),
         "true": result["drive.v"],

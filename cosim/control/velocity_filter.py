@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import control
 import numpy as np
 
-from cosim.control.axis import Axis, ControlError, check
+from cosim.control.axis import Axis, check
 
 
 @dataclass(frozen=True)

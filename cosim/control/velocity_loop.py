@@ -188,7 +188,9 @@ def close_velocity_loop(
     )
     compliance = pushed
     if told:
-        compliance = control.interconnect([*parts, *told[1:]], inputs=["F_ff"], outputs=["v"])
+        compliance = control.interconnect(
+            [*parts, *told[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
+        )[0, 1]
     fastest = max(abs(nominal.poles()))
     if fastest >= 1.0:
         raise ControlError(

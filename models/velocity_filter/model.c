@@ -66,6 +66,5 @@ double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
                    Outputs *y) {
     y->v_hat = w->v;
-    y->x_hat = w->x;
     y->d_hat = w->d;
 }
