@@ -95,6 +95,26 @@ class VelocityLoop:
             return {"v_cmd": v_cmd}
         return {"v_cmd": v_cmd, "a_cmd": np.diff(v_cmd, append=v_cmd[-1]) / self.T_s}
 
+    def changed(
+        self, *, m_ff: float | None = None, velocity_filter: VelocityFilter | None = None
+    ) -> VelocityLoop:
+        """Return the loop with another feedforward of inertia [kg] or a velocity filter.
+
+        Raises
+        ------
+        ControlError
+            When it is unstable with the filter.
+        """
+        return close_velocity_loop(
+            self.axis,
+            self.T_s,
+            self.tau_f,
+            self.K_p,
+            self.K_i,
+            m_ff=self.m_ff if m_ff is None else m_ff,
+            velocity_filter=velocity_filter or self.velocity_filter,
+        )
+
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
         crossover, phase, gain = frequency.stability_margins(self.open_loop)
