@@ -99,7 +99,7 @@ def test_an_ssp_of_the_loop_brings_the_filter_along(make_rig, tmp_path):
     path = cosim.write_ssp(system, tmp_path / "loop.ssp")
     commands = loop.commands(VALIDATION.sample(rig.samples(0.5)))
     runs = []
-    for one in (system, cosim.read_ssp(path)):
+    for one in (system, cosim.read_ssp(path)[0]):
         with one.prepare(step=LOOP.T_s, stop=0.5, record=("drive.v", "filter.v_hat")) as prepared:
             runs.append(prepared.run(inputs=commands).values)
     assert runs[0].tobytes() == runs[1].tobytes()
