@@ -3,6 +3,7 @@
 StickslipError(Exception)
     UsageError(ValueError)              an option, name or value that a command cannot take
     IdentificationError(RuntimeError)   a recording does not show what is looked for
+    HarmfulError(RuntimeError)          a compensator that makes its loop worse
 """
 
 
@@ -16,3 +17,7 @@ class UsageError(StickslipError, ValueError):
 
 class IdentificationError(StickslipError, RuntimeError):
     """A recording does not show what an experiment looks for."""
+
+
+class HarmfulError(StickslipError, RuntimeError):
+    """A compensator makes the loop worse that it is for."""

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
+from stickslip.learned_loop import loop_document, validation_document
 from stickslip.parameters import LUGRE, UNITS
 from stickslip.reproduction import Reproduction
+from stickslip.setup import VALIDATION
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 
@@ -33,6 +35,8 @@ def learned_document(reproduction: Reproduction) -> dict[str, Any]:
         "seed": options.seed,
         "preset": options.preset,
         "feed": options.feed,
+        "loop": loop_document(reproduction.identification.loop),
+        "validation": validation_document(VALIDATION),
         "versions": {package: version(package) for package in PACKAGES},
     }
 
