@@ -14,11 +14,12 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import cosim
 from cosim.control import Axis, ControlError, VelocityFilter, VelocityLoop, close_velocity_loop
 from stickslip.errors import UsageError
+from stickslip.loop import FEEDS, Feed
 from stickslip.parameters import LUGRE
 from stickslip.setup import VALIDATION
 
@@ -115,6 +116,20 @@ def read_standard_errors(path: Path) -> dict[str, float]:
         for name, value in told.items()
         if isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0
     }
+
+
+def read_feed(path: Path) -> Feed:
+    """Return what drives the compensator of a learned.json, the nominal loop when it tells nothing.
+
+    Raises
+    ------
+    UsageError
+        When it tells of something else than is known.
+    """
+    feed = json.loads(path.read_text(encoding="utf-8")).get("feed", "nominal")
+    if feed not in FEEDS:
+        raise UsageError(f"{path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
+    return cast(Feed, feed)
 
 
 def _entry(path: Path, name: str) -> dict[str, float] | None:

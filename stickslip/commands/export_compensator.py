@@ -16,7 +16,7 @@ from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import read_learned
-from stickslip.learned_loop import read_loop, read_standard_errors, read_validation
+from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, read_validation
 from stickslip.loop import build_fmus
 
 
@@ -50,8 +50,9 @@ def run(options: argparse.Namespace) -> None:
     What the guards find goes to standard error; what makes the loop worse is not written.
     """
     start = read_learned(options.parameters)
-    _guard(options.parameters, start, force=options.force)
     try:
+        models.load_model("compensator").with_start(start)
+        _guard(options.parameters, start, force=options.force)
         paths = _write(options, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
@@ -68,7 +69,7 @@ def _guard(path: Path, compensator: dict[str, float], *, force: bool) -> None:
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         build_fmus(Path(folder), {})
-        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd)
+        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, read_feed(path))
         for finding in inspect(trial, read_standard_errors(path)):
             _warn(str(finding))
         try:

@@ -50,9 +50,10 @@ def _too_large(run: Run, without: float) -> list[Finding]:
     share = tolerated(run, without)
     if share >= LEAST:
         return []
+    force = f"a force {100 * share:.0f} % too large" if share else "this force"
     message = (
-        f"a force {100 * share:.0f} % too large makes the tracking error as bad as without a"
-        f" compensator, {1e3 * without:.3g} mm/s; expected at least {100 * LEAST:g} %; raise K_p,"
+        f"{force} makes the tracking error at least as large as without a"
+        f" compensator, {1e3 * without:.3g} mm/s; expected {100 * LEAST:g} % or more; raise K_p,"
         " or do not compensate on this command"
     )
     return [Finding("over-compensation", share, LEAST, "1", message)]
@@ -69,7 +70,7 @@ def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Fi
             found = run.error(changed)
             if found > worst:
                 worst, said = found, f"{name} = {value:.4g}"
-    if worst <= without:
+    if worst <= without or run.error() >= without:
         return []
     message = (
         f"with {said}, a bound of its 95 % interval, the tracking error is {1e3 * worst:.3g} mm/s;"
