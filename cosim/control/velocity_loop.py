@@ -132,7 +132,13 @@ class VelocityLoop:
         return t, np.asarray(response.outputs)
 
 
-def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> VelocityLoop:
+def design_velocity_loop(
+    axis: Axis,
+    specification: LoopSpecification,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
+) -> VelocityLoop:
     """Find the PI gains that put crossover and phase margin where the specification wants them.
 
     Both are met exactly: at the crossover C(z) must be the complex number that turns the rest of
@@ -145,7 +151,8 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
     """
     s = specification
     z = np.exp(2j * np.pi * s.bandwidth * s.T_s)
-    rest = complex((_estimator(s.T_s, s.tau_f) * _plant(axis, s.T_s)[1, 0])(z))
+    plant, estimator = _plant_and_estimator(axis, s.T_s, s.tau_f, velocity_filter)
+    rest = complex((estimator * plant[1:, 0])(z))
     wanted = -np.exp(1j * np.radians(s.phase_margin)) / rest
     integrator = s.T_s * z / (z - 1.0)
     K_i = wanted.imag / integrator.imag
@@ -160,7 +167,10 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
             f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
         )
-    return close_velocity_loop(axis, s.T_s, s.tau_f, float(K_p), float(K_i))
+    gains = float(K_p), float(K_i)
+    return close_velocity_loop(
+        axis, s.T_s, s.tau_f, *gains, m_ff=m_ff, velocity_filter=velocity_filter
+    )
 
 
 def close_velocity_loop(
@@ -185,21 +195,8 @@ def close_velocity_loop(
         1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, name="controller", inputs="e", outputs="u_pi"
     )
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
-    if velocity_filter is None:
-        plant, estimator = _plant(axis, T_s), _estimator(T_s, tau_f)
-        seen = estimator * plant[1, 0]
-        told: list[control.StateSpace] = []
-    else:
-        check(
-            "T_s of the velocity filter",
-            velocity_filter.T_s,
-            "s",
-            velocity_filter.T_s == T_s,
-            f"{T_s:g}",
-        )
-        plant, estimator = _plant_with_force(axis, T_s), velocity_filter.system()
-        seen = estimator * plant[[1, 2], 0]
-        told = _known_force(velocity_filter)
+    plant, estimator = _plant_and_estimator(axis, T_s, tau_f, velocity_filter)
+    told = [] if velocity_filter is None else _known_force(velocity_filter)
     force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
     parts = [plant, estimator, controller, error, force]
     closed = control.interconnect([*parts, *told[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
@@ -223,13 +220,30 @@ def close_velocity_loop(
         tau_f,
         K_p,
         K_i,
-        open_loop=seen * controller,
+        open_loop=estimator * plant[1:, 0] * controller,
         nominal=nominal,
         compliance=compliance,
         acceleration=control.ss(pushed.A, m_ff * pushed.B, pushed.C, m_ff * pushed.D, T_s),
         m_ff=m_ff,
         velocity_filter=velocity_filter,
     )
+
+
+def _plant_and_estimator(
+    axis: Axis, T_s: float, tau_f: float, velocity_filter: VelocityFilter | None
+) -> tuple[control.StateSpace, control.StateSpace]:
+    """Return the axis, whose first output is v, and what estimates v from the others.
+
+    Raises
+    ------
+    ControlError
+        When the filter has another sample period.
+    """
+    if velocity_filter is None:
+        return _plant(axis, T_s), _estimator(T_s, tau_f)
+    same = velocity_filter.T_s == T_s
+    check("T_s of the velocity filter", velocity_filter.T_s, "s", same, f"{T_s:g}")
+    return _plant_with_force(axis, T_s), velocity_filter.system()
 
 
 def _known_force(velocity_filter: VelocityFilter) -> list[control.StateSpace]:

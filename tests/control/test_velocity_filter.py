@@ -128,6 +128,20 @@ def test_the_loop_bears_a_wrong_mass(factor):
     assert changed.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
 
 
+def test_a_loop_is_designed_with_the_filter_in_it(filtered):
+    """Crossover and margin are met by what stands in the loop: no lag but that of axis and hold."""
+    wanted = LoopSpecification(150.0, 55.0, T_S)
+    loop = design_velocity_loop(filtered.axis, wanted, velocity_filter=filtered.velocity_filter)
+    figures = loop.margins()
+    assert figures["crossover_Hz"] == pytest.approx(150.0, rel=1e-7)
+    assert figures["phase_margin_deg"] == pytest.approx(55.0, abs=1e-5)
+    z = np.exp(2j * np.pi * 150.0 * T_S)
+    by_hand = (loop.K_p + loop.K_i * T_S * z / (z - 1)) * filtered.axis.sampled(T_S)(z)[1, 0]
+    assert abs(by_hand) == pytest.approx(1.0, rel=1e-9)
+    with pytest.raises(ControlError, match="out of reach"):
+        design_velocity_loop(filtered.axis, dataclasses.replace(wanted, tau_f=5e-4))
+
+
 def test_a_filter_of_another_sample_period_is_refused():
     axis = Axis(5.557, 6.6135, 1e-4)
     loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
