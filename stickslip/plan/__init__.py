@@ -1,0 +1,6 @@
+"""Experiments that show a drive's parameters in one recording, as velocity commands."""
+
+from stickslip.plan.experiment import Stretch, arrange, plan
+from stickslip.plan.limits import LINEAR, ROTARY, Limits
+
+__all__ = ["LINEAR", "ROTARY", "Limits", "Stretch", "arrange", "plan"]
