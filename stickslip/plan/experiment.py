@@ -42,7 +42,7 @@ PARTS = (
     Part("small moves", ("sigma_0", "sigma_1"), 3.0, parts.small_moves),
     Part("slow reversals", ("F_s", "v_s"), 4.0, parts.slow_reversals),
     Part("constant speeds", ("b", "F_c"), 2.0, parts.constant_speeds),
-    Part("accelerations", ("m",), 1.0, parts.accelerations),
+    Part("quick ramps", ("m",), 1.0, parts.quick_ramps),
     Part("sine sweep", ("m", "b", "F_c"), 10.0, parts.sweep),
 )
 """In the order in which they run: small moves first, from rest, before the bristles are bent."""
@@ -93,7 +93,7 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
         n = duration * rate + 1 rows; time [s], velocity_command [m/s], position_command [m]
         (rotary: rad/s, rad). The velocity starts and ends at 0 and the position where it began;
         speed, acceleration and stroke keep the limits. The position is the trapezoidal integral of
-        the velocity.
+        the velocity, to 1e-15.
 
     Raises
     ------
@@ -105,11 +105,11 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
         samples = stretch.end - stretch.begin
         velocity[stretch.begin : stretch.end] = stretch.part.velocity(limits, samples)
     steps = 0.5 * (velocity[1:] + velocity[:-1]) / limits.rate
-    position = np.concatenate([[0.0], np.cumsum(steps)])
+    position = np.concatenate([[0.0], np.cumsum(steps).round(15)])
     return pd.DataFrame(
         {
             "time": np.arange(len(velocity)) / limits.rate,
             "velocity_command": velocity,
-            "position_command": position,
+            "position_command": position + 0.0,  # no -0
         }
     )

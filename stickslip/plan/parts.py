@@ -60,7 +60,7 @@ def constant_speeds(limits: Limits, n: int) -> Array:
     return np.concatenate(pieces)
 
 
-def accelerations(limits: Limits, n: int) -> Array:
+def quick_ramps(limits: Limits, n: int) -> Array:
     """Return triangles of velocity, at nine tenths of the permitted acceleration."""
     a = 0.9 * limits.acceleration
     period = max(QUICK, 4 * limits.speed / a)
