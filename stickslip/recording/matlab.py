@@ -46,7 +46,7 @@ def read_matlab(path: str, data: bytes) -> LogTable:
         content = _hdf5(path, data)
     else:
         try:
-            content = scipy.io.loadmat(io.BytesIO(data), struct_as_record=True)
+            content = scipy.io.loadmat(io.BytesIO(data))  # type: ignore[arg-type] # the stubs err
         except _BROKEN as error:
             said = " ".join(str(error).split())[:80] or type(error).__name__
             raise RecordingError(

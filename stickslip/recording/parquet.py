@@ -42,7 +42,7 @@ def read_parquet(path: str, data: bytes) -> LogTable:
             name = label
         names.append(name)
         if pa.types.is_timestamp(column.type) or pa.types.is_duration(column.type):
-            column, unit = column.cast(pa.int64()), _tick(column.type.unit)
+            column, unit = column.cast(pa.int64()), column.type.unit
         if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
             faults[name] = f"expected numbers, got {column.type}"
             continue
@@ -52,8 +52,3 @@ def read_parquet(path: str, data: bytes) -> LogTable:
     if not numbers or not len(table):
         raise RecordingError(f"{path}: no rows of numbers; expected columns of numbers")
     return LogTable(path, tuple(names), numbers, units=units, faults=faults)
-
-
-def _tick(unit: str) -> str:
-    """Return the name of a time unit of Arrow: s, ms, us, ns are ours, too."""
-    return unit
