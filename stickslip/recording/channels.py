@@ -55,7 +55,7 @@ def motion_from(
     if description.motion:
         return description.motion, []
     for role, unit in units.items():
-        motion = motion_of(unit) if unit and not description.column(role).scaled else None
+        motion = motion_of(unit) if unit and description.column(role).scale is None else None
         if motion:
             said = unit.name if unit else ""
             return motion, [Finding("note", f"motion is taken for {motion}", f"{role} in {said}")]
@@ -78,12 +78,14 @@ def signal_of(
         When a unit does not suit the role and no scale tells what it means.
     """
     column = description.column(role)
-    expected = "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
-    scale = value_of(column.scale, table.scalars, f"scale of {role}")
+    expected = _quantity(role, motion)
+    scale = value_of(
+        1.0 if column.scale is None else column.scale, table.scalars, f"scale of {role}"
+    )
     offset = value_of(column.offset, table.scalars, f"offset of {role}")
     if unit is None:
         factor = scale
-    elif unit.quantity == expected or column.scaled:
+    elif unit.quantity == expected or column.scale is not None:
         factor = unit.factor * scale
     elif unit.name in _COUNTS and quantity_key(role) == "position" and description.encoder_step:
         factor = value_of(description.encoder_step, table.scalars, "encoder_step")
@@ -108,9 +110,9 @@ def assumed_units(
 ) -> list[Finding]:
     """Return the remark on columns whose unit nobody states."""
     assumed = [
-        f"{role} in {'s' if role == 'time' else unit_names(QUANTITIES[motion][quantity_key(role)])[0]}"
+        f"{role} in {unit_names(_quantity(role, motion))[0]}"
         for role, unit in units.items()
-        if unit is None and not description.column(role).scaled
+        if unit is None and description.column(role).scale is None
     ]
     if not assumed:
         return []
@@ -133,11 +135,12 @@ def _points_in_time(table: LogTable, name: str) -> Array:
     return np.asarray((times - times[0]).total_seconds(), dtype=np.float64)
 
 
+def _quantity(role: str, motion: Motion) -> str:
+    return "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
+
+
 def _expected(role: str, motion: Motion | None = None) -> str:
     """Return the commonest units of a role."""
-    if role == "time":
-        return "s, ms, us"
     motions = [motion] if motion else list(QUANTITIES)
-    return ", ".join(
-        name for m in motions for name in unit_names(QUANTITIES[m][quantity_key(role)])[:4]
-    )
+    names = [name for m in motions for name in unit_names(_quantity(role, m))[:4]]
+    return ", ".join(dict.fromkeys(names))

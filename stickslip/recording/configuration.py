@@ -78,7 +78,7 @@ def _column(role: str, said: object) -> Column:
     return Column(
         index if index is not None else _optional_text(table, "name", role),
         _optional_text(table, "unit", role),
-        _product(table.get("scale", 1.0), f"columns.{role}.scale"),
+        _product(table["scale"], f"columns.{role}.scale") if "scale" in table else None,
         _product(table.get("offset", 0.0), f"columns.{role}.offset"),
     )
 

@@ -40,19 +40,14 @@ class Column:
     name : in the header; an integer counts columns from 1; "none" leaves the role empty, None
         looks for a common name
     unit : by name, such as mm or A; None takes it from the header, else SI
-    scale : SI units per unit, such as N per A; a product may name scalars of a MAT file
+    scale : SI units per unit, such as N per A; a product may name scalars of a MAT file; None: 1
     offset : in SI units
     """
 
     name: str | int | None = None
     unit: str | None = None
-    scale: Product = 1.0
+    scale: Product | None = None
     offset: Product = 0.0
-
-    @property
-    def scaled(self) -> bool:
-        """Whether a scale was given."""
-        return self.scale != 1.0
 
 
 @dataclass(frozen=True)
