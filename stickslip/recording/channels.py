@@ -18,6 +18,9 @@ from stickslip.recording.roles import suffix_unit
 from stickslip.recording.table import LogTable
 from stickslip.recording.units import QUANTITIES, Unit, motion_of, unit_named, unit_names
 
+LARGEST = 1e30
+"""Numbers beyond are taken for a file that was misread."""
+
 
 def unit_of(table: LogTable, description: Description, role: str, name: str) -> Unit | None:
     """Return the unit of a column: as its owner says, else as the header says, else None.
@@ -99,7 +102,16 @@ def signal_of(
         raise UsageError(f"scale of {role} = {factor:g}: expected a number other than 0")
     if role == "time" and name in table.texts:
         return _points_in_time(table, name)
-    return np.asarray(table.column(name) * factor + offset)
+    with np.errstate(over="ignore", invalid="ignore"):
+        signal = np.asarray(table.column(name) * factor + offset)
+        absurd = np.flatnonzero(np.isfinite(signal) & (np.abs(signal) > LARGEST))
+    if absurd.size:
+        row = table.row(int(absurd[0]))
+        raise RecordingError(
+            f"{table.path}: column '{name}', row {row}: no drive shows {signal[absurd[0]]:.3g}; "
+            "check delimiter, decimal sign and scale"
+        )
+    return signal
 
 
 _COUNTS = ("counts", "count", "cts", "inc", "increments", "1")

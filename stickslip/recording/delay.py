@@ -90,7 +90,7 @@ def _fitted(
     fit = np.linalg.lstsq(base, signal[used], rcond=None)[0]
     for _ in range(ROUNDS):
         shifted = spline(t[used] + delay)
-        columns = np.column_stack([base, slope(fit)])
+        columns = np.column_stack([base, slope(np.asarray(fit))])
         scale = np.linalg.norm(columns, axis=0)
         if not np.all(scale > 0):
             return None

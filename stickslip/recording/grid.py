@@ -98,7 +98,10 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
     for role, signal in signals.items():
         values = signal[begin:end]
         known = np.isfinite(values)
-        missing += int(np.sum(~known))
+        if not known.all():
+            first = table.row(begin + int(np.argmin(known)))
+            figure = f"{np.sum(~known)}, the first in row {first}"
+            findings.append(Finding("warning", f"{role}: numbers are missing", figure, "filled in"))
         if even and known.all():
             result[role] = values.copy()
             continue
@@ -108,7 +111,7 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
     if methods:
         how = "; ".join(f"{', '.join(names)} {method}" for method, names in methods.items())
         findings.append(
-            Finding("note", "drawn between the logged samples", f"{missing} missing; {how}")
+            Finding("note", "drawn between the logged samples", f"{missing} rows missing; {how}")
         )
     return Grid(np.arange(count + 1) * T_s, result, findings)
 

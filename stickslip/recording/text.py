@@ -51,10 +51,13 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     if not body:
         raise RecordingError(f"{path}: no rows; expected columns of numbers")
     dialect = find_dialect([line.text for line in body], delimiter, decimal)
+    last = body[-1]
     header, units, body = _split(lines, dialect)
     rows = [dialect.fields(line.text) for line in body]
-    if header and not rows:
-        raise RecordingError(f"{path}: a header but no rows; expected columns of numbers")
+    if not rows:
+        raise RecordingError(
+            f"{path}: no row of numbers; the last, row {last.number}, is '{last.text[:40]}'"
+        )
     width = len(header) or commonest(map(len, rows))
     numbered = [line.number for line in body]
     findings = _check_widths(path, rows, width, numbered, headed=bool(header))
