@@ -83,6 +83,9 @@ def check_gains(kind: str, gains: Collection[str]) -> None:
     for name in gains:
         if name not in GAINS:
             raise UsageError(f"controller: no gain '{name}'{suggestion(name, GAINS)}")
+    if kind == "none" and gains:
+        kinds = ", ".join(get_args(Kind)[:-1])
+        raise UsageError(f"gain {sorted(gains)[0]}, but no controller; say which: {kinds}")
     given = set(gains) - COMMON
     ways = _TAKES[kind]
     if not any(needed <= given <= needed | optional for needed, optional in ways):
@@ -91,7 +94,7 @@ def check_gains(kind: str, gains: Collection[str]) -> None:
             for needed, optional in ways
         )
         got = ", ".join(sorted(given)) or "none"
-        raise UsageError(f"controller {kind}: expected gains {expected or 'none'}, got {got}")
+        raise UsageError(f"controller {kind}: expected gains {expected}, got {got}")
 
 
 def controller_of(kind: Kind, gains: Mapping[str, float]) -> Controller:

@@ -83,6 +83,7 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
         raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {SHORTEST}")
     usual = float(np.median(steps))
     usual = float(np.mean(steps[steps < 1.5 * usual]))
+    _check_steps(table, t, usual)
     begin, end = _longest(table, t, signals, usual, findings)
     t = t[begin:end]
     count = round((t[-1] - t[0]) / usual)
@@ -114,6 +115,20 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
             Finding("note", "drawn between the logged samples", f"{missing} rows missing; {how}")
         )
     return Grid(np.arange(count + 1) * T_s, result, findings)
+
+
+def _check_steps(table: LogTable, t: Array, usual: float) -> None:
+    """Check that no step is out of all proportion."""
+    if not 1e-9 <= usual <= 1e4:
+        raise RecordingError(
+            f"{table.path}: a sample period of {usual:.3g} s; expected 1e-9 to 1e4 s, check the "
+            "unit of the time"
+        )
+    if (wrong := np.flatnonzero(np.diff(t) < 1e-6 * usual)).size:
+        row, step = table.row(int(wrong[0]) + 1), float(np.diff(t)[wrong[0]])
+        raise RecordingError(
+            f"{table.path}: row {row}: time moves by {step:.3g} s; expected about {usual:.3g} s"
+        )
 
 
 def _jitter(jitter: float, T_s: float) -> Finding:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 
 from stickslip.errors import RecordingError
-from stickslip.recording.description import ROLES, Description
+from stickslip.recording.description import ROLES, Description, quantity_key
 from stickslip.recording.finding import Finding
 from stickslip.recording.table import LogTable
+from stickslip.recording.units import QUANTITIES, unit_named
 
 _EXACT = {
     "time": "t time timestamp",
@@ -30,6 +31,12 @@ _BASES = {
 _COMMANDS = "cmd command commanded ref reference setpoint set target desired demand soll"
 _OTHERS = "error err deviation limit max min std normal status mode raw ff feedforward acc load"
 """Words of what is none of our signals."""
+
+
+_MEASURED = {"time": "time"} | {
+    quantity: role for motion in QUANTITIES.values() for role, quantity in motion.items()
+}
+"""What a column is whose unit measures this."""
 
 
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
@@ -57,7 +64,12 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
         return found, []
     figure = ", ".join(f"{role} = {name}" for role, name in guesses.items())
     advice = "--column ROLE=NAME says otherwise, ROLE=none leaves one out"
-    return found | guesses, [Finding("note", "columns guessed from their names", figure, advice)]
+    remarks = [Finding("note", "columns guessed from their names", figure, advice)]
+    used = {*found.values(), *guesses.values()}
+    if rest := [name for name in table.names if name not in used]:
+        shown = ", ".join(rest[:8]) + (", ..." if len(rest) > 8 else "")
+        remarks.append(Finding("note", "columns not used", shown))
+    return found | guesses, remarks
 
 
 def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, str]:
@@ -65,7 +77,7 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
     for name in table.names:
         if name in taken or (name not in table.numbers and not _may_be_time(table, name)):
             continue
-        if found := _role_of(name):
+        if found := _role_of(name, table.units.get(name)):
             role, rank = found
             candidates.setdefault(role, {}).setdefault(rank, []).append(name)
     guesses = {}
@@ -83,11 +95,27 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
 
 
 def _may_be_time(table: LogTable, name: str) -> bool:
-    return name in table.texts and (_role_of(name) or ("", 0))[0] == "time"
+    return name in table.texts and (_role_named(name) or ("", 0))[0] == "time"
 
 
-def _role_of(name: str) -> tuple[str, int] | None:
-    """Return role and rank (0 is best) of a column's name, None when it says nothing."""
+def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:
+    """Return role and rank (0 is best) of a column, by its name and the unit that it states."""
+    found = _role_named(name)
+    unit = unit_named(stated) if stated else None
+    measured = _MEASURED.get(unit.quantity) if unit else None
+    if measured is None:
+        return found
+    if found is None:
+        commanded = set(_words(name)) & set(_COMMANDS.split()) and measured != "time"
+        return (f"{measured}_command", 1) if commanded else None
+    role, rank = found
+    if quantity_key(role) == measured:
+        return found
+    return (f"{measured}_command", rank) if role.endswith("_command") else None
+
+
+def _role_named(name: str) -> tuple[str, int] | None:
+    """Return role and rank of a column's name, None when it says nothing."""
     words = _words(name)
     joined = "_".join(words)
     for rank, table in ((0, _EXACT), (2, _WEAK)):

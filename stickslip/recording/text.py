@@ -53,13 +53,20 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     dialect = find_dialect([line.text for line in body], delimiter, decimal)
     last = body[-1]
     header, units, body = _split(lines, dialect)
-    rows = [dialect.fields(line.text) for line in body]
-    if not rows:
+    if not body:
         raise RecordingError(
             f"{path}: no row of numbers; the last, row {last.number}, is '{last.text[:40]}'"
         )
-    width = len(header) or commonest(map(len, rows))
     numbered = [line.number for line in body]
+    if (numbers := _quickly(body, dialect, len(header))) is not None:
+        names = _names(header or [str(k + 1) for k in range(numbers.shape[1])])
+        columns = dict(zip(names, numbers.T.copy(), strict=True))
+        stated = {n: unit for n, unit in zip(names, units, strict=False) if unit}
+        return LogTable(
+            path, names, columns, units=stated, rows=np.array(numbered), headed=bool(header)
+        )
+    rows = [dialect.fields(line.text) for line in body]
+    width = len(header) or commonest(map(len, rows))
     findings = _check_widths(path, rows, width, numbered, headed=bool(header))
     if header and all(not row[-1] for row in rows) and not header[-1]:
         header, units, rows = header[:-1], units[:-1], [row[:-1] for row in rows]
@@ -138,6 +145,21 @@ def _split(
     else:
         begin, names, units = (len(rows) if len(rows) < len(lines) else 0), [], []
     return names, units, [line for line in lines[begin:] if _is_data(line)]
+
+
+def _quickly(body: Sequence[_Line], dialect: Dialect, width: int) -> Array | None:
+    """Return the numbers (n, width) of a file without any fault, None of another."""
+    texts = [line.text for line in body]
+    if dialect.delimiter != " " and len({text.count(dialect.delimiter) for text in texts}) > 1:
+        return None
+    if dialect.decimal == ",":
+        texts = [text.replace(",", ".") for text in texts]
+    delimiter = None if dialect.delimiter == " " else dialect.delimiter
+    try:
+        numbers = np.loadtxt(texts, delimiter=delimiter, ndmin=2, comments=None)
+    except ValueError:
+        return None
+    return numbers if width in (0, numbers.shape[1]) else None
 
 
 def _is_data(line: _Line) -> bool:

@@ -44,6 +44,8 @@ FILES = {
     "long row": (csv(row_30="0.028,1,2,3"), "row 30", "expected 3 fields", "got 4"),
     "time backwards": (csv(row_40="0.001,1,2"), "row 40", "goes back", "0.037"),
     "time twice": (csv(row_40="0.037,1,2"), "row 40", "0.037 s comes twice", "--sample-period"),
+    "time hardly moves": (csv(row_40="0.03700000000001,1,2"), "row 40", "time moves by 1e-14 s"),
+    "nanoseconds as s": (csv().replace(b"t,x", b"time [ns],x"), "sample period of 1e-12 s"),
     "time not finite": (csv(row_9="nan,1,2"), "row 9", "nan"),
     "time empty": (csv(row_9=",1,2"), "row 9"),
     "huge": (csv(row_12="0.010,1e300,2"), "'x'", "row 12", "1e+300"),

@@ -8,6 +8,7 @@ import pytest
 import scipy.io
 
 from stickslip.recording import Column, Description, Recording, read_recording
+from stickslip.recording.dialect import split_unit
 from stickslip.recording.roles import assign_roles
 from stickslip.recording.table import LogTable
 from stickslip.recording.units import unit_named
@@ -220,11 +221,18 @@ ROLES = {
     "Normal": None,
     "temperature": None,
     "F_limit": None,
+    "ref [mm/s]": "velocity_command",
+    "Setpoint [rpm]": "velocity_command",
+    "command [Nm]": "force_command",
+    "angle [deg]": "position",
+    "x [N]": None,
+    "speed [m/s]": "velocity",
 }
 
 
 @pytest.mark.parametrize("name", ROLES)
 def test_common_names_are_known(name):
-    table = LogTable("log", (name,), {name: np.zeros(3)})
+    short, unit = split_unit(name)
+    table = LogTable("log", (short,), {short: np.zeros(3)}, units={short: unit} if unit else {})
     roles, _ = assign_roles(table, Description())
-    assert roles == ({ROLES[name]: name} if ROLES[name] else {})
+    assert roles == ({ROLES[name]: short} if ROLES[name] else {})
