@@ -1,0 +1,6 @@
+"""What a single recording says of a drive: values, intervals, and what it does not show."""
+
+from stickslip.estimation.certainty import Certainty
+from stickslip.estimation.learn import Estimation, Task, learn
+
+__all__ = ["Certainty", "Estimation", "Task", "learn"]
