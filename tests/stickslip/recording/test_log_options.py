@@ -1,6 +1,7 @@
 """A log described by a TOML file, by options, or by both."""
 
 import argparse
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -130,3 +131,14 @@ def test_wrong_options(arguments, said):
         described(*arguments)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_the_documented_file_is_one(tmp_path):
+    text = (Path(__file__).resolve().parents[3] / "docs" / "logs.md").read_text(encoding="utf-8")
+    path = tmp_path / "log.toml"
+    path.write_text(text.split("```toml\n")[1].split("```")[0], encoding="utf-8")
+    assert load_description(path).columns["force"] == Column(3, "A", 23.0)
+    parser = argparse.ArgumentParser()
+    add_log_options(parser)
+    for option in parser._option_string_actions:
+        assert option in text or option in ("-h", "--help"), option
