@@ -67,8 +67,9 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
     if recording.position is None and recording.velocity is None:
         yield Finding("error", "neither position nor velocity", advice="log one")
     if recording.force is None and recording.friction is None:
-        if recording.force_command is None:
-            yield Finding("error", "neither force nor friction", advice="log the motor's current")
+        if recording.force_command is None and controller.kind == "none":
+            advice = "log the motor's current, or say --controller"
+            yield Finding("error", "neither force nor friction", advice=advice)
         else:
             what = "no force was measured, only commanded"
             yield Finding("note", what, advice="the amplifier is taken to follow")

@@ -65,6 +65,20 @@ class Controller:
             return None
         return "position_command" if self.K_x or self.P_x or self.I_x else "velocity_command"
 
+    def parameters(self) -> dict[str, float] | None:
+        """Return the parameters of the controller FMU by name, None for one not known.
+
+        T_s and u_max are left out where they are not known.
+        """
+        if self.kind == "none":
+            return None
+        values = {name: float(getattr(self, name)) for name in GAINS}
+        if not self.T_s:
+            del values["T_s"]
+        if math.isinf(self.u_max):
+            del values["u_max"]
+        return values
+
 
 GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind")
 """Names that a gain can have."""

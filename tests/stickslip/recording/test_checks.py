@@ -41,7 +41,9 @@ def test_nothing_can_be_learned(change, said):
 def test_a_controller_without_its_command():
     said = findings(DRIVE, "error", controller=Controller("PI", K_p=1.0, K_i=1.0))
     assert "no velocity_command" in said
-    assert not findings(DRIVE, "error", controller=Controller("P", P_x=1.0))
+    known = Controller("P", P_x=1.0)
+    assert not findings(DRIVE, "error", controller=known)
+    assert not findings(replace(DRIVE, force=None), "error", controller=known)
 
 
 def test_saturation():

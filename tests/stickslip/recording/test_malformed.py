@@ -8,6 +8,7 @@ import scipy.io
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+import models
 from stickslip.errors import RecordingError, StickslipError, UsageError
 from stickslip.recording import Column, Controller, Description, check_recording, read_recording
 from stickslip.recording.configuration import load_description
@@ -226,3 +227,13 @@ def test_what_a_controller_needs():
     assert Controller("PI", K_p=1.0, K_i=1.0).needs == "velocity_command"
     assert Controller("cascade", K_x=1.0, K_p=1.0).needs == "position_command"
     assert Controller().needs is None
+
+
+def test_a_controller_sets_all_gains_of_its_fmu(tmp_path):
+    """What it has not is 0, whatever the FMU starts with; unknown T_s and u_max are left alone."""
+    given = Controller("cascade", K_x=5.0, K_p=2.0, tau_f=1e-3).parameters()
+    names = {variable.name for variable in models.load_model("velocity_controller").variables}
+    assert set(given) <= names
+    assert given == {"K_x": 5.0, "P_x": 0.0, "I_x": 0.0, "K_p": 2.0, "K_i": 0.0, "tau_f": 1e-3}
+    assert Controller("P", K_p=1.0, T_s=1e-3, u_max=9.0).parameters()["u_max"] == 9.0
+    assert Controller().parameters() is None
