@@ -229,7 +229,7 @@ def test_what_a_controller_needs():
     assert Controller().needs is None
 
 
-def test_a_controller_sets_all_gains_of_its_fmu(tmp_path):
+def test_a_controller_sets_all_gains_of_its_fmu():
     """What it has not is 0, whatever the FMU starts with; unknown T_s and u_max are left alone."""
     given = Controller("cascade", K_x=5.0, K_p=2.0, tau_f=1e-3).parameters()
     names = {variable.name for variable in models.load_model("velocity_controller").variables}
