@@ -38,7 +38,7 @@ MODEL_ERROR = 2.0
 WHITENINGS = 2
 WORTH = 1.1
 """By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
-DOUBT = 0.1
+DOUBT = 0.12
 """Share of the bias taken off that stays as doubt."""
 
 
