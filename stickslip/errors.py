@@ -2,6 +2,7 @@
 
 StickslipError(Exception)
     UsageError(ValueError)              an option, name or value that a command cannot take
+    RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
     HarmfulError(RuntimeError)          a compensator that makes its loop worse
 """
@@ -13,6 +14,10 @@ class StickslipError(Exception):
 
 class UsageError(StickslipError, ValueError):
     """An option, name or value that a command cannot take."""
+
+
+class RecordingError(StickslipError, ValueError):
+    """A log's file that cannot become a recording."""
 
 
 class IdentificationError(StickslipError, RuntimeError):

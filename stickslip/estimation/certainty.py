@@ -14,16 +14,19 @@ import pandas as pd
 from scipy.stats import t as student
 
 from stickslip.estimation.fit import Fit, inverse_information
-from stickslip.estimation.unknowns import LOGS, NAMES, Values
+from stickslip.estimation.unknowns import LEVEL, LOGS, NAMES, Values
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
 
 WELL, WEAKLY = 0.05, 0.3
 """Relative half-widths of a 95 % interval up to which a parameter is well, and weakly, known."""
+NOT_VISIBLE = "not visible"
 MUTE = 0.5
 """Share of what was expected beforehand that may be left of the doubt, if a recording speaks."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 2
+LOOSE = 0.5
+"""Standard error of a coordinate beyond which it stays where it is while others are profiled."""
 
 REMEDY = {
     "F_s": "slow reversals, 0.1 to 5 mm/s",
@@ -65,7 +68,7 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
     errors : standard errors by name [SI]
     degrees : of freedom behind them
     """
-    value, error = fitted.values[name], errors[name]
+    value, error = fitted.parameters[name], errors[name]
     factor = float(student.ppf(0.975, degrees))
     if NAMES.index(name) < LOGS and value > 0.0:
         ratio = float(np.exp(min(factor * error / value, 50.0)))
@@ -74,7 +77,7 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
         low, high = value - factor * error, value + factor * error
     relative = factor * error / abs(value) if value else np.inf
     if _mute(name, fitted) or relative > WEAKLY:
-        visible = "not visible"
+        visible = NOT_VISIBLE
         said = f"not visible in this experiment; {REMEDY[name]} would show it"
     elif relative > WELL:
         visible = "weakly known"
@@ -88,19 +91,23 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
 def _mute(name: str, fitted: Fit) -> bool:
     """Tell whether what was expected beforehand decides more than the recording."""
     index = NAMES.index(name)
+    if name in ("F_s", "v_s") and fitted.unknowns.upper[0] <= LEVEL:
+        return True
     doubt = fitted.unknowns.doubt[index]
     if not np.isfinite(doubt):
         return False
-    at_bound = name != "F_s" and min(
-        fitted.q[index] - fitted.unknowns.lower[index],
-        fitted.unknowns.upper[index] - fitted.q[index],
-    ) < 1e-6
-    return at_bound or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
+    at_bound = (
+        name != "F_s"
+        and min(
+            fitted.q[index] - fitted.unknowns.lower[index],
+            fitted.unknowns.upper[index] - fitted.q[index],
+        )
+        < 1e-6
+    )
+    return bool(at_bound) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
 
 
-def profiles(
-    fitted: Fit, residual: Callable[[Values], Array], errors: Values
-) -> pd.DataFrame:
+def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -> pd.DataFrame:
     """Return the profile likelihoods of LuGre's five.
 
     Each point holds one parameter and lets the others follow by two Gauss steps with the Jacobian
@@ -118,34 +125,40 @@ def profiles(
     """
     u = fitted.unknowns
     inverse = inverse_information(fitted.jacobian, fitted.noise, u)
+    loose = np.sqrt(np.diag(inverse)) > LOOSE
+    jacobian = np.where(loose, 0.0, fitted.jacobian)
+    frozen = inverse_information(jacobian, fitted.noise, u)
+    frozen[loose], frozen[:, loose] = 0.0, 0.0
     weight = np.where(np.isfinite(u.doubt), 1.0 / u.doubt**2, 0.0)
 
     def loss(rest: Array, q: Array) -> float:
         return float(rest @ rest) / fitted.noise + float(np.sum(u.surprise(q) ** 2))
 
-    least = loss(residual(fitted.values), fitted.q)
+    least = loss(residual(fitted.parameters), fitted.q)
     rows = []
     for name in LUGRE:
         direction = np.zeros(len(NAMES))
         direction[NAMES.index(name)] = 1.0
         direction[1] = 1.0 if name in ("F_s", "F_c") else 0.0
-        plain = float(np.sqrt(direction @ inverse @ direction))
-        relative = max(errors[name] / fitted.values[name], 1e-12)
-        rows.append((name, fitted.values[name], 0.0))
+        free = inverse if loose[NAMES.index(name)] else frozen
+        plain = float(np.sqrt(direction @ free @ direction))
+        relative = max(errors[name] / fitted.parameters[name], 1e-12)
+        rows.append((name, fitted.parameters[name], 0.0))
         for point in POINTS:
             wanted = float(direction @ fitted.q) + point * relative
             q = fitted.q.copy()
+            losses = []
             for _ in range(PASSES + 1):
                 rest = residual(u.values(q))
                 gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
-                step = -inverse @ gradient
+                step = -free @ gradient
                 missing = wanted - direction @ (q + step)
-                step += inverse @ direction * missing / plain**2
+                step += free @ direction * missing / plain**2
                 q = np.clip(q + step, u.lower, u.upper)
-            rest = residual(u.values(q))
+                losses.append(loss(residual(u.values(q)), q))
             # In the units of the standard error, which knows of correlation.
             scale = (plain / relative) ** 2
-            deviance = (loss(rest, q) - least) * scale
-            rows.append((name, u.values(q)[name], max(deviance, 0.0)))
+            held = fitted.parameters[name] * float(np.exp(point * relative))
+            rows.append((name, held, max((min(losses) - least) * scale, 0.0)))
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
     return table.sort_values(["parameter", "value"], ignore_index=True)

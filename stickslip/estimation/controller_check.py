@@ -41,13 +41,12 @@ def check_controller(
     system = cosim.System("controller")
     limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
     system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
-    inputs = {"x_enc": position_of(recording)}
-    for name, command in (
-        ("v_cmd", recording.velocity_command),
-        ("x_cmd", recording.position_command),
-    ):
-        if command is not None:
-            inputs[name] = command
+    signals = {
+        "x_enc": position_of(recording),
+        "v_cmd": recording.velocity_command,
+        "x_cmd": recording.position_command,
+    }
+    inputs = {name: signal for name, signal in signals.items() if signal is not None}
     for name in inputs:
         system.expose(name, f"controller.{name}")
     stop = (len(recording.t) - 1) * recording.T_s

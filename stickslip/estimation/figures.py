@@ -90,7 +90,8 @@ def relative(recorded: Array, modelled: Array) -> float:
 def _delay(inverse: InverseModel, values: Values) -> float:
     """Return the delay of the logged force that suits the inverse model best [s]."""
     delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.T_s))
-    return min(
+    best: float = min(
         delays,
         key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2)),
     )
+    return best

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -50,7 +52,7 @@ class Fit:
     noise: float
 
     @property
-    def values(self) -> dict[str, float]:
+    def parameters(self) -> dict[str, float]:
         """The values by name, in SI units."""
         return self.unknowns.values(self.q)
 
@@ -101,7 +103,7 @@ def fit(judge: Judge, unknowns: Unknowns, start: Array) -> Fit:
         found = least_squares(
             scaled,
             q,
-            jac=lambda x, f=scaled: differences(f, x, unknowns),
+            jac=partial(differences, scaled, unknowns=unknowns),
             bounds=(unknowns.lower, unknowns.upper),
             x_scale="jac",
             max_nfev=ROUNDS,
@@ -130,9 +132,8 @@ def linearised(judge: Judge, unknowns: Unknowns, q: Array, noise: float) -> Fit:
     return Fit(unknowns, q, residual(q), jacobian, spread, noise)
 
 
-def differences(function: object, q: Array, unknowns: Unknowns) -> Array:
+def differences(function: Callable[[Array], Array], q: Array, unknowns: Unknowns) -> Array:
     """Return the Jacobian (k, 9) of a function of coordinates, by differences inside the bounds."""
-    assert callable(function)
     middle = function(q)
     columns = []
     for index in range(len(q)):
@@ -146,7 +147,8 @@ def differences(function: object, q: Array, unknowns: Unknowns) -> Array:
 def inverse_information(jacobian: Array, variance: float, unknowns: Unknowns) -> Array:
     """Return (J'J / variance + expectation)^-1, (9, 9)."""
     weight = np.where(np.isfinite(unknowns.doubt), 1.0 / unknowns.doubt, 0.0) ** 2
-    return np.linalg.pinv(jacobian.T @ jacobian / variance + np.diag(weight), hermitian=True)
+    information = jacobian.T @ jacobian / variance + np.diag(weight)
+    return np.asarray(np.linalg.pinv(information, hermitian=True), dtype=float)
 
 
 def covariance(jacobian: Array, residual: Array, unknowns: Unknowns) -> Array:

@@ -2,7 +2,8 @@
 
     F(t - delay) = m a + b v + F_f(v) + F_0
 
-F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike. Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
+F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike.
+Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ import pandas as pd
 
 import ga
 from stickslip.errors import UsageError
-from stickslip.estimation.certainty import Certainty, certainty, profiles
+from stickslip.estimation.certainty import NOT_VISIBLE, Certainty, certainty, profiles
 from stickslip.estimation.controller_check import ControllerCheck, check_controller
 from stickslip.estimation.figures import Figures, figures
 from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
@@ -26,17 +26,19 @@ from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.replica import RUNS, Corrected, correct
 from stickslip.estimation.search import SETTINGS, search, with_linear
 from stickslip.estimation.start import Start, begin
-from stickslip.estimation.unknowns import SOUGHT, Values
+from stickslip.estimation.unknowns import LEVEL, SOUGHT, Values
 from stickslip.measurement import Array
 from stickslip.recording import Recording
 
 JudgeName = Literal["auto", "output error", "inverse model"]
 AGREES = 0.01
 """Relative error of the commanded force up to which a controller counts as known."""
-MODEL_ERROR = 1.5
+MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
 WHITENINGS = 2
-DOUBT = 0.1
+WORTH = 1.1
+"""By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
+DOUBT = 0.12
 """Share of the bias taken off that stays as doubt."""
 
 
@@ -98,9 +100,9 @@ class Estimation:
     gains: Mapping[str, float] | None = field(default=None)
 
     @property
-    def values(self) -> dict[str, float]:
+    def parameters(self) -> dict[str, float]:
         """All values by name, in SI units."""
-        return self.fit.values
+        return self.fit.parameters
 
 
 def learn(
@@ -133,28 +135,27 @@ def learn(
         found, rows, algorithm = _search(task, inverse, start, on_generation, executor)
         judge, reason = _choose(task, check)
         corrected = None
-        if judge == OutputError.name:
-            assert task.gains is not None
+        if judge == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
             corrected = _output_error(task, task.gains, start, found)
             if corrected.model_error > MODEL_ERROR and task.judge == "auto":
-                judge = InverseModel.name
-                reason = (
-                    f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
-                    "noise explain: the drive has what the model has not, so the mean force decides"
+                judge, reason = (
+                    InverseModel.name,
+                    (
+                        f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
+                        "noise explain: the drive has what the model has not, so the mean force decides"
+                    ),
                 )
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")
-        if judge == OutputError.name:
-            assert corrected is not None
-            assert task.gains is not None
+        if judge == OutputError.name and corrected and task.gains is not None:
             errors, table = _known_loop(task, task.gains, corrected)
             best, degrees = corrected.fit, RUNS - 1
         else:
             best, degrees = found, BLOCKS - len(found.q)
             errors = found.errors()
             table = profiles(found, inverse.residual, errors)
-        shown = figures(task.fmus, recording, inverse, best.values, task.gains, check)
+        shown = figures(task.fmus, recording, inverse, best.parameters, task.gains, check)
     names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
     known = {name: certainty(name, best, errors, degrees) for name in names}
     return Estimation(
@@ -164,8 +165,8 @@ def learn(
         start,
         best,
         known,
-        best.values["F_0"],
-        best.values["delay"],
+        best.parameters["F_0"],
+        best.parameters["delay"],
         table,
         rows,
         algorithm,
@@ -196,11 +197,27 @@ def _search(
                 "seed": seed,
                 "evaluations": algorithm.evaluations,
                 "cost": found.noise,
-                **{name: found.values[name] for name in SOUGHT},
+                **{name: found.parameters[name] for name in SOUGHT},
             }
         )
     best = int(np.argmin([found.noise for found in fits]))
-    return fits[best], pd.DataFrame(rows), algorithms[best]
+    return _without_stribeck(inverse, fits[best]), pd.DataFrame(rows), algorithms[best]
+
+
+def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
+    """Return a fit with F_s = F_c, if the recording does not ask for more.
+
+    A rise of friction towards rest that nobody saw would be compensated all the same, and a force
+    that is not there pushes the drive.
+    """
+    if certainty("F_s", found, found.errors(), BLOCKS).visible != NOT_VISIBLE:
+        return found
+    level = found.unknowns.upper.copy()
+    level[0] = LEVEL
+    q = found.q.copy()
+    q[0] = 0.0
+    flat = fit(inverse, replace(found.unknowns, upper=level), q)
+    return flat if flat.noise < WORTH * found.noise else found
 
 
 def _choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
@@ -229,19 +246,17 @@ def _choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
     )
 
 
-def _output_error(
-    task: Task, gains: Mapping[str, float], start: Start, found: Fit
-) -> Corrected:
+def _output_error(task: Task, gains: Mapping[str, float], start: Start, found: Fit) -> Corrected:
     """Fit the loop from the inverse model's values on: plain, then whitened, then corrected."""
     unknowns = start.unknowns
     lower = unknowns.lower.copy()
     lower[-1] = 1e-3  # a lag, in samples; the inverse model's delay may be negative
     unknowns = replace(unknowns, lower=lower)
-    values: Values = {**found.values, "delay": 0.2 * task.recording.T_s}
+    values: Values = {**found.parameters, "delay": 0.2 * task.recording.T_s}
     with OutputError(task.fmus, task.recording, gains) as judge:
         fitted = fit(judge, unknowns, unknowns.coordinates(values))
         for _ in range(WHITENINGS):
-            judge.whiten(fitted.values)
+            judge.whiten(fitted.parameters)
             fitted = fit(judge, unknowns, fitted.q)
         return correct(judge, fitted, task.fmus, task.recording, gains, task.seed)
 

@@ -28,9 +28,9 @@ def smooth_motion(position: Array, T_s: float, cutoff: float) -> SmoothMotion:
 def derivative(signal: Array, T_s: float) -> Array:
     """Return the derivative (n,) of a smooth signal, of fourth order but at its ends."""
     slope = np.gradient(signal, T_s)
-    slope[2:-2] = (
-        signal[:-4] - 8.0 * signal[1:-3] + 8.0 * signal[3:-1] - signal[4:]
-    ) / (12.0 * T_s)
+    slope[2:-2] = (signal[:-4] - 8.0 * signal[1:-3] + 8.0 * signal[3:-1] - signal[4:]) / (
+        12.0 * T_s
+    )
     return np.asarray(slope)
 
 

@@ -40,7 +40,7 @@ class Corrected:
     bias : (9,) that was taken off the coordinates
     mean : (k,) what replicas leave on average, whitened [m]
     whitening : of the judge
-    expected : root mean square [m] that the residual before whitening has in the replicas
+    expected : root mean square [m] of the residual before whitening, in the worst replica
     found : and in the recording
     noise : standard deviation on the position, beside the encoder's steps [m]
     """
@@ -71,21 +71,21 @@ def correct(
     unknowns, step = fitted.unknowns, recording.encoder_step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
-    found = _rms(judge.raw(fitted.values)[judge.used])
+    found = _rms(judge.raw(fitted.parameters)[judge.used])
     at = fitted
     with KnownLoop(fmus, recording, gains, encoder=True) as loop:
         for _ in range(ROUNDS):
-            raws = _replicas(judge, loop, at.values, step, noise, rng)
+            raws = _replicas(judge, loop, at.parameters, step, noise, rng)
             moves = np.array([at.shift(judge.white(raw)) for raw in raws])
             own = at.step() - moves.mean(axis=0)
             q = np.clip(at.q + own, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
             at = linearised(judge, unknowns, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    expected = float(np.median([_rms(raw[judge.used]) for raw in raws]))
+    expected = max(_rms(raw[judge.used]) for raw in raws)
     mean = judge.white(raws.mean(axis=0))
-    return Corrected(
-        replace(at, covariance=spread), fitted.q - at.q, mean, judge.whitening, expected, found, noise
-    )
+    corrected = replace(at, covariance=spread)
+    bias = fitted.q - at.q
+    return Corrected(corrected, bias, mean, judge.whitening, expected, found, noise)
 
 
 def _replicas(

@@ -21,9 +21,7 @@ def genes(start: Start) -> list[ga.Gene]:
     unknowns = start.unknowns
     low, high = unknowns.values(unknowns.lower), unknowns.values(unknowns.upper)
     low["F_s"] = low["F_c"]
-    return [
-        ga.Gene(name, low[name], high[name], start.values[name], UNITS[name]) for name in LUGRE
-    ]
+    return [ga.Gene(name, low[name], high[name], start.values[name], UNITS[name]) for name in LUGRE]
 
 
 def search(

@@ -9,12 +9,13 @@ import numpy as np
 from stickslip.errors import IdentificationError
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.unknowns import NAMES, Unknowns
-from stickslip.measurement import Array
 from stickslip.recording import Recording
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
-DECADES = 2.0
+PRESLIDING = {False: 2e-4, True: 3e-2}
+"""Share of the way over which bristles bend, on a drive and on a tribometer: a first guess."""
+DECADES = 3.0
 """How far LuGre's parameters may lie from where they are expected."""
 
 
@@ -51,7 +52,8 @@ def begin(model: InverseModel, recording: Recording) -> Start:
             f"{F_c:.3g} N; expected both above 0: check the signs and units of force and position"
         )
     way = float(np.ptp(np.cumsum(v) * model.T_s))
-    deflection = np.clip(2e-4 * way, 3.0 * recording.encoder_step, 0.05 * way)
+    share = PRESLIDING[model.measures_friction]
+    deflection = np.clip(share * way, 3.0 * recording.encoder_step, 0.05 * way)
     sigma_0 = F_c / deflection
     mass = m if m > 0.0 else 1e-6 * F_c / np.std(model.motion.a)
     values = {
@@ -73,33 +75,31 @@ def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, 
     v = model.motion.v
     used = np.zeros(len(v), dtype=bool)
     used[model.used] = True
+    if model.measures_friction:  # the mean force against the motion, from the work it does
+        work = float(model.force[used] @ v[used])
+        F_0 = 0.5 * float(np.sum(np.quantile(model.force[used], [0.1, 0.9])))
+        return 0.0, 0.0, work / float(np.abs(v[used]).sum()), F_0, 0.0
     used &= np.abs(v) > FAST * top
-    columns = [model.linear, np.sign(v)[:, np.newaxis]]
-    if model.measures_friction:
-        columns[0] = model.linear[:, 1:]
-    regressors = np.column_stack(columns)[used]
-    best: tuple[float, Array, float] | None = None
-    for delay in DELAYS * model.T_s if not model.measures_friction else [0.0]:
+    regressors = np.column_stack([model.linear, np.sign(v)])[used]
+    lines = []
+    for delay in DELAYS * model.T_s:
         force = np.interp(model.t - delay, model.t, model.force)[used]
         found, *_ = np.linalg.lstsq(regressors, force, rcond=None)
         rest = force - regressors @ found
-        if best is None or rest @ rest < best[0]:
-            best = float(rest @ rest), found, float(delay)
-    assert best is not None
-    found = best[1] if not model.measures_friction else np.append(0.0, best[1])
-    m, b, F_0, F_c = (float(value) for value in found)
-    return m, b, F_c, F_0, best[2]
+        lines.append((float(rest @ rest), float(delay), found.tolist()))
+    _, delay, (m, b, F_0, F_c) = min(lines)
+    return m, b, F_c, F_0, delay
 
 
 def _unknowns(values: dict[str, float], top: float, model: InverseModel) -> Unknowns:
-    """Return coordinates whose expectation is weak: a factor of e^2 for what is not seen."""
+    """Return coordinates whose expectation is weak: a factor of e^3 for what is not seen."""
     F_c = values["F_c"]
     wide = DECADES * np.log(10.0)
     expected = np.zeros(len(NAMES))
     expected[:6] = np.log([1.2, *(values[name] for name in NAMES[1:6])])
     expected[6:] = values["b"] * top / F_c, values["F_0"] / F_c, values["delay"] / model.T_s
     doubt = np.full(len(NAMES), np.inf)
-    doubt[[0, 2, 3, 4]] = 0.5, 2.0, 2.0, 2.0
+    doubt[[0, 2, 3, 4]] = 0.5, 3.0, 3.0, 3.0
     lower, upper = expected - wide, expected + wide
     lower[0], upper[0] = 0.0, np.log(20.0)
     lower[6], upper[6] = 0.0, 100.0

@@ -19,6 +19,8 @@ NAMES = (*LUGRE, "m", "b", "F_0", "delay")
 much the force acts later than it was logged or commanded [s]."""
 
 SOUGHT = (*LUGRE, "m", "b")
+LEVEL = 1e-6
+"""Upper bound of log(F_s / F_c) where friction is taken to be level."""
 LOGS = 6  # so many coordinates, from the first on, are logarithms
 
 Values = Mapping[str, float]
@@ -49,7 +51,8 @@ class Unknowns:
         logs = [values["F_s"] / values["F_c"], *(values[name] for name in NAMES[1:LOGS])]
         units = (self.b_unit, self.force_unit, self.time_unit)
         rest = [values[name] / unit for name, unit in zip(NAMES[LOGS:], units, strict=True)]
-        return np.clip(np.append(np.log(logs), rest), self.lower, self.upper)
+        q = np.append(np.log(logs), rest)
+        return np.asarray(np.clip(q, self.lower, self.upper), dtype=float)
 
     def values(self, q: Array) -> dict[str, float]:
         """Return values by name, in SI units."""
