@@ -64,7 +64,7 @@ def figures(
         return Figures(force, unfiltered, nan, nan, nan, recording.t, shown, implied, None)
     with KnownLoop(fmus, recording, gains) as loop:
         result = loop.run({**values, "delay": max(values["delay"], 0.0)})
-    simulated, measured = result["drive.x"], position_of(recording)
+    simulated, measured = result["candidate.x"], position_of(recording)
     velocity = [np.diff(signal) / recording.T_s for signal in (measured, simulated)]
     commanded = np.append(result["controller.u"][1:], 0.0) + values["F_0"]
     n = len(commanded) - check.shift - 1

@@ -50,10 +50,10 @@ class KnownLoop:
             if step > 0.0:
                 optics["encoder_step"] = step
         system.add(
-            "drive", fmus / "drive.fmu", {"dac": False, "u_max": NO_LIMIT, **optics, **start}
+            "candidate", fmus / "drive.fmu", {"dac": False, "u_max": NO_LIMIT, **optics, **start}
         )
-        system.connect("controller.u", "drive.u")
-        system.connect("drive.x_enc", "controller.x_enc")
+        system.connect("controller.u", "candidate.u")
+        system.connect("candidate.x_enc", "controller.x_enc")
         system.expose("F_ff", "controller.F_ff")
         self._inputs: dict[str, Array] = {}
         commands = (("v_cmd", recording.velocity_command), ("x_cmd", recording.position_command))
@@ -65,7 +65,7 @@ class KnownLoop:
             system,
             step=recording.T_s,
             stop=(len(recording.t) - 1) * recording.T_s,
-            record=("drive.x", "drive.x_enc", "controller.u"),
+            record=("candidate.x", "candidate.x_enc", "controller.u"),
         )
         self._simulation = self.specification.prepare()
 
@@ -74,7 +74,7 @@ class KnownLoop:
 
         Parameters
         ----------
-        further : parameters of this run only, such as ``drive.noise_x``
+        further : parameters of this run only, such as ``candidate.noise_x``
         """
         parameters = {**candidate(values), **(further or {})}
         return self._simulation.run(parameters, {**self._inputs, "F_ff": -values["F_0"]})
@@ -101,9 +101,9 @@ class KnownLoop:
 
 def candidate(values: Values) -> dict[str, float]:
     """Return the drive FMU's parameters for values by name."""
-    parameters = {f"drive.{name}": values[name] for name in SOUGHT}
-    parameters["drive.b"] = max(values["b"], 0.0)
-    parameters["drive.tau_i"] = max(values["delay"], SHORTEST_LAG)
+    parameters = {f"candidate.{name}": values[name] for name in SOUGHT}
+    parameters["candidate.b"] = max(values["b"], 0.0)
+    parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
     return parameters
 
 

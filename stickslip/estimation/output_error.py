@@ -42,7 +42,7 @@ class OutputError:
 
     def raw(self, values: Values) -> Array:
         """Return recorded without simulated position (n,) [m]."""
-        return np.asarray(self.position - self.loop.run(values)["drive.x"])
+        return np.asarray(self.position - self.loop.run(values)["candidate.x"])
 
     def residual(self, values: Values) -> Array:
         """Return the same, whitened (k,) [m]."""

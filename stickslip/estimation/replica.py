@@ -97,16 +97,16 @@ def _replicas(
     rng: np.random.Generator,
 ) -> Array:
     """Return what the smooth loop leaves of recordings made anew (RUNS, n) [m]."""
-    smooth = judge.loop.run(values)["drive.x"]
+    smooth = judge.loop.run(values)["candidate.x"]
     raws = []
     for _ in range(RUNS):
         offset = step * rng.random()
         further = {
-            "drive.noise_x": noise,
-            "drive.seed": int(rng.integers(2**31)),
-            "drive.x": smooth[0] + offset,
+            "candidate.noise_x": noise,
+            "candidate.seed": int(rng.integers(2**31)),
+            "candidate.x": smooth[0] + offset,
         }
-        raws.append(loop.run(values, further)["drive.x_enc"] - offset - smooth)
+        raws.append(loop.run(values, further)["candidate.x_enc"] - offset - smooth)
     return np.array(raws)
 
 
