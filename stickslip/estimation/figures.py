@@ -30,6 +30,7 @@ class Figures:
     t : (n,) [s]
     shown, implied : (n,) force, recorded and implied [N]; of the inverse model
     simulated : (n,) position of the closed loop [m]; None when the controller is not known
+    velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
     """
 
     force: float
@@ -41,6 +42,17 @@ class Figures:
     shown: Array
     implied: Array
     simulated: Array | None
+    velocity_recorded: Array
+
+    def errors(self) -> dict[str, float]:
+        """Return the relative errors by name."""
+        return {
+            "force": self.force,
+            "force_unfiltered": self.force_unfiltered,
+            "position": self.position,
+            "velocity": self.velocity,
+            "closed_loop_force": self.closed_loop_force,
+        }
 
 
 def figures(
@@ -61,7 +73,9 @@ def figures(
     unfiltered = relative(raw[used], implied[used])
     nan = float("nan")
     if gains is None or check is None:
-        return Figures(force, unfiltered, nan, nan, nan, recording.t, shown, implied, None)
+        return Figures(
+            force, unfiltered, nan, nan, nan, recording.t, shown, implied, None, inverse.motion.v
+        )
     with KnownLoop(fmus, recording, gains) as loop:
         result = loop.run({**values, "delay": max(values["delay"], 0.0)})
     simulated, measured = result["candidate.x"], position_of(recording)
@@ -79,6 +93,7 @@ def figures(
         shown,
         implied,
         simulated,
+        inverse.motion.v,
     )
 
 
