@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 
 from stickslip.estimation import Estimation
 from stickslip.learned_report import hysteresis_picture
@@ -31,14 +32,17 @@ def draw(estimation: Estimation) -> Figure:
     if measures_friction(estimation):
         return hysteresis_picture.draw(estimation)
     shown = parts(estimation)
-    figure = new_figure(PAGE, 120.0)
+    figure = new_figure(PAGE, 125.0)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1.0))
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)
     upper.tick_params(labelbottom=False)
     _force(upper, lower, estimation, shown)
-    _friction(figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]), estimation, shown)
+    magnitude = figure.add_subplot(grid[1, 1])
+    _friction(figure.add_subplot(grid[0, 1]), magnitude, estimation, shown)
     figure.align_ylabels((upper, lower))
+    handles, labels = magnitude.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower right", ncols=3, markerscale=4.0)
     return figure
 
 
@@ -98,6 +102,6 @@ def _friction(both: Axes, magnitude: Axes, estimation: Estimation, shown: Parts)
         axes.axhline(0.0, color=FAINT, lw=THIN)
         axes.set_ylabel(f"Friction [{scale.unit}]")
     both.axvline(0.0, color=FAINT, lw=THIN)
-    magnitude.legend(loc="lower right", markerscale=4.0)
+    magnitude.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     name_panel(both, "c", "Friction over velocity")
     name_panel(magnitude, "d", "Its magnitude over speed")

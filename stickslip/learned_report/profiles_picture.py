@@ -65,20 +65,27 @@ def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
     axes.axhline(LINE_95, color=GREY, lw=0.8, ls=(0, (4, 2)))
     axes.axvline(scale.factor * fitted, color=WITHOUT, lw=0.8)
     axes.set_ylim(-0.3, TOP)
-    if resolved(curve):
+    if _resolved(curve):
         axes.plot(*_smooth(scale.factor * value, deviance, scale.factor * fitted), color=WITH)
         axes.plot(scale.factor * value, deviance, "o", color=WITH, ms=3.0)
     else:
         axes.text(
             0.5, 0.75, "profile not resolved", transform=axes.transAxes, ha="center", color=GREY,
-            backgroundcolor="white",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 2.0},
         )  # fmt: skip
 
+        value = np.array([low, high])
     _ticks(axes, scale.factor * value)
     axes.set_xlabel(f"{SYMBOLS[name]} [{scale.unit}]")
 
 
-def resolved(curve: pd.DataFrame) -> bool:
+def unresolved(estimation: Estimation) -> list[str]:
+    """Return the parameters whose profile is too steep to be one."""
+    table = estimation.profiles
+    return [name for name in LUGRE if not _resolved(table.query("parameter == @name"))]
+
+
+def _resolved(curve: pd.DataFrame) -> bool:
     """Tell whether a curve is near 1 at one standard error, so that the others did follow.
 
     Parameters
