@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from stickslip.estimation import Estimation
 from stickslip.estimation.motion import position_of
-from stickslip.learned_report.parts import parts
+from stickslip.learned_report.parts import measures_friction, parts
 from stickslip.learned_report.scales import (
     WORDS,
     Scale,
@@ -35,6 +35,8 @@ def draw(estimation: Estimation) -> Figure:
         inverse = parts(estimation)
         t, x, v, left = inverse.t, inverse.position, inverse.velocity, inverse.difference
         scale, what = force_scale(recording.motion, left), push.capitalize()
+        if measures_friction(estimation):
+            what = "Friction"
         name_panel(over_time, "a", f"{what}, recorded less implied")
     else:
         t, x, v = recording.t, position_of(recording), estimation.figures.velocity_recorded

@@ -63,7 +63,8 @@ def _force(estimation: Estimation, picture: Picture) -> Html:
 def _residual(estimation: Estimation, picture: Picture) -> Html:
     place, push = WORDS[estimation.recording.motion]
     if estimation.figures.simulated is None:
-        what, left = f"Recorded less implied {push}", push
+        left = "friction" if measures_friction(estimation) else push
+        what = f"Recorded less implied {left}"
     else:
         error = relative(estimation.figures.position)
         what, left = (

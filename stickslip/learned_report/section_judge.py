@@ -7,6 +7,7 @@ import math
 from stickslip.estimation import Estimation
 from stickslip.estimation.output_error import OutputError
 from stickslip.learned_report.parts import measures_friction
+from stickslip.learned_report.scales import WORDS
 from stickslip.learned_report.section_known import relative
 from stickslip.parameters import LUGRE
 from stickslip.report.markup import Html, element, join, paragraph, symbol, table
@@ -14,22 +15,27 @@ from stickslip.report.quantity import number
 from stickslip.report.shown import parameter
 
 MEANT = {
-    "force": "Force, recorded against implied by the recorded motion, both low-passed",
-    "force_unfiltered": "The same, recorded force as it is",
-    "position": "Position, recorded against simulated in the closed loop",
-    "velocity": "Velocity, differences of the same positions",
-    "closed_loop_force": "Force, recorded against commanded in the simulated loop",
+    "force": "{0}, recorded against implied by the recorded motion, both low-passed",
+    "force_unfiltered": "The same, recorded signal as it is",
+    "position": "{1}, recorded against simulated in the closed loop",
+    "velocity": "Velocity, differences of the same signals",
+    "closed_loop_force": "{0}, recorded against commanded in the simulated loop",
 }
 
 
 def write(estimation: Estimation) -> Html:
     """Return the section on judge, errors and search."""
     errors = estimation.figures.errors()
-    rows = [(MEANT[name], relative(errors[name])) for name in MEANT if math.isfinite(errors[name])]
+    place, push = WORDS[estimation.recording.motion]
+    words = ("Friction" if measures_friction(estimation) else push.capitalize(), place.capitalize())
+    rows = [
+        (MEANT[name].format(*words), relative(errors[name]))
+        for name in MEANT
+        if math.isfinite(errors[name])
+    ]
     return element(
         "section",
         element("h2", "How it was judged"),
-        paragraph(f"By the {estimation.judge}: {estimation.reason}."),
         _judge(estimation),
         _controller(estimation),
         table(
@@ -74,7 +80,8 @@ def _controller(estimation: Estimation) -> Html:
     check = estimation.controller
     if check is None or not math.isfinite(check.error):
         return join([])
-    late = f", {check.shift} samples late" if check.shift else ""
+    samples = "sample" if check.shift == 1 else "samples"
+    late = f", {check.shift} {samples} late" if check.shift else ""
     return paragraph(
         f"Along the recorded motion the controller given commands the recorded force{late}, with a "
         f"relative error of {relative(check.error)}."

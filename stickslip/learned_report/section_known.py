@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from stickslip.estimation import Certainty, Estimation
 from stickslip.learned_report.parts import measures_friction
-from stickslip.learned_report.scales import Scale, force_scale, parameter_scale
+from stickslip.learned_report.scales import WORDS, Scale, force_scale, parameter_scale
 from stickslip.report.markup import Html, element, join, paragraph, table
 from stickslip.report.quantity import MEANINGS, estimated, interval, number
 from stickslip.report.shown import parameter
 
 ERRORS = {
-    "force": "Force that the motion implies",
-    "position": "Position, loop simulated",
+    "force": "{0} that the motion implies",
+    "position": "{1}, loop simulated",
     "velocity": "Velocity, loop simulated",
-    "closed_loop_force": "Force, loop simulated",
+    "closed_loop_force": "{0}, loop simulated",
 }
 LEVELS = ("well known", "weakly known", "not visible")
 
@@ -43,12 +45,14 @@ def _verdict(estimation: Estimation) -> Html:
         names = [parameter(name) for name in known if known[name].visible == level]
         if names:
             said.append(join([f"{level[:1].upper()}{level[1:]}: ", join(names, ", "), "."]))
-    tiles = []
+    tiles, errors = [], estimation.figures.errors()
+    place, push = WORDS[estimation.recording.motion]
+    push = "friction" if measures_friction(estimation) else push
     for name, what in ERRORS.items():
-        error = getattr(estimation.figures, name)
-        if error == error:  # not NaN
+        error = errors[name]
+        if math.isfinite(error):
             tile = (
-                element("span", what, class_="name"),
+                element("span", what.format(push.capitalize(), place.capitalize()), class_="name"),
                 element("span", relative(error), class_="value"),
                 element("span", "relative error", class_="beside"),
             )

@@ -63,7 +63,8 @@ def with_error(value: float, error: float) -> str:
 
 def estimated(value: float, error: float) -> str:
     """Return what ``with_error`` does, with a power of ten for very large and very small values."""
-    exponent = _exponent(value)
+    size = abs(value)
+    exponent = _exponent(max(size, error) if math.isfinite(error) else size)
     if not exponent:
         return with_error(value, error)
     scale = 10.0**exponent
