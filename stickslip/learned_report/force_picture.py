@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -85,9 +87,9 @@ def _friction(both: Axes, magnitude: Axes, estimation: Estimation, shown: Parts)
     )
     for rows, colour, label in clouds:
         x, y = v_scale.factor * v[rows], scale.factor * friction[rows]
-        style = {"ms": 2.0, "mew": 0, "color": colour, "rasterized": True, "label": label}
+        style: dict[str, Any] = {"ms": 2.0, "mew": 0, "color": colour, "rasterized": True}
         both.plot(x, y, ".", **style)
-        magnitude.plot(np.abs(x), y * np.sign(x), ".", **style)
+        magnitude.plot(np.abs(x), y * np.sign(x), ".", label=label, **style)
     x = v_scale.factor * speed
     for sign, half in ((-1.0, curve[:300][::-1]), (1.0, curve[300:])):
         both.plot(sign * x, scale.factor * half, color=WITH)

@@ -48,10 +48,11 @@ def write(estimation: Estimation) -> Html:
 
 
 def _judge(estimation: Estimation) -> Html:
+    place, push = WORDS[estimation.recording.motion]
     if estimation.judge == OutputError.name:
         said = (
             "The controller ran again with the recorded commands, on a drive with each candidate’s "
-            "parameters; the differences between recorded and simulated position were whitened and "
+            f"parameters; the differences between recorded and simulated {place} were whitened and "
             "their squares made least. Simulated recordings with the same encoder steps and as "
             "much noise then told the bias, which was taken off, and the standard errors."
         )
@@ -66,7 +67,7 @@ def _judge(estimation: Estimation) -> Html:
         implied = join(["The recorded velocity implies the friction ", friction])
     else:
         rigid = join([symbol("m"), " ", symbol("a"), " + ", symbol("b"), " ", symbol("v"), " + "])
-        implied = join(["The recorded motion implies the force ", rigid, friction])
+        implied = join([f"The recorded motion implies the {push} ", rigid, friction])
     return paragraph(
         implied,
         ", where the compensator FMU gives ",
@@ -77,13 +78,13 @@ def _judge(estimation: Estimation) -> Html:
 
 
 def _controller(estimation: Estimation) -> Html:
-    check = estimation.controller
+    check, push = estimation.controller, WORDS[estimation.recording.motion][1]
     if check is None or not math.isfinite(check.error):
         return join([])
     samples = "sample" if check.shift == 1 else "samples"
     late = f", {check.shift} {samples} late" if check.shift else ""
     return paragraph(
-        f"Along the recorded motion the controller given commands the recorded force{late}, with a "
+        f"Along the recorded motion the controller given commands the recorded {push}{late}, with a "
         f"relative error of {relative(check.error)}."
     )
 

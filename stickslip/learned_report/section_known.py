@@ -101,12 +101,13 @@ def _rest(estimation: Estimation) -> Html:
     """Return what else the fit found."""
     error = estimation.fit.errors()["F_0"]
     unit = force_scale(estimation.recording.motion, np.ones(1)).unit
-    constant = f"a constant force of {estimated(estimation.F_0, error)} {unit}"
+    push = WORDS[estimation.recording.motion][1]
+    constant = f"a constant {push} of {estimated(estimation.F_0, error)} {unit}"
     if measures_friction(estimation):
         return paragraph(f"Beside friction the sensor shows {constant}.")
     late = number(1e3 * abs(estimation.delay), 3)
     when = "earlier" if estimation.delay < 0.0 else "later"
     return paragraph(
-        f"Beside friction {constant} acts against positive motion, and the motor’s force acts "
+        f"Beside friction {constant} acts against positive motion, and the motor’s {push} acts "
         f"{late} ms {when} than it was logged or commanded."
     )

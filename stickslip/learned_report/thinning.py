@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.measurement import Array
 
@@ -31,6 +32,6 @@ def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Arr
     return t[kept], signal[kept]
 
 
-def spread(n: int, most: int) -> Array:
+def spread(n: int, most: int) -> NDArray[np.intp]:
     """Return at most so many of n indices, evenly."""
     return np.arange(0, n, max(1, -(-n // most)))

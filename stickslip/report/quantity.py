@@ -88,8 +88,8 @@ def interval(low: float, high: float) -> str:
 
 
 def unit(text: str) -> str:
-    """Return a unit of the FMUs (``N.s/m``) as it is printed (``N s/m``)."""
-    return "" if text == "1" else text.replace(".", "\u00a0")
+    """Return a unit of the FMUs (``N.s/m``, ``kg.m2``) as it is printed (``N s/m``, ``kg m²``)."""
+    return "" if text == "1" else text.replace(".", "\u00a0").replace("m2", "m²")
 
 
 def _fixed(value: float, decimals: int) -> str:

@@ -129,6 +129,7 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
         scale = 1e3 if name == "v_s" else 1.0
         assert interval(scale * known.low, scale * known.high).replace("\u00a0", " ") in said
     assert table.unit["F_c"] == ("N.m" if kind == "rotary" else "N")
+    assert ("kg m²" in said) == (kind == "rotary")
     assert ("mrad/s" if kind == "rotary" else "mm/s") in said
 
 
