@@ -84,8 +84,8 @@ def _controller(estimation: Estimation) -> Html:
     samples = "sample" if check.shift == 1 else "samples"
     late = f", {check.shift} {samples} late" if check.shift else ""
     return paragraph(
-        f"Along the recorded motion the controller given commands the recorded {push}{late}, with a "
-        f"relative error of {relative(check.error)}."
+        f"Along the recorded motion the controller given commands the recorded {push}{late}, with "
+        f"a relative error of {relative(check.error)}."
     )
 
 
