@@ -28,7 +28,7 @@ from stickslip.setup import LOOP, VALIDATION, Datasheet
 from stickslip.validation import Validation, validate
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
-"""The loop of the recording: soft enough for a third and three times the mass it is designed for."""
+"""The loop of the recording: soft, so that it bears a third and three times its nominal mass."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,12 @@ class RecordReproduction:
         return compensator_of(self.estimation)
 
     def table2(self) -> pd.DataFrame:
-        """Return Table 2 with what was learned, in SI units.
+        """Return Table 2 with what was learned, in SI units; the drive's truth enters here only.
 
         ``identified`` is what a straight line through the recorded force says; it knows nothing of
         F_s, v_s, sigma_0 and sigma_1. ``spread`` is the standard error of what was learned.
         """
-        line = self.estimation.start.values
+        line = self.estimation.start.line
         rows = []
         for name, unit in UNITS.items():
             known = self.estimation.known[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -93,7 +94,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _print_findings(findings: Iterable[Finding]) -> None:
     for finding in findings:
-        print(f"{finding.severity}: {finding}")
+        print(finding)
 
 
 def print_estimation(estimation: Estimation) -> None:
@@ -108,5 +109,5 @@ def print_estimation(estimation: Estimation) -> None:
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} of the force, beyond the log's own")
     for name, value in estimation.figures.errors().items():
-        if value == value:  # not NaN
+        if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

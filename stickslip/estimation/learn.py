@@ -139,12 +139,11 @@ def learn(
             on_stage("fitting the known loop")
             corrected = _output_error(task, task.gains, start, found)
             if corrected.model_error > MODEL_ERROR and task.judge == "auto":
-                judge, reason = (
-                    InverseModel.name,
-                    (
-                        f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
-                        "noise explain: the drive has what the model has not, so the mean force decides"
-                    ),
+                judge = InverseModel.name
+                reason = (
+                    f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
+                    "noise explain, so the drive has what the model has not, and the mean force "
+                    "decides"
                 )
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")

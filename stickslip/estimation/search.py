@@ -21,7 +21,7 @@ def genes(start: Start) -> list[ga.Gene]:
     unknowns = start.unknowns
     low, high = unknowns.values(unknowns.lower), unknowns.values(unknowns.upper)
     low["F_s"] = low["F_c"]
-    return [ga.Gene(name, low[name], high[name], start.values[name], UNITS[name]) for name in LUGRE]
+    return [ga.Gene(name, low[name], high[name], start.line[name], UNITS[name]) for name in LUGRE]
 
 
 def search(
@@ -43,7 +43,7 @@ def search(
     """
     algorithm = ga.GeneticAlgorithm(genes(start), settings, seed, ga.AtLeast("F_s", "F_c"))
     names = [f"compensator.{name}" for name in LUGRE]
-    cost = ImpliedCost.of(model, start.values["delay"])
+    cost = ImpliedCost.of(model, start.line["delay"])
     with ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate:
         ga.learn(algorithm, evaluate, executor, on_generation)
     return algorithm
@@ -51,7 +51,7 @@ def search(
 
 def with_linear(model: InverseModel, start: Start, lugre: Array) -> dict[str, float]:
     """Return all values: LuGre's (5,) and the m, b and F_0 that suit them best."""
-    values = {**start.values, **dict(zip(LUGRE, lugre.tolist(), strict=True))}
+    values = {**start.line, **dict(zip(LUGRE, lugre.tolist(), strict=True))}
     if model.measures_friction:
         return values
     rest = model.residual({**values, "m": 0.0, "b": 0.0, "F_0": 0.0})

@@ -25,11 +25,11 @@ class Start:
 
     Attributes
     ----------
-    values : by name, in SI units; LuGre's are guesses
+    line : values by name, in SI units; those of LuGre but F_c are guesses
     unknowns : with bounds and expectations around them
     """
 
-    values: dict[str, float]
+    line: dict[str, float]
     unknowns: Unknowns
 
 
