@@ -104,11 +104,11 @@ def write_json(content: object, path: Path) -> None:
 def write_loop(system: cosim.System, loop: VelocityLoop, path: Path) -> None:
     """Write the loop of Fig. 2a with the trapezoid as the input that it runs with."""
     corners = VALIDATION.corners()
-    stop = float(corners[-1] + VALIDATION.begin)
+    t = np.arange(round((corners[-1] + VALIDATION.begin) / loop.T_s) + 1) * loop.T_s
+    stop = float(t[-1])
     experiment = cosim.DefaultExperiment(start=0.0, stop=stop, step=loop.T_s)
     cosim.write_ssp(system, path, experiment)
     table = pd.DataFrame({"time": corners, "v_cmd": VALIDATION.sample(corners)})
     if loop.m_ff:
-        t = np.arange(round(stop / loop.T_s) + 1) * loop.T_s
-        table = pd.DataFrame({"time": t, **loop.commands(VALIDATION.sample(t))})
+        table = pd.DataFrame({"time": t, **loop.commands(VALIDATION.sample(np.asarray(t)))})
     pack_input(path, table)
