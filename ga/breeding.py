@@ -7,16 +7,20 @@ import numpy as np
 from ga.arrays import Array
 from ga.crossover import CROSSOVERS
 from ga.mutation import MUTATIONS
+from ga.rates import Rates
 from ga.settings import Settings
 
 
-def breed(strings: Array, costs: Array, settings: Settings, rng: np.random.Generator) -> Array:
+def breed(
+    strings: Array, costs: Array, rates: Rates, settings: Settings, rng: np.random.Generator
+) -> Array:
     """Return children for the places outside the elite.
 
     Parameters
     ----------
     strings : the generation, best first, shape (n, k)
     costs : of the generation, shape (n,)
+    rates : of the children's crossover and mutation
 
     Returns
     -------
@@ -26,5 +30,5 @@ def breed(strings: Array, costs: Array, settings: Settings, rng: np.random.Gener
     ------
     Paper, Step 4.
     """
-    children = CROSSOVERS[settings.crossover](strings, costs, settings, rng)
-    return MUTATIONS[settings.mutation](children, strings, settings.mutation_rate, rng)
+    children = CROSSOVERS[settings.crossover](strings, costs, rates.crossover, settings, rng)
+    return MUTATIONS[settings.mutation](children, strings, rates.mutation, rng)
