@@ -13,10 +13,20 @@ import ga
 import models
 import toolchain
 from cosim.control import ControlError
-from stickslip.commands import build, check, design, export, identify, reproduce, simulate, validate
+from stickslip.commands import (
+    build,
+    check,
+    design,
+    export,
+    identify,
+    plan,
+    reproduce,
+    simulate,
+    validate,
+)
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, check, design, identify, validate, export)
+COMMANDS = (reproduce, build, simulate, check, design, plan, identify, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,

@@ -7,23 +7,32 @@ static double limited(double force, double limit) {
     return force > limit ? limit : force < -limit ? -limit : force;
 }
 
-/* One sample: estimate, PI with feedforward, limit. */
+/* An integral after this sample. Anti-windup: it stands still while the error would push the force
+ * further past its limit. */
+static double integrated(double before, double after, double error, double demanded, double u) {
+    return demanded == u || (demanded > 0.0) != (error > 0.0) ? after : before;
+}
+
+/* One sample: estimate, PI of position and of velocity, feedforward, limit. */
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     /* v+ = v + (1 - e^(-T_s / tau_f)) (dx / T_s - v)   [m/s] */
     const double weight = p->tau_f > 0.0 ? 1.0 - elementary_exp(-p->T_s / p->tau_f) : 1.0;
     w->v_filtered += weight * ((u->x_enc - w->x_last) / p->T_s - w->v_filtered);
     w->x_last = u->x_enc;
+    const double v = p->use_v_hat != 0.0 ? u->v_hat : w->v_filtered;
 
-    /* u = K_p e + I + F_ff + m_ff a_cmd   [N] */
-    const double e = u->v_cmd - w->v_filtered;
+    /* e_x = x_cmd - x_enc [m],   e_v = v_cmd + K_x e_x - v [m/s] */
+    const double e_x = u->x_cmd - u->x_enc;
+    const double e_v = u->v_cmd + p->K_x * e_x - v;
+
+    /* u = K_p e_v + I + F_ff + m_ff a_cmd + P_x e_x + J   [N] */
+    const double I = w->I + p->T_s * p->K_i * e_v;
+    const double J = w->J + p->T_s * p->I_x * e_x;
     const double feedforward = u->F_ff + p->m_ff * u->a_cmd;
-    const double integral = w->I + p->T_s * p->K_i * e;
-    const double demanded = p->K_p * e + integral + feedforward;
+    const double demanded = p->K_p * e_v + I + feedforward + (p->P_x * e_x + J);
     w->u_held = limited(demanded, p->u_max);
-
-    /* Anti-windup: the integral stands still while it would push further past the limit. */
-    if (demanded == w->u_held || (demanded > 0.0) != (e > 0.0))
-        w->I = integral;
+    w->I = integrated(w->I, I, e_v, demanded, w->u_held);
+    w->J = integrated(w->J, J, e_x, demanded, w->u_held);
 }
 
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
@@ -33,7 +42,7 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
         sample(w, u, p);
-    const double all = w->u_held + w->v_filtered + w->I;
+    const double all = w->u_held + w->v_filtered + w->I + w->J;
     return all - all == 0.0; /* finite */
 }
 

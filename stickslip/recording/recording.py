@@ -42,6 +42,6 @@ class Recording:
     source: str = "recording"
 
     @property
-    def T_s(self) -> float:
+    def T_s(self) -> float:  # noqa: N802 - the symbol of the paper
         """Sample period [s]."""
         return float(self.t[-1] / (len(self.t) - 1))

@@ -86,7 +86,9 @@ def test_declared_dependences_exist(fmu, slave):
     absent = {
         v.name: v.nominal or 1.0
         for v in fmu.model.variables
-        if v.role == "parameter" and v.type == "real" and v.start == 0.0 and v.maximum
+        if v.role == "parameter"
+        and v.start == 0.0
+        and (v.type == "boolean" or (v.type == "real" and v.maximum))
     }
     for unknown in fmu.description.outputs:
         output = unknown.variable.name

@@ -112,10 +112,13 @@ def velocity_controller(p: Parameters) -> Columns:
         "a_cmd": np.gradient(v_cmd, STEP),
         "x_enc": x_enc,
         "F_ff": 6.0 * np.sign(v_cmd),
-    }
+        "x_cmd": 2e-4 * (1.0 - np.cos(2 * np.pi * 20.0 * t)),
+        "v_hat": v_cmd,
+    }  # the last two say nothing where the switch is off and the gains of position are 0
     keep = np.exp(-p["T_s"] / p["tau_f"])
     v, integral, x_last, u, v_est = 0.0, 0.0, x_enc[0], [0.0], [0.0]
-    for command, acceleration, x, feedforward in list(zip(*inputs.values(), strict=True))[:-1]:
+    rows = list(zip(*inputs.values(), strict=True))[:-1]
+    for command, acceleration, x, feedforward, *_ in rows:
         v = keep * v + (1.0 - keep) * (x - x_last) / p["T_s"]
         x_last, e = x, command - v
         trial = integral + p["T_s"] * p["K_i"] * e

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import cosim
 import models
 from cosim.control import Axis, LoopSpecification, design_velocity_loop
 
 NAME = "velocity_controller"
 T_S = 5e-4  # s
-RECORD = tuple(f"{NAME}.{v}" for v in ("u", "v_est", "I", "k"))
+RECORD = tuple(f"{NAME}.{v}" for v in ("u", "v_est", "I", "J", "k"))
 START = {v.name: v.start for v in models.load_model(NAME).variables if v.role == "parameter"}
 
 
@@ -21,29 +22,53 @@ def signals(t: np.ndarray, size: float = 1.0) -> dict[str, np.ndarray]:
         "a_cmd": size * 0.6 * np.cos(30 * t),
         "x_enc": np.round(6e-4 * (1 - np.cos(30 * t)) / 4e-7) * 4e-7,
         "F_ff": 6.0 * np.sign(np.sin(30 * t)),
+        "x_cmd": size * 6.2e-4 * (1 - np.cos(30 * t + 0.1)),
+        "v_hat": 0.018 * np.sin(30 * t - 0.02),
     }
 
 
 def difference_equations(inputs: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
-    """Return u, v_est, I after each sample, (n, 3)."""
-    v_est = integral = 0.0
+    """Return u, v_est, I, J after each sample, (n, 4)."""
+    v_est = 0.0
+    integrals = np.zeros(2)  # over e_v and e_x
     x_last = inputs["x_enc"][0]
     keep = np.exp(-p["T_s"] / p["tau_f"]) if p["tau_f"] > 0 else 0.0
     rows = []
-    for v_cmd, a_cmd, x, F_ff in zip(*inputs.values(), strict=True):
+    for v_cmd, a_cmd, x, F_ff, x_cmd, v_hat in zip(*inputs.values(), strict=True):
         v_est = keep * v_est + (1 - keep) * (x - x_last) / p["T_s"]
         x_last = x
-        e = v_cmd - v_est
-        trial = integral + p["T_s"] * p["K_i"] * e
-        demand = p["K_p"] * e + trial + F_ff + p["m_ff"] * a_cmd
+        e_x = x_cmd - x
+        e_v = v_cmd + p["K_x"] * e_x - (v_hat if p["use_v_hat"] else v_est)
+        e = np.array([e_v, e_x])
+        trial = integrals + p["T_s"] * np.array([p["K_i"], p["I_x"]]) * e
+        demand = p["K_p"] * e_v + p["P_x"] * e_x + trial.sum() + F_ff + p["m_ff"] * a_cmd
         u = np.clip(demand, -p["u_max"], p["u_max"])
-        if u == demand or np.sign(demand) != np.sign(e):
-            integral = trial
-        rows.append((u, v_est, integral))
+        free = (u == demand) | (np.sign(demand) != np.sign(e))
+        integrals = np.where(free, trial, integrals)
+        rows.append((u, v_est, *integrals))
     return np.array(rows)
 
 
-@pytest.mark.parametrize("change", [{}, {"tau_f": 0.0}, {"m_ff": 5.5}, {"u_max": 20.0, "K_i": 1e6}])
+CASCADE = {"K_x": 60.0}
+PID = {"P_x": 3e5, "I_x": 4e6, "K_i": 0.0}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"tau_f": 0.0},
+        {"m_ff": 5.5},
+        {"u_max": 20.0, "K_i": 1e6},
+        {"use_v_hat": True},
+        CASCADE,
+        {**CASCADE, "use_v_hat": True, "K_i": 1e6, "u_max": 50.0},
+        PID,
+        {**PID, "u_max": 20.0},
+        {**PID, "use_v_hat": True, "I_x": 4e8, "u_max": 30.0},
+        {"K_p": 0.0, "K_i": 0.0, "P_x": 2e5},
+    ],
+)
 def test_difference_equations(alone, change):
     with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
         inputs = signals(simulation.time)
@@ -51,7 +76,42 @@ def test_difference_equations(alone, change):
             inputs=inputs, parameters={f"{NAME}.{k}": v for k, v in change.items()}
         )
     expected = difference_equations({k: v[:-1] for k, v in inputs.items()}, {**START, **change})
-    np.testing.assert_allclose(result.values[1:, :3], expected, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(result.values[1:, :4], expected, rtol=1e-11, atol=1e-11)
+    assert len(np.unique(result[f"{NAME}.u"])) > 100
+
+
+def follow_position(fmus, gains, stop=1.5):
+    """Move the drive without friction, encoder and DAC steps; return t, commands and result."""
+    system = cosim.System("servo")
+    system.add("controller", fmus / f"{NAME}.fmu", gains)
+    ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": False}
+    system.add("drive", fmus / "drive.fmu", {**ideal, "dac": False, "current_loop": False})
+    system.connect("controller.u", "drive.u")
+    system.connect("drive.x_enc", "controller.x_enc")
+    for name in ("x_cmd", "F_ff"):
+        system.expose(name, f"controller.{name}")
+    with system.prepare(step=T_S, stop=stop) as simulation:
+        x_cmd = 1e-3 * (simulation.time >= 0.1)
+        pushed = 20.0 * (simulation.time >= 0.6)
+        return x_cmd, simulation.run(inputs={"x_cmd": x_cmd, "F_ff": pushed})
+
+
+@pytest.mark.parametrize(
+    ("gains", "stiffness"),
+    [
+        ({"K_x": 60.0, "K_i": 0.0}, 60.0 * START["K_p"]),
+        ({"K_x": 60.0}, np.inf),
+        ({"P_x": 3e5, "K_i": 0.0}, 3e5),
+        ({"P_x": 3e5, "K_i": 0.0, "I_x": 6e6}, np.inf),
+    ],
+    ids=["P-P", "cascade", "PD", "PID"],
+)
+def test_a_held_position_gives_way_as_its_gains_say(fmus, gains, stiffness):
+    """A standing force moves it by force / stiffness: K_x K_p, P_x, none with an integral."""
+    x_cmd, result = follow_position(fmus, gains)
+    reached = result["drive.x"][result.time < 0.6][-1]
+    assert reached == pytest.approx(x_cmd[-1], abs=2e-6)
+    assert result["drive.x"][-1] - x_cmd[-1] == pytest.approx(20.0 / stiffness, abs=1e-6)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0, 3.0, 7.0])

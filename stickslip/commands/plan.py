@@ -1,0 +1,84 @@
+"""``stickslip plan``: a velocity command that shows a drive's parameters in one recording."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from stickslip.errors import UsageError
+from stickslip.parameters import PAPER
+from stickslip.plan import LINEAR, ROTARY, Stretch, arrange, draw_plan, plan
+from toolchain import write_whole
+
+_OPTIONS = {
+    "stroke": ("M", "between the two farthest positions"),
+    "speed": ("M/S", "highest speed"),
+    "acceleration": ("M/S2", "highest acceleration"),
+    "duration": ("S", "of the whole"),
+    "rate": ("HZ", "samples per second"),
+}
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "plan",
+        help="write the command of an experiment that shows a drive's parameters",
+        description="Write the velocity and position command of one experiment as CSV: small "
+        "moves, slow reversals, constant speeds, quick ramps and a sine sweep. Run it on the "
+        "drive, log time, force and position, and learn from the log.",
+    )
+    parser.add_argument(
+        "--motion", choices=("linear", "rotary"), default="linear", help="rotary: read rad for m"
+    )
+    for name, (unit, text) in _OPTIONS.items():
+        default = f"default {getattr(LINEAR, name):g}"
+        if getattr(LINEAR, name) != getattr(ROTARY, name):
+            default += f", rotary {getattr(ROTARY, name):g}"
+        parser.add_argument(f"--{name}", type=float, metavar=unit, help=f"{text} ({default})")
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="PARAMETER",
+        help=f"give more time to what shows these: {', '.join(PAPER)}",
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("plan.csv"), metavar="FILE.csv", help="(default plan.csv)"
+    )
+    parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it, too")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the command and say what runs when, and how much room it needs."""
+    for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
+        if path and path.suffix.lower() != suffix:
+            raise UsageError(f"{path}: expected a file name that ends in {suffix}")
+    given = {name: getattr(options, name) for name in _OPTIONS}
+    limits = replace(
+        ROTARY if options.motion == "rotary" else LINEAR,
+        **{name: value for name, value in given.items() if value is not None},
+    )
+    table, stretches = plan(limits, options.show), arrange(limits, options.show)
+    write_whole(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    if options.plot:
+        write_whole(options.plot, draw_plan(table, stretches, options.motion))
+    _say(table, stretches, "rad" if options.motion == "rotary" else "m")
+    print(options.out)
+    if options.plot:
+        print(options.plot)
+
+
+def _say(table: pd.DataFrame, stretches: tuple[Stretch, ...], unit: str) -> None:
+    time, v, x = (table[name].to_numpy() for name in table.columns)
+    for stretch in stretches:
+        begin, end = time[stretch.begin], time[stretch.end]
+        shows = " ".join(stretch.part.shows)
+        print(f"{begin:7.2f} .. {end:6.2f} s  {stretch.part.name:16} {shows}")
+    print(f"speed up to {abs(v).max():.3g} {unit}/s; ends where it begins")
+    print(f"needs {max(0.0, -x.min()):.3g} {unit} of room below the start, {x.max():.3g} above")

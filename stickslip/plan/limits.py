@@ -1,0 +1,70 @@
+"""What a drive may be asked to do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from stickslip.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds of an experiment; for a rotary drive read rad for m.
+
+    Attributes
+    ----------
+    stroke : between the two farthest positions [m]
+    speed : [m/s]
+    acceleration : [m/s^2]
+    duration : of the whole experiment [s]
+    rate : samples of the command per second [Hz]
+    frequency : of the sweep, begin and end [Hz]; narrower where stroke and acceleration ask for it
+    slow : speeds of the slow reversals, smallest and largest [m/s]
+    presliding : sizes of the smallest and the largest small move [m]
+
+    Raises
+    ------
+    UsageError
+        When a value is not positive, a range is upside down, or there are too few samples.
+    """
+
+    stroke: float = 0.1
+    speed: float = 0.04
+    acceleration: float = 2.0
+    duration: float = 20.0
+    rate: float = 2000.0
+    frequency: tuple[float, float] = (0.1, 5.0)
+    slow: tuple[float, float] = (1e-4, 5e-3)
+    presliding: tuple[float, float] = (1e-6, 1e-3)
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if not (math.isfinite(number) and number > 0):
+                    raise UsageError(f"{field.name} = {value}: expected more than 0")
+            if isinstance(value, tuple) and value[0] > value[1]:
+                raise UsageError(f"{field.name} = {value}: expected smallest, then largest")
+        if self.duration < 2.0:
+            raise UsageError(f"duration = {self.duration:g} s: expected at least 2 s")
+        if not 100.0 <= self.rate <= 1e5:
+            raise UsageError(f"rate = {self.rate:g} Hz: expected 100 to 100,000 Hz")
+        if self.duration * self.rate > 2e7:
+            raise UsageError(
+                f"duration = {self.duration:g} s at rate = {self.rate:g} Hz: expected at most "
+                "20 million samples; shorten it or lower the rate"
+            )
+
+
+LINEAR = Limits()
+"""Suits the paper's stage: its training sweep fits."""
+
+ROTARY = Limits(
+    stroke=2 * math.pi,
+    speed=2 * math.pi,
+    acceleration=200.0,
+    slow=(0.01, 0.5),
+    presliding=(1e-4, 0.1),
+)
+"""A motor shaft and one turn."""
