@@ -48,6 +48,7 @@ class GeneticAlgorithm(Optimiser):
     """
 
     kind = "genetic"
+    title = "a genetic algorithm"
 
     def __init__(
         self,

@@ -98,22 +98,22 @@ def seed_of(state: Mapping[str, Any]) -> int:
     return seed
 
 
-def write(path: Path, state: Mapping[str, Any]) -> None:
+def write(path: Path, state: Mapping[str, Any], about: str) -> None:
     """Write a checkpoint, whole or not at all.
 
     Raises
     ------
     OSError : the folder cannot be written or the disk is full; the old checkpoint is then whole
     """
-    write_whole(path, json.dumps(state, allow_nan=False) + "\n")
+    write_whole(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
 
 
-def read(path: Path) -> dict[str, Any]:
-    """Read a checkpoint.
+def read(path: Path, about: str) -> dict[str, Any]:
+    """Read the state from a checkpoint.
 
     Raises
     ------
-    StateError : the file is no JSON object
+    StateError : the file is no JSON object, or its costs are about something else
     OSError : it cannot be read
     """
     try:
@@ -122,6 +122,11 @@ def read(path: Path) -> dict[str, Any]:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):
         raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r}, expected {about!r}; resume with "
+            "that or start afresh"
+        )
     return state
 
 

@@ -35,6 +35,7 @@ class CovarianceAdaptation(Optimiser):
     """
 
     kind = "cma"
+    title = "CMA-ES"
 
     def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
         super().__init__(problem, limits, seed)

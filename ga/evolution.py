@@ -41,6 +41,7 @@ class DifferentialEvolution(Optimiser):
     """
 
     kind = "de"
+    title = "differential evolution"
 
     def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
         super().__init__(problem, limits, seed)

@@ -41,6 +41,7 @@ def learn(
     *,
     checkpoint: Path | str | None = None,
     resume: bool = False,
+    about: str = "",
 ) -> Learned:
     """Run `algorithm` until it stops. The result does not depend on the executor.
 
@@ -55,6 +56,7 @@ def learn(
     on_generation : called after every generation, e.g. to move a bar
     checkpoint : file that is written after every generation, whole or not at all
     resume : go on from `checkpoint`, if that exists, bit for bit as if nothing had happened
+    about : what else the costs depend on; a checkpoint of something else is refused
 
     Raises
     ------
@@ -68,9 +70,16 @@ def learn(
             raise StateError(
                 f"{path}: holds an earlier learning run; resume it, or delete it to start afresh"
             )
-        algorithm.replay(files.read(path))
+        algorithm.replay(files.read(path, about))
+
+    def keep(algorithm: AnyOptimiser) -> None:
+        if path is not None:
+            files.write(path, algorithm.state(), about)
+        if on_generation is not None:
+            on_generation(algorithm)
+
     try:
-        stopped = _run(algorithm, evaluate, executor, on_generation, path)
+        stopped = _run(algorithm, evaluate, executor, keep)
     except KeyboardInterrupt:
         raise Interrupted(path, algorithm.generation, algorithm.evaluations) from None
     best = algorithm.best
@@ -82,8 +91,7 @@ def _run(
     algorithm: AnyOptimiser,
     evaluate: Evaluate,
     executor: Executor | None,
-    on_generation: Callable[[AnyOptimiser], object] | None,
-    path: Path | None,
+    on_generation: Callable[[AnyOptimiser], object],
 ) -> str:
     while (stopped := algorithm.stopped) is None:
         begins = algorithm.generation == 0
@@ -94,8 +102,5 @@ def _run(
                 f"all {algorithm.evaluations} candidates failed, the start values among them; "
                 f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
             )
-        if path is not None:
-            files.write(path, algorithm.state())
-        if on_generation is not None:
-            on_generation(algorithm)
+        on_generation(algorithm)
     return stopped

@@ -41,6 +41,8 @@ class Optimiser(ABC):
 
     kind: ClassVar[str]
     """what a checkpoint calls it"""
+    title: ClassVar[str]
+    """what people call it"""
 
     def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
         self.problem = problem
