@@ -156,19 +156,19 @@ class GeneticAlgorithm(Optimiser):
             self._begin_anew(self._restarts + 1)
 
     def _at_rest(self) -> bool:
-        if self._current is None or self.settings.patience is None:
-            return False
-        collapsed = float(np.ptp(self._current.strings, axis=0).max()) <= COLLAPSED
-        return collapsed or self._stale[0] >= self.settings.patience
+        patience = self.settings.patience
+        return patience is not None and (self._stale[0] >= patience or self._collapsed())
+
+    def _collapsed(self) -> bool:
+        current = self._current
+        return current is not None and float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
 
     def _converged(self) -> str | None:
         if not self._at_rest():
             return None
-        why = (
-            f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
-            if self._stale[0]
-            else "the population has collapsed to a point"
-        )
+        why = f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
+        if self._collapsed():
+            why = "the population has collapsed to a point"
         return f"stagnation: {why}, after {self._restarts} restarts"
 
     def _options(self) -> dict[str, Any]:

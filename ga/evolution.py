@@ -14,7 +14,6 @@ from threading import Thread
 from typing import Any
 
 import numpy as np
-from scipy.optimize import Bounds, differential_evolution
 
 from ga.arrays import Array
 from ga.encoding import Encoding
@@ -25,9 +24,6 @@ from ga.problem import Problem
 POPULATION = 10
 """Candidates in a generation, or the next multiple of the genes; scipy's own 15 a gene are slower
 by far within a thousand evaluations."""
-
-_GENERATOR = "rng" if "rng" in signature(differential_evolution).parameters else "seed"
-"""How scipy calls its generator: ``seed`` before 1.15."""
 
 
 class DifferentialEvolution(Optimiser):
@@ -84,9 +80,13 @@ class _Conversation:
 
     def hold(self, start: Array, share: int, seed: int) -> None:
         """Evolve a population of ``share`` candidates a gene from a start (k,), again and again."""
+        from scipy.optimize import Bounds, differential_evolution
+
         bounds = Bounds(np.zeros(len(start)), np.ones(len(start)))
         first: Array | None = start
-        random: dict[str, Any] = {_GENERATOR: np.random.Generator(np.random.PCG64(seed))}
+        names = signature(differential_evolution).parameters
+        argument = "rng" if "rng" in names else "seed"  # before scipy 1.15
+        random: dict[str, Any] = {argument: np.random.Generator(np.random.PCG64(seed))}
         try:
             while True:
                 differential_evolution(
