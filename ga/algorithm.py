@@ -20,7 +20,7 @@ from ga.limits import PROGRESS, Limits
 from ga.optimiser import Optimiser
 from ga.problem import Problem
 from ga.quadratic import unknowns
-from ga.rates import AdaptiveRates
+from ga.rates import MutationRate
 from ga.repair import Repair
 from ga.settings import DEFAULT, Settings
 
@@ -74,8 +74,8 @@ class GeneticAlgorithm(Optimiser):
         self._restarts = restarts
         self._current: Generation | None = None
         self._strings = np.empty((0, k))
-        self._adaptive = AdaptiveRates(self.settings)
-        self._rates = self._adaptive.draw(0, self._rng)
+        self._mutation = MutationRate(self.settings)
+        self._rates = self._mutation.draw(0, self._rng)
         self._archive = Archive(size, k)
         self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
 
@@ -111,7 +111,7 @@ class GeneticAlgorithm(Optimiser):
     def _next(self, current: Generation) -> Array:
         """Return children; the last, whose rival is the worst, is the local finish."""
         settings = self.settings
-        self._rates = self._adaptive.draw(settings.population - settings.elites, self._rng)
+        self._rates = self._mutation.draw(settings.population - settings.elites, self._rng)
         strings = breed(current.strings, current.costs, self._rates, settings, self._rng)
         bottom = self._archive.bottom()
         if bottom is not None:
@@ -128,7 +128,7 @@ class GeneticAlgorithm(Optimiser):
             self._archive.add(self._current.strings[: len(costs) - n], costs[n:])
             rivals = self._current.averaged(costs[n:])
             wins = rivals.winners(children, self.settings)
-            self._adaptive.follow(self._rates, wins)
+            self._mutation.follow(self._rates, wins)
             current = rivals.followed_by(children, wins)
         self._current = current
         self._chosen = self._most_trusted(current) if self.settings.noisy else None

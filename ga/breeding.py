@@ -7,12 +7,11 @@ import numpy as np
 from ga.arrays import Array
 from ga.crossover import CROSSOVERS
 from ga.mutation import MUTATIONS
-from ga.rates import Rates
 from ga.settings import Settings
 
 
 def breed(
-    strings: Array, costs: Array, rates: Rates, settings: Settings, rng: np.random.Generator
+    strings: Array, costs: Array, rates: Array, settings: Settings, rng: np.random.Generator
 ) -> Array:
     """Return children for the places outside the elite.
 
@@ -20,7 +19,7 @@ def breed(
     ----------
     strings : the generation, best first, shape (n, k)
     costs : of the generation, shape (n,)
-    rates : of the children's crossover and mutation
+    rates : of the children's mutation, shape (n - elites, 1)
 
     Returns
     -------
@@ -30,5 +29,5 @@ def breed(
     ------
     Paper, Step 4.
     """
-    children = CROSSOVERS[settings.crossover](strings, costs, rates.crossover, settings, rng)
-    return MUTATIONS[settings.mutation](children, strings, rates.mutation, rng)
+    children = CROSSOVERS[settings.crossover](strings, costs, settings, rng)
+    return MUTATIONS[settings.mutation](children, strings, rates, rng)

@@ -11,13 +11,11 @@ from ga.arrays import Array
 from ga.fitness import fitness
 from ga.settings import Settings
 
-Crossover = Callable[[Array, Array, Array, Settings, np.random.Generator], Array]
-"""(strings (n, k), best first; costs (n,); rates (n - elites, 1), ...) -> children (same, k)"""
+Crossover = Callable[[Array, Array, Settings, np.random.Generator], Array]
+"""(strings (n, k), best first; costs (n,), ...) -> children (n - elites, k)"""
 
 
-def arithmetic(
-    strings: Array, costs: Array, rates: Array, settings: Settings, rng: np.random.Generator
-) -> Array:
+def arithmetic(strings: Array, costs: Array, settings: Settings, rng: np.random.Generator) -> Array:
     """Return two weighted means of each pair of parents, or copies where it is not crossed.
 
     Parents are drawn in proportion to their fitness and crossed with the probability P_c of (7).
@@ -26,7 +24,6 @@ def arithmetic(
     ------
     Paper, Step 4, parts 1 and 2.
     """
-    del rates  # adaptive in its own way
     children = len(strings) - settings.elites
     pairs = (children + 1) // 2
     J = fitness(costs)
@@ -49,7 +46,7 @@ STRETCH = (0.5, 1.0)
 
 
 def differential(
-    strings: Array, costs: Array, rates: Array, settings: Settings, rng: np.random.Generator
+    strings: Array, costs: Array, settings: Settings, rng: np.random.Generator
 ) -> Array:
     """Move a good candidate by the difference of two others, and mix it with the parent by gene.
 
@@ -63,12 +60,12 @@ def differential(
     """
     del costs  # the order of the strings says all that is needed
     children = []
-    for place, rate in enumerate(rates[:, 0], settings.elites):
+    for place in range(settings.elites, len(strings)):
         others = np.delete(np.arange(len(strings)), place)
         plus, minus, random = rng.choice(others, size=3, replace=False)
         origin = 0 if rng.random() < TO_BEST else random
         moved = strings[origin] + rng.uniform(*STRETCH) * (strings[plus] - strings[minus])
-        crossed = rng.random(strings.shape[1]) < rate
+        crossed = rng.random(strings.shape[1]) < settings.crossover_rate
         children.append(np.where(crossed, moved, strings[place]))
     return np.array(children)
 

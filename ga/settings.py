@@ -31,8 +31,7 @@ class Settings:
     near_share : share of the first generation drawn around the start; the rest is drawn uniformly
     near_spread : standard deviation of that part, on the string's scale of [0, 1]
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
-    adaptive : ``differential`` only: crossover and mutation rate follow what succeeds, see
-        ``ga/rates.py``
+    adaptive : the mutation rate follows what succeeds, see ``ga/rates.py``
     finish : one child in each generation is where a quadratic is lowest that is fitted to the
         cheapest candidates, so many times as it has coefficients; None has no such child
     patience : generations in which the best cost has not fallen by 1 % after which the search
@@ -62,7 +61,7 @@ class Settings:
     threshold: float | None = None
     adaptive: bool = True
     finish: float | None = 2.0
-    patience: int | None = 30
+    patience: int | None = 50
     restarts: int = 3
     noisy: bool = False
 

@@ -122,7 +122,7 @@ def _setting(settings: ga.Settings, name: str) -> str:
     if name == "crossover_rate" and settings.crossover == "arithmetic":
         return f"adaptive (7), k₁ = {settings.k1:g}, k₂ = {settings.k2:g}"
     value = getattr(settings, name)
-    if settings.adaptive and name in ("crossover_rate", "mutation_rate"):
+    if settings.adaptive and name == "mutation_rate":
         return f"{value:g} at first, adaptive"
     return "continuous" if value is None else f"{value:g}"
 
