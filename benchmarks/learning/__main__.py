@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.learning import race, scaling, speed, survival
+from benchmarks.learning.problem import KINDS
 
 PARTS = ("speed", "scaling", "survival", "race")
 
@@ -16,6 +17,7 @@ def main() -> None:
     parser.add_argument("--part", choices=PARTS, action="append", help="one or more; all if left")
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--evaluations", type=int, default=1000)
+    parser.add_argument("--problem", choices=KINDS, action="append", help="to race on; all if left")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     for part in options.part or PARTS:
@@ -23,7 +25,14 @@ def main() -> None:
             folder = Path(temporary)
             measure, about = {
                 "race": (
-                    partial(race.run, folder, options.out, options.seeds, options.evaluations),
+                    partial(
+                        race.run,
+                        folder,
+                        options.out,
+                        options.problem or list(KINDS),
+                        options.seeds,
+                        options.evaluations,
+                    ),
                     race.__doc__,
                 ),
                 "speed": (partial(speed.measure, folder, options.evaluations), speed.__doc__),
