@@ -55,7 +55,7 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
     figures.race(out / "race.png", {k: curves(race[race.problem == k], budget) for k in kinds})
     said = "median of {} seeds; costs in 1e-6 m2/s2, seconds of one processor"
     tables = [
-        f"{kind}\n{_summary(race, kind, budget).to_string(float_format='%.4g')}" for kind in KINDS
+        f"{kind}\n{_summary(race, kind, budget).to_string(float_format='%.4g')}" for kind in kinds
     ]
     return "\n\n".join([said.format(seeds), *tables])
 
