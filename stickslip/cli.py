@@ -19,6 +19,7 @@ from stickslip.commands import (
     design,
     export,
     identify,
+    learn,
     plan,
     reproduce,
     simulate,
@@ -26,7 +27,7 @@ from stickslip.commands import (
 )
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, check, design, plan, identify, validate, export)
+COMMANDS = (reproduce, build, simulate, check, design, plan, identify, learn, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,

@@ -2,7 +2,9 @@
 
 StickslipError(Exception)
     UsageError(ValueError)              an option, name or value that a command cannot take
+    RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
+    HarmfulError(RuntimeError)          a compensator that makes its loop worse
 """
 
 
@@ -14,5 +16,13 @@ class UsageError(StickslipError, ValueError):
     """An option, name or value that a command cannot take."""
 
 
+class RecordingError(StickslipError, ValueError):
+    """A log's file that cannot become a recording."""
+
+
 class IdentificationError(StickslipError, RuntimeError):
     """A recording does not show what an experiment looks for."""
+
+
+class HarmfulError(StickslipError, RuntimeError):
+    """A compensator makes the loop worse that it is for."""

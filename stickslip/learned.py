@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from cosim.control import VelocityLoop
 from stickslip.errors import UsageError
-from stickslip.parameters import LUGRE, UNITS
+from stickslip.estimation import Estimation
+from stickslip.learned_loop import loop_document, validation_document
+from stickslip.parameters import LUGRE, UNITS, unit_of
 from stickslip.reproduction import Reproduction
+from stickslip.setup import VALIDATION
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 
@@ -33,8 +38,62 @@ def learned_document(reproduction: Reproduction) -> dict[str, Any]:
         "seed": options.seed,
         "preset": options.preset,
         "feed": options.feed,
-        "versions": {package: version(package) for package in PACKAGES},
+        "loop": loop_document(reproduction.identification.loop),
+        "validation": validation_document(VALIDATION),
+        "versions": versions(),
     }
+
+
+def estimation_document(
+    estimation: Estimation, loop: VelocityLoop | None, seed: int
+) -> dict[str, Any]:
+    """Return the content of learned.json for what one recording gave, values in SI units.
+
+    Parameters
+    ----------
+    loop : in which the compensator is to run, where it is known
+    """
+    rotary = estimation.recording.motion == "rotary"
+    known = estimation.known
+    parameters = {
+        name: {
+            "value": known[name].value,
+            "unit": unit_of(name, rotary=rotary),
+            "standard_error": known[name].standard_error,
+            "low": known[name].low,
+            "high": known[name].high,
+            "visible": known[name].visible,
+            "sentence": known[name].sentence,
+        }
+        for name in known
+    }
+    document: dict[str, Any] = {
+        "parameters": parameters,
+        "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
+        "delay": {"value": estimation.delay, "unit": "s"},
+        "log": estimation.recording.source,
+        "motion": estimation.recording.motion,
+        "judge": estimation.judge,
+        "reason": estimation.reason,
+        "relative_errors": {
+            name: value if math.isfinite(value) else None
+            for name, value in estimation.figures.errors().items()
+        },
+        "evaluations": int(estimation.searches["evaluations"].sum()),
+        "seed": seed,
+    }
+    if loop is not None:
+        document |= {
+            "feed": "nominal",
+            "loop": loop_document(loop),
+            "validation": validation_document(VALIDATION),
+        }
+    return document | {"versions": versions()}
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the packages that the result depends on."""
+    return {package: version(package) for package in PACKAGES}
 
 
 def read_learned(path: Path) -> dict[str, float]:

@@ -25,17 +25,17 @@ def build_fmus(folder: Path, truth: Mapping[str, float]) -> None:
 
 
 def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:
-    """Return controller and drive alone, with input ``v_cmd`` [m/s]."""
+    """Return controller and drive alone, with the inputs of ``loop.commands``."""
     system = cosim.System("servo")
     _add_servo(system, fmus, loop)
-    system.expose("v_cmd", "controller.v_cmd")
+    _expose(system, loop, ["controller"])
     return system
 
 
 def feedforward(
     fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float], feed: Feed = "nominal"
 ) -> cosim.System:
-    """Return nominal loop and compensator without a drive, with input ``v_cmd`` [m/s].
+    """Return nominal loop and compensator without a drive, with the inputs of ``loop.commands``.
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ def feedforward(
     feed : what drives the compensator, the nominal loop's response or the command
     """
     system = cosim.System("feedforward")
-    commanded = _add_feedforward(system, fmus, loop, compensator, feed)
-    system.expose("v_cmd", *commanded)
+    _add_feedforward(system, fmus, loop, compensator, feed)
+    _expose(system, loop, ["nominal"], feed)
     return system
 
 
@@ -56,16 +56,19 @@ def paper_loop(
     compensator: Mapping[str, float] | None,
     feed: Feed = "nominal",
 ) -> cosim.System:
-    """Return Fig. 2a: servo loop, compensator and nominal loop, with input ``v_cmd`` [m/s].
+    """Return Fig. 2a: servo loop, compensator, nominal loop, with the inputs of ``loop.commands``.
 
-    Parameters are those of ``feedforward``; a compensator of None runs beside the loop only.
+    Parameters are those of ``feedforward``; a compensator of None runs beside the loop only. A
+    velocity filter takes the compensator's force for known friction.
     """
     system = cosim.System("loop")
-    commanded = _add_feedforward(system, fmus, loop, compensator or {}, feed)
+    _add_feedforward(system, fmus, loop, compensator or {}, feed)
     _add_servo(system, fmus, loop)
-    system.expose("v_cmd", "controller.v_cmd", *commanded)
+    _expose(system, loop, ["controller", "nominal"], feed)
     if compensator is not None:
         system.connect("compensator.F_mean", "controller.F_ff")
+        if loop.velocity_filter is not None:
+            system.connect("compensator.F_mean", "filter.F_ff")
     return system
 
 
@@ -75,24 +78,36 @@ def _add_feedforward(
     loop: VelocityLoop,
     compensator: Mapping[str, float],
     feed: Feed,
-) -> list[str]:
-    """Add nominal loop and compensator; return the inputs that the command feeds."""
+) -> None:
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
     timing = {"hold": False, "lead": loop.axis.tau_i}
     system.add("compensator", fmus / "compensator.fmu", {**timing, **compensator})
-    if feed == "command":
-        return ["nominal.v_cmd", "compensator.v"]
-    system.connect("nominal.v_r", "compensator.v")
-    return ["nominal.v_cmd"]
+    if feed == "nominal":
+        system.connect("nominal.v_r", "compensator.v")
+
+
+def _expose(
+    system: cosim.System, loop: VelocityLoop, commanded: list[str], feed: Feed = "nominal"
+) -> None:
+    """Expose what ``loop.commands`` gives to the components that take it."""
+    fed = ["compensator.v"] if feed == "command" else []
+    system.expose("v_cmd", *(f"{name}.v_cmd" for name in commanded), *fed)
+    if loop.m_ff:
+        system.expose("a_cmd", *(f"{name}.a_cmd" for name in commanded))
 
 
 def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
-    """Return the parameters of the nominal-loop FMU: the matrices of ``loop.nominal``.
+    """Return the parameters of the nominal-loop FMU: the matrices of ``nominal``, ``acceleration``.
 
     What the order of the loop leaves unused is 0, whatever the FMU starts with.
     """
     nominal = loop.nominal
-    matrices = {"A": nominal.A, "B": nominal.B[:, 0], "C": nominal.C[0]}
+    matrices = {
+        "A": nominal.A,
+        "B": nominal.B[:, 0],
+        "E": loop.acceleration.B[:, 0],
+        "C": nominal.C[0],
+    }
     values = {"T_s": loop.T_s, "D": float(nominal.D[0, 0])}
     for name, matrix in matrices.items():
         room = np.zeros((NOMINAL_ORDER,) * matrix.ndim)
@@ -104,7 +119,19 @@ def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
 
 def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop) -> None:
     gains = {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
-    system.add("controller", fmus / "velocity_controller.fmu", gains)
+    gains["m_ff"] = loop.m_ff
+    filtered = loop.velocity_filter
+    if filtered is not None:
+        system.add("filter", fmus / "velocity_filter.fmu", filtered.parameters())
+    system.add(
+        "controller",
+        fmus / "velocity_controller.fmu",
+        {**gains, "use_v_hat": filtered is not None},
+    )
     system.add("drive", fmus / "drive.fmu")
     system.connect("controller.u", "drive.u")
     system.connect("drive.x_enc", "controller.x_enc")
+    if filtered is not None:
+        system.connect("drive.x_enc", "filter.x_enc")
+        system.connect("drive.F_m", "filter.F_m")
+        system.connect("filter.v_hat", "controller.v_hat")

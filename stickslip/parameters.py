@@ -12,6 +12,21 @@ UNITS = {
     "sigma_1": "N.s/m",
 }
 
+_ROTARY = {
+    "kg": "kg.m2",
+    "N.s/m": "N.m.s/rad",
+    "N": "N.m",
+    "m/s": "rad/s",
+    "N/m": "N.m/rad",
+}
+
+
+def unit_of(name: str, *, rotary: bool = False) -> str:
+    """Return the unit of a parameter, for a linear or a rotary drive."""
+    unit = UNITS[name]
+    return _ROTARY[unit] if rotary else unit
+
+
 PAPER = {
     "m": 5.557,
     "b": 6.6135,

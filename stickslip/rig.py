@@ -60,11 +60,11 @@ class Rig:
         system = cosim.System("bench")
         system.add("drive", self.fmus / "drive.fmu")
         system.expose("u", "drive.u")
-        return self._record(system, "u", force)
+        return self._record(system, {"u": force})
 
     def follow(self, v_cmd: Array, loop: VelocityLoop) -> Log:
         """Command a velocity (n,) [m/s], one value a sample, in a velocity loop."""
-        return self._record(servo_loop(self.fmus, loop), "v_cmd", v_cmd)
+        return self._record(servo_loop(self.fmus, loop), loop.commands(v_cmd))
 
     def judge(
         self,
@@ -87,16 +87,16 @@ class Rig:
             record=("drive.x_enc", "nominal.v_r"),
         )
         names = [f"compensator.{name}" for name in LUGRE]
-        return SimulatedCost(specification, names, cost, {"v_cmd": v_cmd})
+        return SimulatedCost(specification, names, cost, loop.commands(v_cmd))
 
     def samples(self, duration: float) -> Array:
         """Return the sample instants (n,) of a recording [s]."""
         return np.asarray(np.arange(round(duration / self.T_s) + 1) * self.T_s)
 
-    def _record(self, system: cosim.System, name: str, command: Array) -> Log:
-        stop = (len(command) - 1) * self.T_s
+    def _record(self, system: cosim.System, commands: Mapping[str, Array]) -> Log:
+        stop = (len(next(iter(commands.values()))) - 1) * self.T_s
         with system.prepare(step=self.T_s, stop=stop, record=MEASURED) as simulation:
-            result = simulation.run(inputs={name: command})
+            result = simulation.run(inputs=commands)
         return Log(result.time, *(result[measured] for measured in MEASURED))
 
 

@@ -14,14 +14,18 @@ class Datasheet:
 
     Attributes
     ----------
+    mass : that moves, roughly [kg]
     peak_force : of the motor [N], Table 1
     tau_i : time constant of the amplifier's current loop [s]
     encoder_step : resolution of the encoder [m]
+    force_noise : standard deviation of the motor force that the current shows [N]
     """
 
+    mass: float = 5.5
     peak_force: float = 205.0
     tau_i: float = 1e-4
     encoder_step: float = 4e-7
+    force_noise: float = 0.05
 
     def axis(self, m: float, b: float) -> Axis:
         """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""

@@ -101,30 +101,47 @@ def reduction(without: float, compensated: float) -> float:
     return (without - compensated) / without
 
 
+def windows(command: cosim.Trapezoid) -> dict[str, float]:
+    """Return the instants [s] at which motion starts and reverses."""
+    corners = command.corners()
+    return {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
+
+
 def validate(
     rig: Rig,
     loop: VelocityLoop,
     compensator: Mapping[str, float],
     command: cosim.Trapezoid,
     feed: Feed = "nominal",
+    plain: VelocityLoop | None = None,
 ) -> Validation:
-    """Run the trapezoid without and with compensation. This judges; it may see the truth."""
-    corners = command.corners()
-    instants = {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
-    v_cmd = command.sample(rig.samples(corners[-1] + command.begin))
-    without, compensated = (
-        _run(paper_loop(rig.fmus, loop, values, feed), v_cmd, rig.T_s)
-        for values in (None, compensator)
-    )
-    return Validation(without, compensated, instants)
+    """Run the trapezoid without and with compensation. This judges; it may see the truth.
+
+    Parameters
+    ----------
+    plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
+        counts on a compensator follows worse without: compare it with the loop it replaces.
+    """
+    v_cmd = command.sample(rig.samples(command.corners()[-1] + command.begin))
+    without = run_command(rig, plain or loop, None, v_cmd, feed)
+    compensated = run_command(rig, loop, compensator, v_cmd, feed)
+    return Validation(without, compensated, windows(command))
 
 
-def _run(system: cosim.System, v_cmd: Array, T_s: float) -> Run:
-    stop = (len(v_cmd) - 1) * T_s
-    with system.prepare(step=T_s, stop=stop, record=RECORD) as simulation:
-        result = simulation.run(inputs={"v_cmd": v_cmd})
+def run_command(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float] | None,
+    v_cmd: Array,
+    feed: Feed = "nominal",
+) -> Run:
+    """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
+    system = paper_loop(rig.fmus, loop, compensator, feed)
+    stop = (len(v_cmd) - 1) * rig.T_s
+    with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
+        result = simulation.run(inputs=loop.commands(v_cmd))
     velocity = {
-        "measured": measured_velocity(result["drive.x_enc"], T_s),
+        "measured": measured_velocity(result["drive.x_enc"], rig.T_s),
         "true": result["drive.v"],
     }
     return Run(

@@ -4,6 +4,9 @@
               ^ -                                                                |
               +------------- filter <- difference over T_s <------- sampler -----+
 
+A velocity filter can take the place of difference and filter. It sees the motor force too, and
+takes from it the feedforward that it is told of.
+
 Everything is discretised exactly for a held force, so the loop of FMUs without friction and
 quantisation follows the same difference equations.
 """
@@ -16,30 +19,9 @@ import control
 import numpy as np
 
 from cosim.control import frequency
-
-
-class ControlError(ValueError):
-    """No controller meets the specification; the message says what can be reached."""
-
-
-@dataclass(frozen=True)
-class Axis:
-    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s].
-
-    Raises
-    ------
-    ControlError
-        When m is not positive, tau_i negative, or a number not finite.
-    """
-
-    m: float
-    b: float
-    tau_i: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check("m", self.m, "kg", self.m > 0.0, "above 0")
-        _check("b", self.b, "N s/m", True, "a number")
-        _check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
+from cosim.control.axis import Array, Axis, ControlError, check
+from cosim.control.loop_parts import known_force, plant_and_estimator
+from cosim.control.velocity_filter import VelocityFilter
 
 
 @dataclass(frozen=True)
@@ -65,13 +47,13 @@ class LoopSpecification:
     tau_f: float = 0.0
 
     def __post_init__(self) -> None:
-        _check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
-        _check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
+        check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
+        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
         inside = 0.0 < self.phase_margin < 180.0
-        _check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
+        check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
         inside = 0.0 < self.bandwidth < 0.5 / self.T_s
         limits = f"between 0 and half the sample rate, {0.5 / self.T_s:g} Hz"
-        _check("bandwidth", self.bandwidth, "Hz", inside, limits)
+        check("bandwidth", self.bandwidth, "Hz", inside, limits)
 
 
 @dataclass(frozen=True)
@@ -86,6 +68,11 @@ class VelocityLoop:
     open_loop : from velocity error to velocity estimate, discrete
     nominal : from v_cmd [m/s] to the velocity v_r [m/s], discrete, minimal: Fig. 2b of the paper
     compliance : from a feedforward force [N] to the velocity it adds [m/s], discrete
+    acceleration : from a_cmd [m/s2] to the velocity that m_ff a_cmd adds [m/s], with the states of
+        ``nominal``
+    m_ff : mass in the feedforward of inertia [kg], 0 for none
+    velocity_filter : what estimates the velocity, None for the controller's own difference; with
+        it ``nominal`` is not minimal, and tau_f is without effect
     """
 
     axis: Axis
@@ -96,6 +83,38 @@ class VelocityLoop:
     open_loop: control.StateSpace
     nominal: control.StateSpace
     compliance: control.StateSpace
+    acceleration: control.StateSpace
+    m_ff: float = 0.0
+    velocity_filter: VelocityFilter | None = None
+
+    def commands(self, v_cmd: Array) -> dict[str, Array]:
+        """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
+
+        With feedforward of inertia there is ``a_cmd`` too, what leads to the next velocity.
+        """
+        if self.m_ff == 0.0:
+            return {"v_cmd": v_cmd}
+        return {"v_cmd": v_cmd, "a_cmd": np.diff(v_cmd, append=v_cmd[-1]) / self.T_s}
+
+    def changed(
+        self, *, m_ff: float | None = None, velocity_filter: VelocityFilter | None = None
+    ) -> VelocityLoop:
+        """Return the loop with another feedforward of inertia [kg] or a velocity filter.
+
+        Raises
+        ------
+        ControlError
+            When it is unstable with the filter.
+        """
+        return close_velocity_loop(
+            self.axis,
+            self.T_s,
+            self.tau_f,
+            self.K_p,
+            self.K_i,
+            m_ff=self.m_ff if m_ff is None else m_ff,
+            velocity_filter=velocity_filter or self.velocity_filter,
+        )
 
     def margins(self) -> dict[str, float]:
         """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
@@ -114,7 +133,13 @@ class VelocityLoop:
         return t, np.asarray(response.outputs)
 
 
-def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> VelocityLoop:
+def design_velocity_loop(
+    axis: Axis,
+    specification: LoopSpecification,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
+) -> VelocityLoop:
     """Find the PI gains that put crossover and phase margin where the specification wants them.
 
     Both are met exactly: at the crossover C(z) must be the complex number that turns the rest of
@@ -127,7 +152,8 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
     """
     s = specification
     z = np.exp(2j * np.pi * s.bandwidth * s.T_s)
-    rest = complex((_estimator(s.T_s, s.tau_f) * _plant(axis, s.T_s)[1, 0])(z))
+    plant, estimator = plant_and_estimator(axis, s.T_s, s.tau_f, velocity_filter)
+    rest = complex((estimator * plant[1:, 0])(z))
     wanted = -np.exp(1j * np.radians(s.phase_margin)) / rest
     integrator = s.T_s * z / (z - 1.0)
     K_i = wanted.imag / integrator.imag
@@ -142,70 +168,63 @@ def design_velocity_loop(axis: Axis, specification: LoopSpecification) -> Veloci
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
             f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
         )
-    return close_velocity_loop(axis, s.T_s, s.tau_f, float(K_p), float(K_i))
+    gains = float(K_p), float(K_i)
+    return close_velocity_loop(
+        axis, s.T_s, s.tau_f, *gains, m_ff=m_ff, velocity_filter=velocity_filter
+    )
 
 
 def close_velocity_loop(
-    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float
+    axis: Axis,
+    T_s: float,
+    tau_f: float,
+    K_p: float,
+    K_i: float,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
 ) -> VelocityLoop:
     """Close the loop with given gains; units as in ``VelocityLoop``.
 
     Raises
     ------
     ControlError
-        When the closed loop is unstable.
+        When the closed loop is unstable, or the filter has another sample period.
     """
-    plant = _plant(axis, T_s)
-    estimator = _estimator(T_s, tau_f)
     # I+ = I + T_s K_i e,  u = K_p e + I+
     controller = control.ss(
         1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, name="controller", inputs="e", outputs="u_pi"
     )
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
+    plant, estimator = plant_and_estimator(axis, T_s, tau_f, velocity_filter)
+    told = [] if velocity_filter is None else known_force(velocity_filter)
     force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
     parts = [plant, estimator, controller, error, force]
-    closed = control.interconnect(parts, inputs=["v_cmd", "F_ff"], outputs=["v"])
-    nominal, compliance = (
+    closed = control.interconnect([*parts, *told[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
+    nominal, pushed = (
         control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
     )
+    compliance = pushed
+    if told:
+        compliance = control.interconnect(
+            [*parts, *told[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
+        )[0, 1]
     fastest = max(abs(nominal.poles()))
     if fastest >= 1.0:
         raise ControlError(
             f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
             f"a pole lies at |z| = {fastest:.4f}"
         )
-    open_loop = estimator * plant[1, 0] * controller
-    return VelocityLoop(axis, T_s, tau_f, K_p, K_i, open_loop, nominal, compliance)
-
-
-def _plant(axis: Axis, T_s: float) -> control.StateSpace:
-    """Return the axis from held force u [N] to velocity v [m/s] and way d per sample [m].
-
-    With d instead of the position no state drifts, and the realisation stays minimal.
-    """
-    if axis.tau_i > 0.0:
-        A = np.array([[-1 / axis.tau_i, 0, 0], [1 / axis.m, -axis.b / axis.m, 0], [0, 1, 0]])
-        B = np.array([[1 / axis.tau_i], [0], [0]])
-    else:
-        A = np.array([[-axis.b / axis.m, 0], [1, 0]])
-        B = np.array([[1 / axis.m], [0]])
-    sampled = control.sample_system(control.ss(A, B, np.eye(len(A)), 0), T_s, method="zoh")
-    A, B = np.array(sampled.A), np.array(sampled.B)
-    A[-1, -1] = 0.0  # the last state begins anew at each sample: the way in one period
-    return control.ss(
-        A, B, np.eye(len(A))[-2:], 0, T_s, name="axis", inputs="u", outputs=["v", "d"]
+    return VelocityLoop(
+        axis,
+        T_s,
+        tau_f,
+        K_p,
+        K_i,
+        open_loop=estimator * plant[1:, 0] * controller,
+        nominal=nominal,
+        compliance=compliance,
+        acceleration=control.ss(pushed.A, m_ff * pushed.B, pushed.C, m_ff * pushed.D, T_s),
+        m_ff=m_ff,
+        velocity_filter=velocity_filter,
     )
-
-
-def _estimator(T_s: float, tau_f: float) -> control.StateSpace:
-    """Return the velocity estimate of the controller: d / T_s [m/s] through the low-pass."""
-    names = {"name": "estimator", "inputs": "d", "outputs": "v_est"}
-    if tau_f == 0.0:
-        return control.ss([], [], [], 1 / T_s, T_s, **names)
-    keep = np.exp(-T_s / tau_f)
-    return control.ss(keep, (1 - keep) / T_s, keep, (1 - keep) / T_s, T_s, **names)
-
-
-def _check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:
-    if not (holds and np.isfinite(value)):
-        raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")

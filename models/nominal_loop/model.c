@@ -15,11 +15,11 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
     *w = (Memory){.k = first_sample(t, p->T_s)};
 }
 
-/* One sample: x+ = A x + B v_cmd, v_r = C x+ + D v_cmd. */
+/* One sample: x+ = A x + B v_cmd + E a_cmd, v_r = C x+ + D v_cmd. */
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     double next[ORDER];
     for (int i = 0; i < ORDER; i++)
-        next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd;
+        next[i] = product(p->A[i], w->x) + p->B[i] * u->v_cmd + p->E[i] * u->a_cmd;
     for (int i = 0; i < ORDER; i++)
         w->x[i] = next[i];
     w->v_held = product(p->C, w->x) + p->D * u->v_cmd;

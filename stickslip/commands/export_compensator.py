@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import sys
+import tempfile
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import models
 from models.firmware import write_compensator
 from stickslip.commands.platforms import add_platform_option, parse_platforms
-from stickslip.errors import UsageError
+from stickslip.errors import HarmfulError, UsageError
+from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import read_learned
+from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, read_validation
+from stickslip.loop import build_fmus
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
@@ -27,19 +34,54 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
         help="an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC",
     )
     parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="export even what makes the loop worse on the validation command",
+    )
     add_platform_option(parser)
     parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the compensator with its learned start values and print the paths."""
+    """Write the compensator with its learned start values and print the paths.
+
+    What the guards find goes to standard error; what makes the loop worse is not written.
+    """
     start = read_learned(options.parameters)
     try:
+        models.load_model("compensator").with_start(start)
+        _guard(options.parameters, start, force=options.force)
         paths = _write(options, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
+
+
+def _guard(path: Path, compensator: dict[str, float], *, force: bool) -> None:
+    loop = read_loop(path)
+    if loop is None:
+        _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
+        return
+    command = read_validation(path)
+    duration = command.corners()[-1] + command.begin
+    v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        build_fmus(Path(folder), {})
+        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, read_feed(path))
+        for finding in inspect(trial, read_standard_errors(path)):
+            _warn(str(finding))
+        try:
+            refuse_worse(trial)
+        except HarmfulError as error:
+            if not force:
+                raise HarmfulError(f"{path}: {error}; --force exports all the same") from None
+            _warn(str(error))
+
+
+def _warn(message: str) -> None:
+    print(f"stickslip: warning: {message}", file=sys.stderr)
 
 
 def _write(options: argparse.Namespace, start: dict[str, float]) -> list[Path]:

@@ -7,9 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from stickslip.attribution import attribute
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
+from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.identification import identify
 from stickslip.learned import read_learned
 from stickslip.loop import FEEDS
@@ -30,7 +32,15 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
     )
     parser.add_argument("--feed", choices=FEEDS, default="nominal")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write table4.csv there")
+    parser.add_argument(
+        "--velocity-filter",
+        action="store_true",
+        help="compensate with a Kalman filter for the velocity and feedforward of inertia, and "
+        "show what each of them adds",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="write table4.csv there, and attribution.csv"
+    )
     add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
     parser.set_defaults(run=run)
 
@@ -43,10 +53,19 @@ def run(options: argparse.Namespace) -> None:
     if options.out:
         claim_folder(options.out)
     with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
-        loop = identify(rig, LOOP, progress.stage).loop
+        loop = plain = identify(rig, LOOP, progress.stage).loop
+        if options.velocity_filter:
+            loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
         progress.stage("validating")
-        table = validate(rig, loop, compensator, VALIDATION, options.feed).table()
-    print_table4(table)
+        validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain)
+        tables = {"table4.csv": validation.table()}
+        if options.velocity_filter:
+            parts = attribute(rig, plain, compensator, VALIDATION, options.feed)
+            tables["attribution.csv"] = parts
+    print_table4(tables["table4.csv"])
+    if options.velocity_filter:
+        print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
     if options.out:
-        path = options.out / "table4.csv"
-        print(write_whole(path, table.to_csv(index=False, lineterminator="\n")))
+        for name, table in tables.items():
+            path = options.out / name
+            print(write_whole(path, table.to_csv(index=False, lineterminator="\n")))

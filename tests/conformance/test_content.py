@@ -110,6 +110,9 @@ def test_the_plugs_of_the_loop_fit():
         ("drive", "velocity_controller", "stage"),
         ("friction", "compensator", "velocity_controller"),
         ("motion", "nominal_loop", "compensator"),
+        ("measured", "drive", "velocity_filter"),
+        ("friction", "compensator", "velocity_filter"),
+        ("velocity", "velocity_filter", "velocity_controller"),
     ):
         ends = [terminals[model][name].members for model in (one, other)]
         assert set(ends[0]) == set(ends[1])

@@ -26,6 +26,7 @@ TOLERANCE = {
     "drive": {"x_enc": 4.1e-7, "F_m": 1e-12, "F_f": 2e-3, "x": 1e-9, "v": 3e-7},
     "compensator": {"F_f": 1e-12, "F_mean": 1e-12},
     "velocity_controller": {"u": 1e-11, "v_est": 1e-14},
+    "velocity_filter": {"v_hat": 1e-13, "d_hat": 1e-8},
     "nominal_loop": {"v_r": 1e-15},
 }
 

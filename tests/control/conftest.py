@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # closed_loop
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fmus")
-    for name in ("nominal_loop", "velocity_controller", "drive"):
+    for name in ("nominal_loop", "velocity_controller", "velocity_filter", "drive"):
         models.build_fmu(name, folder)
     return folder
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import models
 from toolchain import write_whole
@@ -130,6 +131,42 @@ def velocity_controller(p: Parameters) -> Columns:
     return {"time": t, **inputs, "u": np.array(u), "v_est": np.array(v_est)}
 
 
+def velocity_filter(p: Parameters) -> Columns:
+    """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
+    t = np.arange(201) * STEP
+    u = 40.0 * np.sin(2 * np.pi * 14.0 * t) + np.where(t > 0.05, 8.0, 0.0)
+    F_ff = 6.0 * np.sign(np.sin(2 * np.pi * 14.0 * t - 0.4))
+    rates = np.zeros((6, 6))  # x, v, and what changes it: motor force, known friction, u, F_ff
+    rates[0, 1] = 1.0
+    rates[1, 1:4] = np.array([-p["b"], 1.0, -1.0]) / p["m"]
+    rates[2, [2, 4]] = rates[3, [3, 5]] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
+    rates[1, 5] = -0.1 / p["m"]
+    move = expm(rates * STEP)
+    state = [np.zeros(6)]
+    for force, known in zip(u[:-1], F_ff[:-1], strict=True):
+        state.append(move @ [*state[-1][:4], force, known])
+    x, _, F_m, F_known, *_ = np.transpose(state)
+    x_enc = np.rint(x / 4e-7) * 4e-7
+    # Between samples the net force is what lags on from one sample's to the next: solve for the
+    # command that leads there, then predict with the same exponential.
+    gain = np.array([p["L_x"], p["L_v"], p["L_d"]])
+    rates = np.zeros((5, 5))  # x, v, d, N, u
+    rates[0, 1] = 1.0
+    rates[1, 1:4] = np.array([-p["b"], 1.0, 1.0]) / p["m"]
+    rates[3, 3:] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
+    move = expm(rates * STEP)
+    N = F_m - F_known
+    held = (N[1:] - move[3, 3] * N[:-1]) / move[3, 4]
+    estimate = [np.zeros(3)]
+    for k, position in enumerate(x_enc[:-1]):
+        begin = [*estimate[-1], N[k - 1], held[k - 1]] if k else np.zeros(5)
+        ahead = (move @ begin)[:3]
+        estimate.append(ahead + gain * (position - ahead[0]))
+    _, v_hat, d_hat = np.transpose(estimate)
+    inputs = {"x_enc": x_enc, "F_m": F_m, "F_ff": F_ff}
+    return {"time": t, **inputs, "v_hat": v_hat, "d_hat": d_hat}
+
+
 def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
@@ -137,16 +174,24 @@ def nominal_loop(p: Parameters) -> Columns:
     n = range(1, 9)
     A = np.array([[p[f"A[{i},{k}]"] for k in n] for i in n])
     B, C = (np.array([p[f"{name}[{i}]"] for i in n]) for name in "BC")
+    a_cmd = np.gradient(v_cmd, STEP)  # without effect, for E starts at 0
     x, v_r = np.zeros(8), [0.0]
     for command in v_cmd[:-1]:
         x = A @ x + B * command
         v_r.append(C @ x + p["D"] * command)
-    return {"time": t, "v_cmd": v_cmd, "v_r": np.array(v_r)}
+    return {"time": t, "v_cmd": v_cmd, "a_cmd": a_cmd, "v_r": np.array(v_r)}
 
 
 def main(folder: Path) -> None:
     """Write every model's reference.csv below a folder."""
-    for calculate in (stage, drive, compensator, velocity_controller, nominal_loop):
+    for calculate in (
+        stage,
+        drive,
+        compensator,
+        velocity_controller,
+        velocity_filter,
+        nominal_loop,
+    ):
         name = calculate.__name__
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")

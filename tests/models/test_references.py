@@ -13,7 +13,9 @@ import models
 
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.
-@pytest.mark.parametrize("name", ["compensator", "velocity_controller", "nominal_loop"])
+@pytest.mark.parametrize(
+    "name", ["compensator", "velocity_controller", "velocity_filter", "nominal_loop"]
+)
 def test_reference_is_up_to_date(name):
     script = runpy.run_path(str(Path(__file__).with_name("make_references.py")))
     fresh = pd.DataFrame(script[name](script["start_values"](name)))

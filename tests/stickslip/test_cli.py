@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import models
 from stickslip.cli import main
 
 
@@ -27,7 +28,7 @@ def complaint(capsys, *arguments) -> str:
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
     assert main(["build", "--out", str(tmp_path)]) == 0
-    assert len(capsys.readouterr().out.split()) == 10
+    assert len(capsys.readouterr().out.split()) == 2 * len(models.model_names())
     assert (tmp_path / "fmi3" / "drive.fmu").exists()
 
 
@@ -156,6 +157,16 @@ def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, ca
     other = pd.read_csv(tmp_path / "table4.csv")
     assert (other["with"] > 3 * expected["with"]).all()  # the wrong friction is compensated
     assert "E_rms" in capsys.readouterr().out
+
+
+def test_validate_with_a_velocity_filter_tells_what_each_part_adds(results, tmp_path, capsys):
+    learned = str(results / "learned.json")
+    arguments = ["validate", "--parameters", learned, "--velocity-filter", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    table = pd.read_csv(tmp_path / "table4.csv")
+    assert (table.reduction > 0.95).all()
+    assert len(pd.read_csv(tmp_path / "attribution.csv")) == 16
+    assert "compensator velocity" in capsys.readouterr().out
 
 
 def test_wrong_names_are_told(stage, capsys):

@@ -10,9 +10,9 @@ from cosim.control import Axis, design_velocity_loop
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.loop import build_fmus, servo_loop
-from stickslip.parameters import PAPER
+from stickslip.parameters import LUGRE, PAPER
 from stickslip.plan import LINEAR, ROTARY, Limits, arrange, plan
-from stickslip.setup import LOOP
+from stickslip.setup import LOOP, TRAINING
 
 
 def check_limits(limits: Limits, show=()) -> None:
@@ -71,17 +71,65 @@ def test_limits_that_mean_nothing_are_refused(wrong):
 
 
 @pytest.fixture(scope="module")
-def driven(tmp_path_factory):
-    """The standard plan on the paper's drive: its true motion."""
+def drive(tmp_path_factory):
+    """Return a function that runs a command (n,) on the paper's drive: its true x and v."""
     folder = tmp_path_factory.mktemp("plan")
     build_fmus(folder, {})
     loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
-    v = plan()["velocity_command"].to_numpy()
-    stop = (len(v) - 1) * LOOP.T_s
-    record = ("drive.x", "drive.v")
-    with servo_loop(folder, loop).prepare(step=LOOP.T_s, stop=stop, record=record) as simulation:
-        result = simulation.run(inputs={"v_cmd": v})
-    return result["drive.x"], result["drive.v"]
+    system = servo_loop(folder, loop)
+
+    def run(v):
+        stop = (len(v) - 1) * LOOP.T_s
+        record = ("drive.x", "drive.v")
+        with system.prepare(step=LOOP.T_s, stop=stop, record=record) as simulation:
+            result = simulation.run(inputs={"v_cmd": v})
+        return result["drive.x"], result["drive.v"]
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def driven(drive):
+    """The standard plan on the paper's drive."""
+    return drive(plan()["velocity_command"].to_numpy())
+
+
+def friction(v, F_s, F_c, v_s, sigma_0, sigma_1):
+    """LuGre along a velocity (n,) held over each sample, by its closed form."""
+    h, z = LOOP.T_s, 0.0
+    rate = sigma_0 * np.abs(v) / (F_c + (F_s - F_c) * np.exp(-np.abs(v) / v_s))
+    decay = np.exp(-rate * h)
+    gain = np.where(rate * h > 1e-8, (1 - decay) / np.maximum(rate, 1e-30), h)
+    force = np.empty_like(v)
+    for k in range(len(v)):
+        force[k] = sigma_0 * z + sigma_1 * (v[k] - rate[k] * z)
+        z = z * decay[k] + v[k] * gain[k]
+    return force
+
+
+def uncertainties(v) -> dict[str, float]:
+    """Return the least relative standard errors (Cramer-Rao) for 1 N of white noise on force."""
+    lugre = {name: PAPER[name] for name in LUGRE}
+    columns = {"m": PAPER["m"] * np.gradient(v, LOOP.T_s), "b": PAPER["b"] * v}
+    for name, value in lugre.items():
+        high, low = (friction(v, **{**lugre, name: value * share}) for share in (1.01, 0.99))
+        columns[name] = (high - low) / 0.02
+    sensitivity = np.column_stack(list(columns.values()))
+    errors = np.sqrt(np.diag(np.linalg.inv(sensitivity.T @ sensitivity)))
+    return dict(zip(columns, map(float, errors), strict=True))
+
+
+def test_the_plan_shows_more_than_the_papers_sweep_and_most_of_what_is_asked(drive, driven):
+    t = np.arange(40_001) * LOOP.T_s
+    sweep = uncertainties(drive(TRAINING.sample(t % 10.0))[1])
+    planned = uncertainties(driven[1])
+    assert all(planned[name] < 1.05 * sweep[name] for name in sweep)
+    assert planned["F_s"] < 0.3 * sweep["F_s"]
+    assert planned["v_s"] < 0.5 * sweep["v_s"]
+    assert planned["sigma_0"] < 0.8 * sweep["sigma_0"]
+    for asked in ("F_s", "sigma_0", "sigma_1", "m"):
+        favoured = plan(LINEAR, [asked])["velocity_command"].to_numpy()
+        assert uncertainties(drive(favoured)[1])[asked] < 0.97 * planned[asked], asked
 
 
 def test_small_moves_stay_in_presliding_and_go_beyond_it(driven):

@@ -1,0 +1,113 @@
+"""``stickslip learn``: a drive's parameters, and how well each is known, from one log."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from stickslip.commands.log_options import add_log_options, description_of
+from stickslip.commands.progress import TerminalProgress
+from stickslip.errors import UsageError
+from stickslip.estimation import Estimation
+from stickslip.estimation.learn import JudgeName
+from stickslip.log_learning import learn_from_log, read_and_check, write_learned
+from stickslip.parameters import unit_of
+from stickslip.recording import Finding
+from stickslip.results import claim_folder
+
+JUDGES: dict[str, JudgeName] = {
+    "auto": "auto",
+    "loop": "output error",
+    "inverse": "inverse model",
+}
+FIGURES = {
+    "force": "force, inverse model",
+    "force_unfiltered": "force, inverse model, recorded force unfiltered",
+    "position": "position, simulated in closed loop",
+    "velocity": "velocity, simulated in closed loop",
+    "closed_loop_force": "force, simulated in closed loop",
+}
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "learn", help="learn a drive's parameters from one log, with their uncertainty"
+    )
+    parser.add_argument(
+        "--log", type=Path, required=True, metavar="FILE", help="CSV, Parquet or MAT"
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write results and report there")
+    parser.add_argument(
+        "--judge",
+        choices=sorted(JUDGES),
+        default="auto",
+        help="loop: run the known loop again (output error); inverse: the force that the motion "
+        "implies; auto: what the log allows",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
+    parser.add_argument(
+        "--seeds", type=int, default=1, metavar="N", help="searches, each with a seed of its own"
+    )
+    parser.add_argument("--check", action="store_true", help="check the log only, learn nothing")
+    parser.add_argument(
+        "--force", action="store_true", help="write a compensator even if it does harm"
+    )
+    add_log_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Say what the log can show, learn, print what is known, and write it."""
+    if options.seed < 0 or options.seeds < 1:
+        raise UsageError(
+            f"--seed must be at least 0 and --seeds at least 1, "
+            f"got {options.seed} and {options.seeds}"
+        )
+    description = description_of(options)
+    if options.check:
+        _print_findings(read_and_check(options.log, description)[1])
+        return
+    if options.out:
+        claim_folder(options.out)
+    with TerminalProgress(sys.stderr) as progress:
+        learned = learn_from_log(
+            options.log,
+            description,
+            judge=JUDGES[options.judge],
+            seed=options.seed,
+            seeds=options.seeds,
+            on_findings=_print_findings,
+            on_stage=progress.stage,
+        )
+        print_estimation(learned.estimation)
+        if options.out:
+            progress.stage("writing the results")
+            for warning in write_learned(learned, options.out, force=options.force):
+                print(f"stickslip: warning: {warning}", file=sys.stderr)
+            print(f"all results in {options.out}; begin with report.html")
+
+
+def _print_findings(findings: Iterable[Finding]) -> None:
+    for finding in findings:
+        print(finding)
+
+
+def print_estimation(estimation: Estimation) -> None:
+    """Print judge, parameters with intervals, and relative errors."""
+    print(f"\njudged by the {estimation.judge}: {estimation.reason}")
+    rotary = estimation.recording.motion == "rotary"
+    for name, known in estimation.known.items():
+        interval = f"[{known.low:.5g}, {known.high:.5g}]"
+        unit = unit_of(name, rotary=rotary)
+        print(f"{name:8} {known.value:12.6g} {unit:9} {interval:26} {known.sentence}")
+    force = unit_of("F_c", rotary=rotary)
+    print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
+    print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} of the force, beyond the log's own")
+    for name, value in estimation.figures.errors().items():
+        if math.isfinite(value):
+            print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

@@ -1,0 +1,24 @@
+"""The FMUs that stand for a drive while its parameters are sought."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import models
+
+MODELS = ("compensator", "drive", "velocity_controller")
+
+
+@contextmanager
+def candidate_fmus() -> Iterator[Path]:
+    """Build them, as their models are, into a folder that goes with the block.
+
+    They know nothing of the drive that made a recording, not even which of its extras are on.
+    """
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        for name in MODELS:
+            models.build_fmu(name, Path(folder))
+        yield Path(folder)

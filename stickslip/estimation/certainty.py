@@ -1,0 +1,164 @@
+"""How well a parameter is known: interval, profile likelihood, and a sentence.
+
+The profile asks how much worse the recording is explained when one parameter is held elsewhere and
+all others give way. In the units of the fit its parabola is (distance / standard error)^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from stickslip.estimation.fit import Fit, inverse_information
+from stickslip.estimation.unknowns import LEVEL, LOGS, NAMES, Values
+from stickslip.measurement import Array
+from stickslip.parameters import LUGRE
+
+WELL, WEAKLY = 0.05, 0.3
+"""Relative half-widths of a 95 % interval up to which a parameter is well, and weakly, known."""
+NOT_VISIBLE = "not visible"
+MUTE = 0.5
+"""Share of what was expected beforehand that may be left of the doubt, if a recording speaks."""
+POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
+PASSES = 2
+LOOSE = 0.5
+"""Standard error of a coordinate beyond which it stays where it is while others are profiled."""
+
+REMEDY = {
+    "F_s": "slow reversals, 0.1 to 5 mm/s",
+    "v_s": "slow reversals, 0.1 to 5 mm/s",
+    "sigma_0": "presliding moves of a few micrometres",
+    "sigma_1": "quick presliding moves of a few micrometres",
+    "F_c": "constant speeds in both directions",
+    "b": "constant speeds over the whole range",
+    "m": "quick ramps of velocity",
+}
+"""Which experiment shows a parameter; ``stickslip plan --show NAME`` writes it."""
+
+
+@dataclass(frozen=True)
+class Certainty:
+    """What is known of one parameter, in SI units.
+
+    Attributes
+    ----------
+    value, standard_error : of the fit
+    low, high : 95 % interval
+    visible : ``well known``, ``weakly known`` or ``not visible``
+    sentence : the same for people, with the experiment that would help
+    """
+
+    value: float
+    standard_error: float
+    low: float
+    high: float
+    visible: str
+    sentence: str
+
+
+def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty:
+    """Judge one parameter.
+
+    Parameters
+    ----------
+    errors : standard errors by name [SI]
+    degrees : of freedom behind them
+    """
+    value, error = fitted.parameters[name], errors[name]
+    factor = float(student.ppf(0.975, degrees))
+    if NAMES.index(name) < LOGS and value > 0.0:
+        ratio = float(np.exp(min(factor * error / value, 50.0)))
+        low, high = value / ratio, value * ratio
+    else:
+        low, high = value - factor * error, value + factor * error
+    relative = factor * error / abs(value) if value else np.inf
+    if _mute(name, fitted) or relative > WEAKLY:
+        visible = NOT_VISIBLE
+        said = f"not visible in this experiment; {REMEDY[name]} would show it"
+    elif relative > WELL:
+        visible = "weakly known"
+        said = f"weakly known, +-{100 * relative:.2g} %; {REMEDY[name]} would show it better"
+    else:
+        visible = "well known"
+        said = f"well known, +-{100 * relative:.2g} %"
+    return Certainty(value, error, low, high, visible, said)
+
+
+def _mute(name: str, fitted: Fit) -> bool:
+    """Tell whether what was expected beforehand decides more than the recording."""
+    index = NAMES.index(name)
+    if name in ("F_s", "v_s") and fitted.unknowns.upper[0] <= LEVEL:
+        return True
+    doubt = fitted.unknowns.doubt[index]
+    if not np.isfinite(doubt):
+        return False
+    at_bound = (
+        name != "F_s"
+        and min(
+            fitted.q[index] - fitted.unknowns.lower[index],
+            fitted.unknowns.upper[index] - fitted.q[index],
+        )
+        < 1e-6
+    )
+    return bool(at_bound) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
+
+
+def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -> pd.DataFrame:
+    """Return the profile likelihoods of LuGre's five.
+
+    Each point holds one parameter and lets the others follow by two Gauss steps with the Jacobian
+    of the fit; where that is not enough the curve lies above the true profile.
+
+    Parameters
+    ----------
+    residual : (k,) of values by name, as the fit saw it
+    errors : standard errors by name [SI]
+
+    Returns
+    -------
+    DataFrame
+        parameter, value [SI], deviance (twice the loss of log likelihood, 3.84 at 95 %)
+    """
+    u = fitted.unknowns
+    inverse = inverse_information(fitted.jacobian, fitted.noise, u)
+    loose = np.sqrt(np.diag(inverse)) > LOOSE
+    jacobian = np.where(loose, 0.0, fitted.jacobian)
+    frozen = inverse_information(jacobian, fitted.noise, u)
+    frozen[loose], frozen[:, loose] = 0.0, 0.0
+    weight = np.where(np.isfinite(u.doubt), 1.0 / u.doubt**2, 0.0)
+
+    def loss(rest: Array, q: Array) -> float:
+        return float(rest @ rest) / fitted.noise + float(np.sum(u.surprise(q) ** 2))
+
+    least = loss(residual(fitted.parameters), fitted.q)
+    rows = []
+    for name in LUGRE:
+        direction = np.zeros(len(NAMES))
+        direction[NAMES.index(name)] = 1.0
+        direction[1] = 1.0 if name in ("F_s", "F_c") else 0.0
+        free = inverse if loose[NAMES.index(name)] else frozen
+        plain = float(np.sqrt(direction @ free @ direction))
+        relative = max(errors[name] / fitted.parameters[name], 1e-12)
+        rows.append((name, fitted.parameters[name], 0.0))
+        for point in POINTS:
+            wanted = float(direction @ fitted.q) + point * relative
+            q = fitted.q.copy()
+            losses = []
+            for _ in range(PASSES + 1):
+                rest = residual(u.values(q))
+                gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
+                step = -free @ gradient
+                missing = wanted - direction @ (q + step)
+                step += free @ direction * missing / plain**2
+                q = np.clip(q + step, u.lower, u.upper)
+                losses.append(loss(residual(u.values(q)), q))
+            # In the units of the standard error, which knows of correlation.
+            scale = (plain / relative) ** 2
+            held = fitted.parameters[name] * float(np.exp(point * relative))
+            rows.append((name, held, max((min(losses) - least) * scale, 0.0)))
+    table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
+    return table.sort_values(["parameter", "value"], ignore_index=True)

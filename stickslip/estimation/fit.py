@@ -1,0 +1,173 @@
+"""Least squares over the coordinates of the unknowns, with a covariance that knows correlation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from stickslip.estimation.unknowns import NAMES, Unknowns, Values
+from stickslip.measurement import Array
+
+STEP = 1e-3  # of a coordinate, for differences
+BLOCKS = 100
+"""The recording is cut into so many blocks, whose sums of scores are taken to be independent."""
+ROUNDS = 30
+
+
+class Judge(Protocol):
+    """Compares values with a recording."""
+
+    name: str
+    unit: str
+    used: slice
+
+    def residual(self, values: Values) -> Array:
+        """Return what values leave unexplained (k,), in `unit`."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Where the sum of squares is least.
+
+    Attributes
+    ----------
+    unknowns : give the coordinates their meaning
+    q : (9,) coordinates
+    residual : (k,) in the judge's unit
+    jacobian : (k, 9) of the residual
+    covariance : (9, 9) of q
+    noise : mean square of the residual that counts as noise
+    """
+
+    unknowns: Unknowns
+    q: Array
+    residual: Array
+    jacobian: Array
+    covariance: Array
+    noise: float
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values by name, in SI units."""
+        return self.unknowns.values(self.q)
+
+    @property
+    def variance(self) -> float:
+        """Mean square of the residual."""
+        return float(np.mean(self.residual**2))
+
+    def shift(self, residual: Array) -> Array:
+        """Return by how much q would move if this (k,) were added to the residual."""
+        return -self._inverse() @ (self.jacobian.T @ residual) / self.noise
+
+    def step(self) -> Array:
+        """Return the Gauss step (9,) from here towards the least sum of squares."""
+        u = self.unknowns
+        pull = np.where(np.isfinite(u.doubt), (self.q - u.expected) / u.doubt**2, 0.0)
+        return self.shift(self.residual) - self._inverse() @ pull
+
+    def _inverse(self) -> Array:
+        return inverse_information(self.jacobian, self.noise, self.unknowns)
+
+    def errors(self) -> dict[str, float]:
+        """Return the standard errors of the values by name, in SI units."""
+        return value_errors(self.unknowns, self.q, self.covariance)
+
+
+def value_errors(unknowns: Unknowns, q: Array, covariance: Array) -> dict[str, float]:
+    """Return standard errors by name [SI] from a covariance (9, 9) of coordinates."""
+    slopes = unknowns.slopes(q)
+    spread = np.sqrt(np.maximum(np.diag(slopes @ covariance @ slopes.T), 0.0))
+    return dict(zip(NAMES, spread.tolist(), strict=True))
+
+
+def fit(judge: Judge, unknowns: Unknowns, start: Array) -> Fit:
+    """Minimise residual and surprise from coordinates (9,) on.
+
+    The residual is counted in its own standard deviation, so that what is expected weighs as one
+    more measurement each; the deviation follows the fit in two passes.
+    """
+    q = np.clip(start, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
+    deviation = _deviation(judge.residual(unknowns.values(q)))
+    for _ in range(2):
+        scale = deviation
+
+        def scaled(x: Array, scale: float = scale) -> Array:
+            return np.append(judge.residual(unknowns.values(x)) / scale, unknowns.surprise(x))
+
+        found = least_squares(
+            scaled,
+            q,
+            jac=partial(differences, scaled, unknowns=unknowns),
+            bounds=(unknowns.lower, unknowns.upper),
+            x_scale="jac",
+            max_nfev=ROUNDS,
+            xtol=1e-6,
+            ftol=1e-7,
+        )
+        q = np.clip(found.x, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
+        k = len(found.fun) - len(unknowns.surprise(q))
+        residual = found.fun[:k] * deviation
+        jacobian = np.asarray(found.jac)[:k] * deviation
+        before, deviation = deviation, _deviation(residual)
+        if deviation > 0.9 * before:
+            break
+    spread = covariance(jacobian, residual, unknowns)
+    return Fit(unknowns, q, residual, jacobian, spread, float(np.mean(residual**2)))
+
+
+def linearised(judge: Judge, unknowns: Unknowns, q: Array, noise: float) -> Fit:
+    """Return residual and Jacobian at coordinates (9,), for a residual of that mean square."""
+
+    def residual(x: Array) -> Array:
+        return judge.residual(unknowns.values(x))
+
+    jacobian = differences(residual, q, unknowns)
+    spread = inverse_information(jacobian, noise, unknowns)
+    return Fit(unknowns, q, residual(q), jacobian, spread, noise)
+
+
+def differences(function: Callable[[Array], Array], q: Array, unknowns: Unknowns) -> Array:
+    """Return the Jacobian (k, 9) of a function of coordinates, by differences inside the bounds."""
+    middle = function(q)
+    columns = []
+    for index in range(len(q)):
+        step = STEP if q[index] + STEP <= unknowns.upper[index] else -STEP
+        moved = q.copy()
+        moved[index] += step
+        columns.append((function(moved) - middle) / step)
+    return np.column_stack(columns)
+
+
+def inverse_information(jacobian: Array, variance: float, unknowns: Unknowns) -> Array:
+    """Return (J'J / variance + expectation)^-1, (9, 9)."""
+    weight = np.where(np.isfinite(unknowns.doubt), 1.0 / unknowns.doubt, 0.0) ** 2
+    information = jacobian.T @ jacobian / variance + np.diag(weight)
+    return np.asarray(np.linalg.pinv(information, hermitian=True), dtype=float)
+
+
+def covariance(jacobian: Array, residual: Array, unknowns: Unknowns) -> Array:
+    """Return the covariance (9, 9) of a fit whose residual may be correlated and uneven.
+
+    What was expected counts as independent measurements.
+
+    Source
+    ------
+    White, Econometrica 48 (1980) 817, with blocks in place of samples.
+    """
+    variance = max(float(np.mean(residual**2)), np.finfo(float).tiny)
+    inverse = inverse_information(jacobian, variance, unknowns)
+    scores = jacobian * residual[:, np.newaxis] / variance
+    blocks = np.array([block.sum(axis=0) for block in np.array_split(scores, BLOCKS)])
+    weight = np.where(np.isfinite(unknowns.doubt), 1.0 / unknowns.doubt, 0.0) ** 2
+    factor = BLOCKS / (BLOCKS - jacobian.shape[1])
+    return np.asarray(inverse @ (factor * blocks.T @ blocks + np.diag(weight)) @ inverse)
+
+
+def _deviation(residual: Array) -> float:
+    return max(float(np.sqrt(np.mean(residual**2))), 1e-300)

@@ -1,0 +1,112 @@
+"""The known loop with a candidate in it: controller FMU, drive FMU, and the recorded commands.
+
+The drive FMU stands for the candidate here: each of its parameters that is sought is set, its
+converter and encoder are off unless a recording is to be made anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+import cosim
+from stickslip.estimation.motion import position_of
+from stickslip.estimation.unknowns import SOUGHT, Values
+from stickslip.measurement import Array
+from stickslip.recording import Recording
+
+SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
+NO_LIMIT = 1e9  # [N]
+
+
+class KnownLoop:
+    """The experiment of a recording, to be run again.
+
+    Parameters
+    ----------
+    fmus : folder of the FMUs
+    recording : gives commands, start and encoder
+    gains : parameters of the controller FMU by name
+    encoder : whether the position is read in steps; the trajectory is no smooth function of the
+        parameters then
+    """
+
+    def __init__(
+        self, fmus: Path, recording: Recording, gains: Mapping[str, float], *, encoder: bool = False
+    ) -> None:
+        position = position_of(recording)
+        start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
+        limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
+        system = cosim.System("known_loop")
+        system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
+        step = recording.encoder_step
+        optics: dict[str, object] = {"encoder": False}
+        if encoder:
+            optics = {"encoder": step > 0.0, "noise": True, "noise_F": 0.0}
+            if step > 0.0:
+                optics["encoder_step"] = step
+        system.add(
+            "candidate", fmus / "drive.fmu", {"dac": False, "u_max": NO_LIMIT, **optics, **start}
+        )
+        system.connect("controller.u", "candidate.u")
+        system.connect("candidate.x_enc", "controller.x_enc")
+        system.expose("F_ff", "controller.F_ff")
+        self._inputs: dict[str, Array] = {}
+        commands = (("v_cmd", recording.velocity_command), ("x_cmd", recording.position_command))
+        for name, command in commands:
+            if command is not None:
+                system.expose(name, f"controller.{name}")
+                self._inputs[name] = command
+        self.specification = cosim.Specification(
+            system,
+            step=recording.T_s,
+            stop=(len(recording.t) - 1) * recording.T_s,
+            record=("candidate.x", "candidate.x_enc", "controller.u"),
+        )
+        self._simulation = self.specification.prepare()
+
+    def run(self, values: Values, further: Mapping[str, float] | None = None) -> cosim.Result:
+        """Run the experiment with these values in the drive.
+
+        Parameters
+        ----------
+        further : parameters of this run only, such as ``candidate.noise_x``
+        """
+        parameters = {**candidate(values), **(further or {})}
+        return self._simulation.run(parameters, {**self._inputs, "F_ff": -values["F_0"]})
+
+    def inputs(self, F_0: float) -> dict[str, Array | float]:
+        """Return the inputs of the system, for a constant force against the motor [N]."""
+        return {**self._inputs, "F_ff": -F_0}
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self._simulation.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def candidate(values: Values) -> dict[str, float]:
+    """Return the drive FMU's parameters for values by name."""
+    parameters = {f"candidate.{name}": values[name] for name in SOUGHT}
+    parameters["candidate.b"] = max(values["b"], 0.0)
+    parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
+    return parameters
+
+
+def _first_velocity(position: Array, T_s: float) -> float:
+    few = position[:6]
+    return float(np.polyfit(np.arange(len(few)) * T_s, few, 1)[0])

@@ -1,0 +1,24 @@
+"""Where feedforward of friction would hurt, told before a compensator leaves the house.
+
+Each guard returns findings, one line each: what, figure, limit, what to do. All judge a loop whose
+axis has the friction that the compensator believes in, so they find what is wrong even then.
+
+    stribeck      friction that falls with speed, against the damping of the loop
+    tolerance     how much too large a force may be, against how well it is known
+    hunting       stick and slip while the command stands
+    refuse_worse  no compensator that makes the tracking error worse
+"""
+
+from stickslip.guards.finding import Finding
+from stickslip.guards.hunting import hunting
+from stickslip.guards.stribeck import stribeck
+from stickslip.guards.tolerance import tolerance
+from stickslip.guards.trial import Trial
+from stickslip.guards.worth import refuse_worse
+
+__all__ = ["Finding", "Trial", "hunting", "inspect", "refuse_worse", "stribeck", "tolerance"]
+
+
+def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:
+    """Return what all guards find; standard errors in the units of the parameters, some or none."""
+    return [*stribeck(trial), *tolerance(trial, standard_errors), *hunting(trial)]

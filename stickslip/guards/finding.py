@@ -1,0 +1,26 @@
+"""What a guard has to say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One warning.
+
+    Attributes
+    ----------
+    guard : name of the guard
+    figure, limit : what was found and the most that would be borne, in ``unit``
+    message : what, figure, limit and what to do, in a line
+    """
+
+    guard: str
+    figure: float
+    limit: float
+    unit: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.guard}: {self.message}"

@@ -1,0 +1,179 @@
+"""What ``stickslip learn`` does with a log: read, check, learn, guard, write."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import models
+from cosim.control import Axis, ControlError, VelocityLoop, close_velocity_loop
+from stickslip.errors import HarmfulError, RecordingError
+from stickslip.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.estimation.learn import JudgeName
+from stickslip.guards import Trial, inspect, refuse_worse
+from stickslip.learned import estimation_document
+from stickslip.loop import build_fmus
+from stickslip.parameters import LUGRE
+from stickslip.recording import Description, Finding, Reading, check_recording, read_recording
+from stickslip.setup import VALIDATION, Datasheet
+from toolchain import write_whole
+
+
+@dataclass(frozen=True)
+class LogLearning:
+    """All that a log gave.
+
+    Attributes
+    ----------
+    findings : of reading and checks
+    loop : the velocity loop of the log's controller around the learned axis; None where it has none
+    """
+
+    reading: Reading
+    findings: tuple[Finding, ...]
+    estimation: Estimation
+    loop: VelocityLoop | None
+    seed: int
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The five parameters by name, in SI units."""
+        return {name: self.estimation.known[name].value for name in LUGRE}
+
+
+def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
+    """Read a log and return it with what is to be said of it.
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When nothing can be learned from it.
+    """
+    reading = read_recording(path, description)
+    checks = check_recording(reading.recording, reading.controller, reading.force_limit)
+    for finding in checks:
+        if finding.severity == "error":
+            raise RecordingError(f"{path}: {finding}")
+    return reading, (*reading.findings, *checks)
+
+
+def learn_from_log(
+    path: Path,
+    description: Description,
+    *,
+    judge: JudgeName = "auto",
+    seed: int = 0,
+    seeds: int = 1,
+    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
+    on_stage: Callable[[str], object] = lambda _: None,
+) -> LogLearning:
+    """Learn a drive's parameters from a log of it; options are those of ``estimation.Task``.
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When the log cannot be read, or lacks a signal.
+    IdentificationError
+        When it does not show a drive that slides.
+    """
+    on_stage("reading the log")
+    reading, findings = read_and_check(path, description)
+    on_findings(findings)
+    with candidate_fmus() as fmus:
+        task = Task(
+            fmus,
+            reading.recording,
+            reading.controller.parameters(),
+            judge=judge,
+            seed=seed,
+            seeds=seeds,
+        )
+        estimation = learn(task, on_stage)
+    return LogLearning(reading, findings, estimation, _loop(reading, estimation), seed)
+
+
+def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) -> list[str]:
+    """Write learned.json and, unless it would do harm, compensator.fmu; return warnings.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    document = estimation_document(learned.estimation, learned.loop, learned.seed)
+    write_whole(folder / "learned.json", json.dumps(document, indent=2) + "\n")
+    warnings, harmless = _guarded(learned)
+    if harmless or force:
+        models.build_fmu("compensator", folder, start=learned.compensator)
+    else:
+        (folder / "compensator.fmu").unlink(missing_ok=True)
+    return warnings
+
+
+def _guarded(learned: LogLearning) -> tuple[list[str], bool]:
+    """Return what the guards say, and whether the compensator may leave."""
+    said = [
+        f"{name} is not visible in this log, the compensator's value is a guess: "
+        f"{learned.estimation.known[name].sentence}"
+        for name in LUGRE
+        if learned.estimation.known[name].visible == "not visible"
+    ]
+    if learned.loop is None:
+        said.append(
+            "no velocity loop is known, so whether the compensator helps is not checked; give the "
+            "controller's gains"
+        )
+        return said, True
+    with candidate_fmus() as fmus:
+        build_fmus(fmus, {})
+        trial = _trial(learned, learned.loop, fmus)
+        errors = {
+            name: learned.estimation.known[name].standard_error
+            for name in LUGRE
+            if learned.estimation.known[name].visible != "not visible"
+        }
+        said += [str(finding) for finding in inspect(trial, errors)]
+        try:
+            refuse_worse(trial)
+        except HarmfulError as error:
+            return [*said, f"compensator.fmu is not written: {error}"], False
+    return said, True
+
+
+def _trial(learned: LogLearning, loop: VelocityLoop, fmus: Path) -> Trial:
+    """Return the validation command at the log's own speed, in the log's own loop."""
+    recording = learned.estimation.recording
+    velocity = learned.estimation.figures.velocity_recorded
+    top = float(np.quantile(np.abs(velocity), 0.99))
+    scale = top / VALIDATION.height
+    duration = VALIDATION.corners()[-1] + VALIDATION.begin
+    t = np.arange(round(duration / loop.T_s) + 1) * loop.T_s
+    strongest = float(np.max(np.abs(learned.estimation.figures.shown)))
+    limit = learned.reading.force_limit or 1e3 * strongest
+    step = recording.encoder_step or 1e-6 * top
+    sheet = Datasheet(peak_force=limit, tau_i=loop.axis.tau_i, encoder_step=step)
+    return Trial(
+        fmus,
+        loop,
+        learned.compensator,
+        learned.compensator,
+        scale * VALIDATION.sample(t),
+        datasheet=sheet,
+    )
+
+
+def _loop(reading: Reading, estimation: Estimation) -> VelocityLoop | None:
+    """Return the velocity loop of the log's controller, None where there is none or it fails."""
+    controller, known = reading.controller, estimation.known
+    if "m" not in known or not controller.K_p or controller.P_x or controller.I_x:
+        return None
+    T_s = controller.T_s or estimation.recording.T_s
+    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
+    try:
+        return close_velocity_loop(axis, T_s, controller.tau_f, controller.K_p, controller.K_i)
+    except ControlError:
+        return None

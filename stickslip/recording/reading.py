@@ -1,0 +1,186 @@
+"""From a log's file to a recording."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.errors import RecordingError, UsageError
+from stickslip.measurement import Array
+from stickslip.recording.channels import assumed_units, motion_from, signal_of, unit_of
+from stickslip.recording.controller import Controller, controller_of
+from stickslip.recording.description import ROLES, Description
+from stickslip.recording.file import read_table
+from stickslip.recording.finding import Finding
+from stickslip.recording.grid import check_times, even_grid
+from stickslip.recording.products import Product, value_of
+from stickslip.recording.quantisation import step_of
+from stickslip.recording.recording import Recording
+from stickslip.recording.roles import assign_roles
+from stickslip.recording.table import LogTable
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A log as it was understood.
+
+    Attributes
+    ----------
+    recording : its signals in SI units on an even grid
+    controller : that was in use; kind none when it is not known
+    findings : what was guessed, filled, cut off; see ``check_recording`` for what it can show
+    force_limit : of motor or amplifier [N], None when it is not known
+    tau_i : time constant of the amplifier's current loop [s], None when it is not known
+    """
+
+    recording: Recording
+    controller: Controller
+    findings: tuple[Finding, ...]
+    force_limit: float | None = None
+    tau_i: float | None = None
+
+
+def read_recording(path: str | os.PathLike[str], description: Description | None = None) -> Reading:
+    """Read a log: CSV and its relatives, Parquet or MAT.
+
+    Parameters
+    ----------
+    path : of the file
+    description : what its columns mean; what it leaves open is guessed and said in the findings
+
+    Raises
+    ------
+    RecordingError
+        When the file cannot become a recording; names row or column.
+    UsageError
+        When the description does not suit it.
+    """
+    said = description or Description()
+    table = read_table(Path(path), said.delimiter, said.decimal)
+    findings = list(table.findings)
+    roles, remarks = assign_roles(table, said)
+    _check_roles(table, roles, said)
+    findings += remarks
+    units = {r: unit_of(table, said, r, roles[r]) for r in ROLES if r in roles}
+    motion, remarks = motion_from(said, units)
+    findings += remarks
+    signals: dict[str, Array] = {}
+    for role, unit in units.items():
+        if role == "time" and said.sample_period:
+            continue
+        signals[role] = signal_of(table, said, role, roles[role], unit, motion)
+    findings += assumed_units(said, units, motion)
+    _check_lengths(table, roles, signals)
+    if "time" in signals:
+        t = signals.pop("time")
+    else:
+        n = len(next(iter(signals.values())))
+        t = np.asarray(np.arange(n) * (said.sample_period or 1.0))
+        if "time" in roles:
+            what = f"column '{roles['time']}' is not used, but the given sample period"
+            findings.append(Finding("note", what, f"{said.sample_period:g} s"))
+    t, signals, table = _cut(table, t, signals, said.span)
+    check_times(table, t)
+    step = _encoder_step(table, said.encoder_step, signals, findings)
+    if motion == "rotary":
+        findings += _unwrap(signals)
+    grid = even_grid(table, t, signals)
+    recording = Recording(
+        grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
+    )
+    gains = {
+        name: value_of(value, table.scalars, f"gain {name}") for name, value in said.gains.items()
+    }
+    return Reading(
+        recording,
+        controller_of(said.controller, gains),
+        (*findings, *grid.findings),
+        _positive(table, said.force_limit, "force_limit"),
+        said.tau_i,
+    )
+
+
+def _check_roles(table: LogTable, roles: dict[str, str], said: Description) -> None:
+    """Check that there is a time and a motion."""
+    names = ", ".join(table.names[:12])
+    if "time" not in roles and not said.sample_period:
+        raise RecordingError(
+            f"{table.path}: no column of time; say --column time=NAME or --sample-period, the "
+            f"columns are {names}"
+        )
+    if not {"position", "velocity"} & set(roles):
+        raise RecordingError(
+            f"{table.path}: no column of position or velocity; say --column position=NAME, the "
+            f"columns are {names}"
+        )
+
+
+def _check_lengths(table: LogTable, roles: dict[str, str], signals: dict[str, Array]) -> None:
+    """Check that columns, which a MAT file keeps apart, are equally long."""
+    (first, n), *others = ((role, len(signal)) for role, signal in signals.items())
+    for role, length in others:
+        if length != n:
+            raise RecordingError(
+                f"{table.path}: '{roles[role]}' ({role}) has {length} values, '{roles[first]}' "
+                f"({first}) has {n}; expected equally many"
+            )
+
+
+def _cut(
+    table: LogTable, t: Array, signals: dict[str, Array], span: tuple[float, float] | None
+) -> tuple[Array, dict[str, Array], LogTable]:
+    """Keep what lies in a span of time [s]; the table's rows follow."""
+    if span is None:
+        return t, signals, table
+    kept = np.flatnonzero((t >= span[0]) & (t <= span[1]))
+    if not len(kept):
+        finite = t[np.isfinite(t)]
+        has = f"{finite.min():.6g} to {finite.max():.6g} s" if len(finite) else "no times"
+        raise UsageError(f"span {span[0]:g} to {span[1]:g} s: no samples there; the log has {has}")
+    rows = np.array([table.row(int(k)) for k in kept])
+    return (
+        t[kept],
+        {role: signal[kept] for role, signal in signals.items()},
+        LogTable(table.path, table.names, {}, scalars=table.scalars, rows=rows),
+    )
+
+
+def _encoder_step(
+    table: LogTable, said: Product | None, signals: dict[str, Array], findings: list[Finding]
+) -> float:
+    """Return the resolution that was said, else the one that shows."""
+    shown = step_of(signals["position"]) if "position" in signals else 0.0
+    given = _positive(table, said, "encoder_step")
+    if given is None:
+        return shown
+    if shown and abs(shown / given - round(shown / given)) > 0.05:
+        figure = f"{given:.4g} said, {shown:.4g} seen"
+        advice = "check scale and unit of the position"
+        findings.append(Finding("warning", "the position moves in other steps", figure, advice))
+    return given
+
+
+def _unwrap(signals: dict[str, Array]) -> list[Finding]:
+    """Take out the jumps of angles that start anew with each turn."""
+    findings = []
+    for role in ("position", "position_command"):
+        signal = signals.get(role)
+        if signal is None or not np.isfinite(signal).all():
+            continue
+        jumps = int(np.sum(np.abs(np.diff(signal)) > np.pi))
+        if jumps and np.ptp(signal) <= 2 * np.pi * 1.001:
+            signals[role] = np.unwrap(signal)
+            findings.append(Finding("note", f"{role} was counted on over full turns", f"{jumps}"))
+    return findings
+
+
+def _positive(table: LogTable, said: Product | None, what: str) -> float | None:
+    if said is None:
+        return None
+    value = value_of(said, table.scalars, what)
+    if value <= 0:
+        raise UsageError(f"{what} = {value:g}: expected more than 0")
+    return value

@@ -1,0 +1,162 @@
+"""The designed filter: its gains against the Kalman recursion, and its loop against the FMUs'."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from closed_loop import ideal_servo, nominal_values
+from scipy.linalg import expm
+
+import cosim
+from cosim.control import (
+    Axis,
+    ControlError,
+    FilterSpecification,
+    VelocityLoop,
+    design_velocity_filter,
+    design_velocity_loop,
+)
+from cosim.control.velocity_loop import LoopSpecification
+
+T_S = 5e-4
+SPECIFICATION = FilterSpecification(encoder_step=4e-7, force_noise=0.05, disturbance_rate=1.5)
+
+
+@pytest.mark.parametrize("rate", [0.5, 5.0, 500.0])
+@pytest.mark.parametrize("tau_i", [0.0, 1e-4])
+def test_gains_are_where_the_kalman_recursion_ends(rate, tau_i):
+    """Covariances by Van Loan's exponential, then prediction and correction until all stands."""
+    axis = Axis(5.557, 6.6135, tau_i)
+    specification = dataclasses.replace(SPECIFICATION, disturbance_rate=rate)
+    found = design_velocity_filter(axis, T_S, specification)
+    rates = np.array([[0, 1, 0], [0, -axis.b / axis.m, 1 / axis.m], [0, 0, 0]])
+    white = np.diag([0.0, 0.0, rate**2])
+    both = expm(np.block([[-rates, white], [np.zeros((3, 3)), rates.T]]) * T_S)
+    A = both[3:, 3:].T
+    held = A[:, 2] - [0.0, 0.0, 1.0]
+    Q = A @ both[:3, 3:] + specification.force_noise**2 * np.outer(held, held)
+    P = np.diag([1e-12, 1e-6, 1.0])
+    for _ in range(20000):
+        ahead = A @ P @ A.T + Q
+        gain = ahead[:, 0] / (ahead[0, 0] + specification.encoder_step**2 / 12)
+        P = ahead - np.outer(gain, ahead[0])
+    np.testing.assert_allclose([found.L_x, found.L_v, found.L_d], gain, rtol=2e-3)
+
+
+@pytest.fixture(params=[(1e-4, 0.0), (1e-4, 5.557), (0.0, 5.557)], ids=str)
+def filtered(request: pytest.FixtureRequest) -> VelocityLoop:
+    tau_i, m_ff = request.param
+    axis = Axis(5.557, 6.6135, tau_i)
+    loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
+    return loop.changed(m_ff=m_ff, velocity_filter=design_velocity_filter(axis, T_S, SPECIFICATION))
+
+
+def servo_of_fmus(fmus, loop) -> cosim.System:
+    system = ideal_servo(fmus, loop)
+    system.add("filter", fmus / "velocity_filter.fmu", loop.velocity_filter.parameters())
+    for source, target in (
+        ("drive.x_enc", "filter.x_enc"),
+        ("drive.F_m", "filter.F_m"),
+        ("filter.v_hat", "controller.v_hat"),
+    ):
+        system.connect(source, target)
+    system.parameters |= {"controller.use_v_hat": True, "controller.m_ff": loop.m_ff}
+    system.expose("a_cmd", "controller.a_cmd")
+    return system
+
+
+def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
+    """A whole sweep: python-control's matrices in an FMU, and the loop of FMUs."""
+    commands = filtered.commands(0.02 * np.sin(np.linspace(0.0, 9.0, 1001) ** 2))
+    system = servo_of_fmus(fmus, filtered)
+    values = nominal_values(filtered)
+    values |= {f"E[{i + 1}]": float(e) for i, e in enumerate(filtered.acceleration.B[:, 0])}
+    system.add("nominal", fmus / "nominal_loop.fmu", values)
+    system.expose("v_r", "nominal.v_cmd")
+    system.expose("a_r", "nominal.a_cmd")
+    if "a_cmd" in commands:
+        commands["a_r"] = commands["a_cmd"]
+    commands["v_r"] = commands["v_cmd"]
+    with system.prepare(step=T_S, stop=0.5) as simulation:
+        result = simulation.run(inputs=commands)
+    assert np.abs(result["controller.u"]).max() < 205.0
+    error = result["drive.v"] - result["nominal.v_r"]
+    assert np.abs(error).max() < 1e-7 * np.abs(result["drive.v"]).max()
+
+
+def test_with_feedforward_of_inertia_it_leads_to_the_next_velocity(fmus):
+    """On an axis without viscous friction and lag the command is met at every sample."""
+    axis = Axis(5.557, 0.0)
+    loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
+    velocity_filter = design_velocity_filter(axis, T_S, SPECIFICATION)
+    commands = loop.changed(m_ff=axis.m).commands(0.02 * np.sin(np.linspace(0.0, 20.0, 1001)))
+    errors = []
+    for m_ff in (0.0, axis.m):
+        system = servo_of_fmus(fmus, loop.changed(m_ff=m_ff, velocity_filter=velocity_filter))
+        with system.prepare(step=T_S, stop=0.5) as simulation:
+            result = simulation.run(inputs=commands)
+        errors.append(np.abs(result["drive.v"] - commands["v_cmd"]).max())
+    assert errors[0] > 1e-4
+    assert errors[1] < 1e-9
+
+
+def test_a_known_force_does_what_the_compliance_says(fmus, filtered):
+    rng = np.random.default_rng(2)
+    force = np.repeat(rng.normal(scale=10.0, size=41), 25)[:1001]
+    system = servo_of_fmus(fmus, filtered)
+    system.inputs["F_ff"] = ("controller.F_ff", "filter.F_ff")
+    with system.prepare(step=T_S, stop=0.5) as simulation:
+        result = simulation.run(inputs={"F_ff": force})
+    C, A, B = filtered.compliance.C, filtered.compliance.A, filtered.compliance.B
+    x, expected = np.zeros(len(A)), []
+    for value in force:
+        expected.append(C[0] @ x)
+        x = A @ x + B[:, 0] * value
+    assert np.abs(expected).max() > 1e-3
+    np.testing.assert_allclose(result["drive.v"], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_the_loop_bears_a_wrong_mass(factor):
+    axis = Axis(5.557, 6.6135, 1e-4)
+    loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
+    wrong = dataclasses.replace(axis, m=factor * axis.m)
+    changed = loop.changed(velocity_filter=design_velocity_filter(wrong, T_S, SPECIFICATION))
+    assert max(abs(changed.nominal.poles())) < 1.0
+    assert changed.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_loop_is_designed_with_the_filter_in_it(filtered):
+    """Crossover and margin are met by what stands in the loop: no lag but that of axis and hold."""
+    wanted = LoopSpecification(150.0, 55.0, T_S)
+    loop = design_velocity_loop(filtered.axis, wanted, velocity_filter=filtered.velocity_filter)
+    figures = loop.margins()
+    assert figures["crossover_Hz"] == pytest.approx(150.0, rel=1e-7)
+    assert figures["phase_margin_deg"] == pytest.approx(55.0, abs=1e-5)
+    z = np.exp(2j * np.pi * 150.0 * T_S)
+    by_hand = (loop.K_p + loop.K_i * T_S * z / (z - 1)) * filtered.axis.sampled(T_S)(z)[1, 0]
+    assert abs(by_hand) == pytest.approx(1.0, rel=1e-9)
+    with pytest.raises(ControlError, match="out of reach"):
+        design_velocity_loop(filtered.axis, dataclasses.replace(wanted, tau_f=5e-4))
+
+
+def test_a_filter_of_another_sample_period_is_refused():
+    axis = Axis(5.557, 6.6135, 1e-4)
+    loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
+    with pytest.raises(ControlError, match=r"velocity filter is 0.001 s; expected 0.0005"):
+        loop.changed(velocity_filter=design_velocity_filter(axis, 1e-3, SPECIFICATION))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"encoder_step": 0.0}, "encoder_step is 0 m; expected above 0"),
+        ({"force_noise": -1.0}, "force_noise is -1 N; expected 0 or above"),
+        ({"disturbance_rate": np.inf}, r"disturbance_rate is inf N/s\^0.5; expected above 0"),
+    ],
+)
+def test_specification_out_of_range(change, message):
+    with pytest.raises(ControlError, match=message):
+        dataclasses.replace(SPECIFICATION, **change)

@@ -1,0 +1,104 @@
+"""The velocity filter against the exact motion of an axis, by the matrix exponential."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+NAME = "velocity_filter"
+T_S = 5e-4  # s
+AXES = [(5.557, 6.6135, 1e-4), (5.557, 0.0, 1e-4), (0.5, 900.0, 2e-3), (12.0, 6.6, 0.0)]
+
+
+def motion(axis, u, friction=None, d=None):
+    """Return x, v, F_m (n,) under held commands, friction behind the same lag, and a force d."""
+    m, b, tau_i = axis
+    n = len(u)
+    friction, d = (np.zeros(n) if values is None else values for values in (friction, d))
+    rates = np.zeros((7, 7))  # x, v, F, friction, then what is held: u, friction commanded, d
+    rates[0, 1] = 1.0
+    rates[1, 1], rates[1, 6] = -b / m, 1.0 / m
+    rates[1, [2, 3]] = np.array([1.0, -1.0]) / m
+    if tau_i > 0.0:
+        rates[2, [2, 4]] = rates[3, [3, 5]] = -1.0 / tau_i, 1.0 / tau_i
+    move = expm(rates * T_S)
+    states = [np.zeros(4)]
+    for held in zip(u[:-1], friction[:-1], d[:-1], strict=True):
+        begin = states[-1] if tau_i > 0.0 else [*states[-1][:2], *held[:2]]
+        states.append((move @ [*begin, *held])[:4])
+    x, v, F_m, _ = np.transpose(states)
+    return x, v, F_m
+
+
+def estimate(alone, axis, inputs, **gains):
+    n = len(inputs["x_enc"])
+    parameters = dict(zip(("m", "b", "tau_i"), axis, strict=True)) | gains
+    record = tuple(f"{NAME}.{name}" for name in ("v_hat", "d_hat"))
+    with alone(NAME, record, step=T_S, stop=n * T_S) as simulation:
+        result = simulation.run(
+            inputs={name: np.append(values, values[-1]) for name, values in inputs.items()},
+            parameters={f"{NAME}.{name}": value for name, value in parameters.items()},
+        )
+    return result[record[0]][1:], result[record[1]][1:]
+
+
+def force(n):
+    rng = np.random.default_rng(3)
+    return 30.0 * np.repeat(rng.normal(size=n // 5), 5)
+
+
+@pytest.mark.parametrize("axis", AXES, ids=str)
+def test_without_disturbance_it_knows_the_velocity(alone, axis):
+    """At once and to rounding, whatever force moves the axis: there is no lag."""
+    u = force(1000)
+    x, v, F_m = motion(axis, u)
+    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
+    assert np.ptp(v) > 0.02
+    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
+    assert abs(d_hat).max() < 1e-6
+
+
+@pytest.mark.parametrize("axis", AXES, ids=str)
+def test_known_friction_is_no_disturbance(alone, axis):
+    u = force(1000)
+    friction = 6.0 * np.sign(np.repeat(np.random.default_rng(4).normal(size=100), 10))
+    x, v, F_m = motion(axis, u, friction)
+    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m, "F_ff": friction})
+    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
+    assert abs(d_hat).max() < 1e-6
+    untold, _ = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
+    assert abs(untold - v).max() > 1e-4
+
+
+@pytest.mark.parametrize("axis", AXES, ids=str)
+def test_it_finds_a_standing_force(alone, axis):
+    d = np.where(np.arange(2000) < 200, 0.0, -3.0)
+    x, v, F_m = motion(axis, force(2000), d=d)
+    v_hat, d_hat = estimate(alone, axis, {"x_enc": x, "F_m": F_m})
+    assert abs(v_hat - v)[200:].max() > 1e-5
+    assert v_hat[-1] == pytest.approx(v[-1], abs=1e-8)
+    assert d_hat[-1] == pytest.approx(-3.0, abs=1e-4)
+
+
+def test_gains_of_0_leave_the_model_alone(alone):
+    x, v, F_m = motion(AXES[0], force(400))
+    v_hat, _ = estimate(alone, AXES[0], {"x_enc": 0 * x, "F_m": F_m}, L_x=0.0, L_v=0.0, L_d=0.0)
+    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-11)
+
+
+def test_an_encoder_of_steps_is_smoothed(alone):
+    """Slowly moving, the steps of 0.4 um make 0.8 mm/s of a difference, and little of this."""
+    n = 4000
+    u = AXES[0][1] * 3e-3 * np.ones(n)
+    x, v, F_m = motion(AXES[0], u)
+    x_enc = np.rint(x / 4e-7) * 4e-7
+    v_hat, _ = estimate(alone, AXES[0], {"x_enc": x_enc, "F_m": F_m})
+    coarse = np.diff(x_enc) / T_S - v[1:]
+    assert np.std(v_hat - v) < 0.15 * np.std(coarse)
+
+
+def test_it_starts_at_rest_wherever_it_is(alone):
+    x, v, F_m = motion(AXES[0], force(400))
+    v_hat, _ = estimate(alone, AXES[0], {"x_enc": x + 0.3, "F_m": F_m})
+    np.testing.assert_allclose(v_hat, v, rtol=0, atol=1e-9)

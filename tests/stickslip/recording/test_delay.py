@@ -1,0 +1,67 @@
+"""A delay that was put in is found again, to a fraction of a sample."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigid_drive import rigid_drive
+
+from cosim.control import Axis, design_velocity_loop
+from stickslip.loop import build_fmus
+from stickslip.measurement import smoothed
+from stickslip.parameters import PAPER
+from stickslip.plan import LINEAR, Limits, plan
+from stickslip.recording import Recording, aligned, force_delay, signal_delay
+from stickslip.rig import Rig
+from stickslip.setup import LOOP, Datasheet
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.25, -0.6, 1.0, 3.4, 12.0])
+@pytest.mark.parametrize("motion", ["linear", "rotary"])
+def test_of_a_rigid_drive_with_a_noisy_force(delay, motion):
+    drive = replace(rigid_drive(n=6000, delay=delay, step=4e-7), motion=motion)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(len(drive.t))
+    found = force_delay(replace(drive, force=drive.force + noise))
+    assert found.value / drive.T_s == pytest.approx(delay, abs=0.03)
+    assert found.known(drive.T_s)
+    assert abs(found.value / drive.T_s - delay) < 5 * found.standard_error / drive.T_s
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory) -> Recording:
+    """Half a standard plan, run on the paper's drive."""
+    folder = tmp_path_factory.mktemp("delay")
+    build_fmus(folder, {})
+    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+    v = plan(Limits(duration=10.0))["velocity_command"].to_numpy()
+    log = Rig(folder, Datasheet(), LOOP.T_s).follow(v, loop)
+    return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
+
+
+def test_of_the_drive_fmu(log):
+    """Its amplifier and bristles make some delay of their own; what is added comes on top."""
+    own = force_delay(log).value / log.T_s
+    assert abs(own) < 0.5
+    for delay in (-1.5, 0.4, 6.0):
+        found = force_delay(aligned(log, -delay * log.T_s))
+        assert found.value / log.T_s - own == pytest.approx(delay, abs=0.05)
+    back = aligned(log, force_delay(log).value)
+    assert force_delay(back).value / log.T_s == pytest.approx(0.0, abs=0.02)
+
+
+def test_between_channels(log):
+    v = smoothed(np.gradient(log.position, log.T_s), log.T_s, 50.0)
+    late = np.interp(log.t - 2.3 * log.T_s, log.t, 1.7 * v + 0.01)
+    found = signal_delay(log.t, v, late)
+    assert found.value / log.T_s == pytest.approx(2.3, abs=0.1)
+    assert LINEAR.speed > np.abs(v).max() * 0.5
+
+
+def test_what_shows_no_delay(log):
+    assert force_delay(replace(log, force=None)) is None
+    steady = Recording(log.t, 0.01 * log.t, 5.0 + 0.0 * log.t)
+    found = force_delay(steady)
+    assert found is None or not found.known(log.T_s)
+    noise = np.random.default_rng(0).standard_normal(len(log.t))
+    found = force_delay(replace(log, force=noise))
+    assert found is None or not found.known(log.T_s)

@@ -1,0 +1,103 @@
+"""Uneven times become even without hurting the signals; what was done is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigid_drive import rigid_drive
+
+from stickslip.recording import read_recording
+from stickslip.recording.grid import even_grid
+from stickslip.recording.quantisation import step_of
+from stickslip.recording.table import LogTable
+
+TABLE = LogTable("log", (), {})
+DRIVE = rigid_drive(n=3000)
+T_S = DRIVE.T_s
+
+
+def said(grid) -> str:
+    return "\n".join(map(str, grid.findings))
+
+
+def test_even_times_are_left_alone():
+    grid = even_grid(TABLE, DRIVE.t + 7.5, {"position": DRIVE.position})
+    assert np.array_equal(grid.signals["position"], DRIVE.position)
+    assert not grid.findings
+    np.testing.assert_allclose(grid.t, DRIVE.t, atol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3])
+def test_jitter_is_taken_out(share):
+    """A smooth signal is drawn by a cubic: its error falls far below that of the jitter."""
+    rng = np.random.default_rng(0)
+    t = DRIVE.t + rng.uniform(-share, share, len(DRIVE.t)) * T_S
+    x = np.interp(t, DRIVE.t, DRIVE.t)  # the true times, to evaluate the drive at
+    x = 0.02 * np.sin(2 * np.pi * (0.4 * x + 0.25 * x**2))
+    grid = even_grid(TABLE, t, {"position": x})
+    assert "times are uneven" in said(grid)
+    assert "cubic" in said(grid)
+    expected = grid.t + t[0]
+    expected = 0.02 * np.sin(2 * np.pi * (0.4 * expected + 0.25 * expected**2))
+    assert np.max(np.abs(grid.signals["position"] - expected)) < 2e-9
+    assert np.ptp(np.diff(grid.t)) < 1e-12
+
+
+def test_a_command_with_corners_is_drawn_by_lines():
+    rng = np.random.default_rng(1)
+    t = np.sort(DRIVE.t + rng.uniform(-0.3, 0.3, len(DRIVE.t)) * T_S)
+    corners = np.sign(np.sin(40 * t))
+    grid = even_grid(TABLE, t, {"velocity_command": corners})
+    assert "velocity_command linear" in said(grid)
+    assert np.abs(grid.signals["velocity_command"]).max() <= 1.0
+
+
+def test_short_gaps_are_filled_and_long_ones_cut():
+    short = np.delete(np.arange(3000), [100, 101, 102, 900])
+    grid = even_grid(TABLE, DRIVE.t[short], {"position": DRIVE.position[short]})
+    assert len(grid.t) == 3000
+    np.testing.assert_allclose(grid.signals["position"], DRIVE.position, atol=1e-9)
+    assert "4 rows missing" in said(grid)
+    long = np.delete(np.arange(3000), np.arange(1000, 1100))
+    grid = even_grid(TABLE, DRIVE.t[long], {"position": DRIVE.position[long]})
+    np.testing.assert_array_equal(grid.signals["position"], DRIVE.position[1100:])
+    assert "a gap in time" in said(grid)
+    assert "rows 1001 to 2900" in said(grid)
+
+
+def test_numbers_that_are_missing():
+    force = DRIVE.force.copy()
+    force[[50, 51, 700]] = np.nan, np.inf, np.nan
+    force[2000:2050] = np.nan
+    grid = even_grid(TABLE, DRIVE.t, {"position": DRIVE.position, "force": force})
+    assert len(grid.t) == 2000
+    assert np.isfinite(grid.signals["force"]).all()
+    np.testing.assert_array_equal(grid.signals["position"], DRIVE.position[:2000])
+    assert "force has no numbers in rows 2001 to 2050" in said(grid)
+    assert "3, the first in row 51" in said(grid)
+
+
+def test_a_period_that_is_printed_coarsely(tmp_path):
+    """Three samples in 10 ms, times to a millisecond: a third of the mean step is no gap."""
+    t = np.round(np.arange(900) / 300, 3)
+    x = np.sin(np.arange(900) / 300)
+    lines = [f"{a:.3f},{b:.9f}" for a, b in zip(t, x, strict=True)]
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(["t,x", *lines]))
+    recording = read_recording(path).recording
+    assert len(recording.t) == 900
+    assert recording.T_s == pytest.approx(1 / 300, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [4e-7, 5e-8, 1e-3])
+@pytest.mark.parametrize("offset", [0.0, 0.1234])
+def test_the_step_of_an_encoder_is_found(step, offset):
+    x = np.round(DRIVE.position / step) * step + offset
+    assert step_of(x) == pytest.approx(step, rel=1e-6)
+
+
+def test_what_has_no_step():
+    assert step_of(DRIVE.position) == 0
+    assert step_of(np.random.default_rng(0).standard_normal(5000)) == 0
+    assert step_of(np.zeros(100)) == 0
+    assert replace(DRIVE, position=None).encoder_step == 0

@@ -1,0 +1,238 @@
+"""What is written in any dialect reads back equal, in SI units."""
+
+import io
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.io
+
+from stickslip.recording import Column, Description, Recording, read_recording
+from stickslip.recording.dialect import split_unit
+from stickslip.recording.roles import assign_roles
+from stickslip.recording.table import LogTable
+from stickslip.recording.units import unit_named
+
+BARE = Description(columns={"time": Column(1), "position": Column("2"), "force": Column(3)})
+
+
+def equals(recording: Recording, table: pd.DataFrame) -> None:
+    """Check that a recording holds the columns of a table in SI units."""
+    np.testing.assert_allclose(recording.t, table["time"], rtol=1e-12, atol=1e-12)
+    for name in table.columns.drop("time"):
+        signal = getattr(recording, name)
+        if signal is not None:
+            np.testing.assert_allclose(signal, table[name], rtol=1e-12, err_msg=name)
+
+
+def written(tmp_path, text: str | bytes, name="log.csv"):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", "|", " "])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("header", [True, False])
+def test_text_in_any_dialect(table, tmp_path, delimiter, decimal, header):
+    if delimiter == decimal:
+        pytest.skip("no dialect")
+    text = table.to_csv(index=False, sep=delimiter, decimal=decimal, header=header)
+    reading = read_recording(written(tmp_path, text), None if header else BARE)
+    equals(reading.recording, table)
+    assert reading.recording.encoder_step == pytest.approx(4e-7, rel=1e-6)
+    assert (reading.recording.velocity_command is not None) == header
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_encodings_and_line_ends(table, tmp_path, encoding, ending):
+    renamed = table.rename(columns={"position": "position [µm]"})
+    renamed["position [µm]"] *= 1e6
+    text = renamed.to_csv(index=False, lineterminator=ending)
+    equals(read_recording(written(tmp_path, text.encode(encoding))).recording, table)
+
+
+HEADERS = {
+    "brackets": ("Time [ms]", "Actual position (mm)", "Motor force [N]", "v_cmd [mm/s]"),
+    "suffixes": ("t_ms", "pos_act_mm", "force_N", "velocity_command"),
+    "slashes": ("t / ms", "x / mm", "F / N", "v_ref / mm/s"),
+    "paths": ("time, ms", "drive.x_enc, mm", "drive.F_m, N", "controller.v_cmd"),
+}
+
+
+@pytest.mark.parametrize("style", HEADERS)
+def test_names_and_units_are_taken_from_the_header(table, tmp_path, style):
+    header = HEADERS[style]
+    scaled = table.to_numpy() * [1e3, 1e3, 1.0, 1e3 if "mm/s" in header[3] else 1.0]
+    text = pd.DataFrame(scaled, columns=list(header)).to_csv(index=False, sep="\t")
+    reading = read_recording(written(tmp_path, text, "log.txt"))
+    equals(reading.recording, table)
+    assert reading.recording.velocity_command is not None
+    assert any("guessed" in str(finding) for finding in reading.findings)
+
+
+def test_preamble_comments_and_a_row_of_units(table, tmp_path):
+    rows = (table * [1e3, 1e6, 1.0, 1.0]).to_csv(index=False, header=False, sep=";")
+    head = "Log of axis 2\n# made by a tester\n\nTime;x;F;v_cmd\nms;um;N;m/s\n"
+    equals(read_recording(written(tmp_path, head + rows)).recording, table)
+
+
+def test_a_header_behind_a_comment_sign(table, tmp_path):
+    stream = io.StringIO()
+    np.savetxt(stream, table.to_numpy(), header="t x F v_cmd", fmt="%.17g")
+    equals(read_recording(written(tmp_path, stream.getvalue(), "log.dat")).recording, table)
+
+
+def test_columns_of_text_do_not_hurt(table, tmp_path):
+    table["status"] = "OK, running"
+    table["note"] = ""
+    equals(
+        read_recording(written(tmp_path, table.to_csv(index=False))).recording, table.iloc[:, :4]
+    )
+
+
+def test_points_in_time_become_seconds(table, tmp_path):
+    stamps = pd.Timestamp("2026-02-03T10:00:00") + pd.to_timedelta(table["time"], unit="s")
+    table_with = table.assign(time=stamps.dt.round("us").astype(str))
+    equals(read_recording(written(tmp_path, table_with.to_csv(index=False))).recording, table)
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int32])
+def test_parquet(table, tmp_path, kind):
+    pytest.importorskip("pyarrow")
+    if kind is np.int32:
+        counts = (table["position"] / 4e-7).round().astype(kind)
+        stored = table.assign(position=counts).rename(columns={"position": "position [counts]"})
+    else:
+        stored = table.astype({"force": kind})
+        table = stored.astype(np.float64)
+    stored.to_parquet(tmp_path / "log.parquet")
+    reading = read_recording(tmp_path / "log.parquet", Description(encoder_step=4e-7))
+    equals(reading.recording, table)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("shape", ["row", "column", "struct", "matrix"])
+def test_mat(table, tmp_path, compressed, shape):
+    columns = {name: table[name].to_numpy() for name in table}
+    said = None
+    if shape == "struct":
+        content = {"log": {"run": columns}, "n": 3}
+    elif shape == "matrix":
+        content = {"data": table.to_numpy()}
+        keys = ("time", "position", "force")
+        said = Description(columns={k: Column(f"data({i})") for i, k in enumerate(keys, 1)})
+    else:
+        content = {**columns, "name": "axis", "parts": np.array(["a", 1.0], dtype=object)}
+    one_d = "column" if shape == "column" else "row"
+    path = tmp_path / "log.mat"
+    scipy.io.savemat(path, content, do_compression=compressed, oned_as=one_d)
+    equals(read_recording(path, said).recording, table)
+
+
+def test_scalars_of_a_mat_file_may_be_named(table, tmp_path):
+    columns = {name: table[name].to_numpy() for name in table}
+    columns["force"] = columns["force"] / 7.0
+    path = tmp_path / "log.mat"
+    scipy.io.savemat(path, {**columns, "gtau": 3.5, "kp": 160.0, "kv": 240})
+    said = Description(
+        columns={"force": Column("force", "V", "2*gtau")},
+        controller="cascade",
+        gains={"K_x": "kp", "K_p": "kv * gtau"},
+    )
+    reading = read_recording(path, said)
+    equals(reading.recording, table)
+    assert reading.controller.K_x == 160.0
+    assert reading.controller.K_p == 840.0
+
+
+def test_a_rotary_drive(tmp_path):
+    """Degrees that start anew each turn, torque from a current, both by the owner's scale."""
+    t = np.arange(1000) * 1e-3
+    angle, torque = 9.0 * t**2 * np.pi, np.cos(t)
+    text = pd.DataFrame(
+        {"t": t, "angle [deg]": np.rad2deg(angle) % 360.0, "current_A": torque / 0.25}
+    ).to_csv(index=False)
+    said = Description(columns={"force": Column(scale=0.25)})
+    recording = read_recording(written(tmp_path, text), said).recording
+    assert recording.motion == "rotary"
+    np.testing.assert_allclose(recording.position, angle, atol=1e-9)
+    np.testing.assert_allclose(recording.force, torque, atol=1e-12)
+
+
+def test_a_span_an_offset_and_a_given_period(table, tmp_path):
+    path = written(tmp_path, table.to_csv(index=False))
+    said = Description(columns={"force": Column(offset=2.0)}, span=(0.1, 0.3))
+    recording = read_recording(path, said).recording
+    assert len(recording.t) == 201
+    assert recording.t[0] == 0
+    np.testing.assert_allclose(recording.force, table["force"][100:301] + 2.0)
+    coarse = table.assign(time=np.floor(table["time"] * 100) / 100)
+    path = written(tmp_path, coarse.to_csv(index=False))
+    equals(read_recording(path, Description(sample_period=1e-3)).recording, table)
+
+
+@pytest.mark.parametrize(
+    ("said", "quantity", "factor"),
+    [
+        ("mm", "length", 1e-3),
+        ("µm", "length", 1e-6),
+        ("nm", "length", 1e-9),
+        ("Nm", "torque", 1.0),
+        ("N m", "torque", 1.0),
+        ("mN·m", "torque", 1e-3),
+        ("mN", "force", 1e-3),
+        ("kN", "force", 1e3),
+        ("rpm", "angular speed", 2 * np.pi / 60),
+        ("RPM", "angular speed", 2 * np.pi / 60),
+        ("°", "angle", np.pi / 180),
+        ("rev", "angle", 2 * np.pi),
+        ("inch", "length", 0.0254),
+        ("ms", "time", 1e-3),
+    ],
+)
+def test_units(said, quantity, factor):
+    unit = unit_named(said)
+    assert unit.quantity == quantity
+    assert unit.factor == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize("said", ["MN", "foo", "", "NM", "m^2", "N/m"])
+def test_what_is_no_unit(said):
+    assert unit_named(said) is None
+
+
+ROLES = {
+    "t": "time",
+    "Time [s]": "time",
+    "qm": "position",
+    "Actual Position": "position",
+    "ActualVelocity": "velocity",
+    "qg": "position_command",
+    "Target position": "position_command",
+    "v_cmd": "velocity_command",
+    "torque_setpoint": "force_command",
+    "F_m": "force",
+    "drive.F_m": "force",
+    "motor current": "force",
+    "Friction": "friction",
+    "position error": None,
+    "Normal": None,
+    "temperature": None,
+    "F_limit": None,
+    "ref [mm/s]": "velocity_command",
+    "Setpoint [rpm]": "velocity_command",
+    "command [Nm]": "force_command",
+    "angle [deg]": "position",
+    "x [N]": None,
+    "speed [m/s]": "velocity",
+}
+
+
+@pytest.mark.parametrize("name", ROLES)
+def test_common_names_are_known(name):
+    short, unit = split_unit(name)
+    table = LogTable("log", (short,), {short: np.zeros(3)}, units={short: unit} if unit else {})
+    roles, _ = assign_roles(table, Description())
+    assert roles == ({ROLES[name]: short} if ROLES[name] else {})

@@ -1,0 +1,133 @@
+"""A weak loop is warned of and refused; the paper's is neither."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.control import Axis, close_velocity_loop, design_velocity_loop
+from stickslip.errors import HarmfulError
+from stickslip.filtered import with_inertia, with_velocity_filter
+from stickslip.guards import Trial, hunting, inspect, refuse_worse, stribeck, tolerance
+from stickslip.guards.stribeck import growth_rate, slope
+from stickslip.loop import build_fmus
+from stickslip.setup import LOOP, VALIDATION, Datasheet
+
+AXIS = Axis(5.557, 6.6135, 1e-4)
+TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+ERRORS = {"F_s": 0.06, "F_c": 0.0015, "v_s": 6e-6, "sigma_0": 320.0, "sigma_1": 2.3}
+PAPER = design_velocity_loop(AXIS, LOOP)
+FILTERED = with_inertia(with_velocity_filter(PAPER, Datasheet(), 6.0))
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    build_fmus(folder, {})
+    return folder
+
+
+@pytest.fixture
+def make_trial(fmus):
+    def make(loop, command, **changes):
+        duration = command.corners()[-1] + command.begin
+        v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
+        return Trial(fmus, loop, TABLE_2, {**TABLE_2, **changes}, v_cmd)
+
+    return make
+
+
+def weak(K_p, K_i):
+    return close_velocity_loop(AXIS, 5e-4, 5e-4, K_p, K_i)
+
+
+def slow(v):
+    return cosim.Trapezoid(height=v, slope=20 * v, plateau=2.0, begin=0.1)
+
+
+@pytest.mark.parametrize("loop", [PAPER, FILTERED], ids=["paper", "filter"])
+@pytest.mark.parametrize("command", [VALIDATION, slow(0.3e-3)], ids=["validation", "slow"])
+def test_a_stiff_loop_is_neither_warned_of_nor_refused(make_trial, loop, command):
+    trial = make_trial(loop, command)
+    assert inspect(trial, ERRORS) == []
+    without, compensated = refuse_worse(trial)
+    assert compensated < 0.7 * without
+
+
+@pytest.mark.parametrize("v", [0.3e-3, 1e-3])
+def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(make_trial, v):
+    """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""
+    trial = make_trial(weak(200.0, 2000.0), slow(v))
+    without, compensated = trial.errors()
+    assert compensated**2 > 3 * without**2
+    with pytest.raises(HarmfulError, match=r"is .* mm/s; expected less .* raise K_p \(now 200 N"):
+        refuse_worse(trial)
+    found = {finding.guard: finding for finding in inspect(trial, ERRORS)}
+    assert {"stribeck", "over-compensation"} <= set(found)
+    for finding in found.values():
+        assert "\n" not in finding.message
+        assert "; expected " in finding.message
+    assert "against a damping K_p + b of 206.6 N s/m" in found["stribeck"].message
+    assert found["stribeck"].figure > 10 * found["stribeck"].limit
+
+
+def test_the_same_weak_loop_passes_where_its_command_is_fast(make_trial):
+    trial = make_trial(weak(200.0, 2000.0), VALIDATION)
+    without, compensated = refuse_worse(trial)
+    assert compensated < 0.2 * without
+    assert stribeck(trial) == []
+
+
+@pytest.mark.parametrize("v", [2e-4, 5e-4, 1e-3])
+def test_growth_is_the_fastest_pole_of_the_linear_loop(make_trial, v):
+    """Continuous time, motion, integral and bristle in one matrix; sampling changes little."""
+    K_p, K_i = 200.0, 330.0
+    p, g_slope = TABLE_2, slope(make_trial(PAPER, VALIDATION), v)
+    tiny = 1e-9
+
+    def g(speed):
+        return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-speed / p["v_s"])
+
+    assert g_slope == pytest.approx((g(v + tiny) - g(v - tiny)) / (2 * tiny), rel=1e-4)
+    a, c = p["sigma_0"] * v / g(v), v * g_slope / g(v)
+    A = np.array(
+        [
+            [-(AXIS.b + K_p + p["sigma_1"] * c), -K_i, -(p["sigma_0"] - p["sigma_1"] * a)],
+            [1.0, 0.0, 0.0],
+            [c, 0.0, -a],
+        ]
+    )
+    A[0] /= AXIS.m
+    expected = np.linalg.eigvals(A).real.max()
+    found = growth_rate(make_trial(weak(K_p, K_i), VALIDATION), v)
+    assert expected > 50.0
+    assert found == pytest.approx(expected, rel=0.1)
+
+
+def test_a_force_that_is_far_too_large_is_told(make_trial):
+    assert tolerance(make_trial(PAPER, VALIDATION, F_c=9.0, F_s=13.5), {}) == []
+    [finding] = tolerance(make_trial(PAPER, VALIDATION, F_c=10.2, F_s=15.3), {})
+    assert finding.guard == "over-compensation"
+    assert 0.0 < finding.figure < 0.2
+    # 1.7 times the friction and that share more is where compensation stops to help
+    for share, helps in ((finding.figure - 0.03, True), (finding.figure + 0.05, False)):
+        factor = 1.7 * (1.0 + share)
+        changes = {"F_c": factor * TABLE_2["F_c"], "F_s": factor * TABLE_2["F_s"]}
+        without, compensated = make_trial(PAPER, VALIDATION, **changes).errors()
+        assert (compensated < without) == helps
+
+
+def test_a_parameter_that_may_be_anything_is_told(make_trial):
+    trial = make_trial(PAPER, VALIDATION)
+    [finding] = tolerance(trial, {**ERRORS, "sigma_0": 3e5})
+    assert finding.guard == "uncertainty"
+    assert "sigma_0 = 391.6, a bound of its 95 % interval" in finding.message
+    assert finding.figure > finding.limit
+
+
+def test_stick_and_slip_is_told(make_trial):
+    [finding] = hunting(make_trial(weak(1000.0, 5000.0), slow(0.3e-3)))
+    assert "while 0.3 mm/s is commanded" in finding.message
+    assert finding.figure > 1e-3
+    assert hunting(make_trial(PAPER, slow(0.3e-3))) == []

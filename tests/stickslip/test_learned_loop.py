@@ -1,0 +1,121 @@
+"""learned.json carries the loop, and export of a compensator looks at it."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.control import Axis, close_velocity_loop, design_velocity_loop
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.filtered import with_inertia, with_velocity_filter
+from stickslip.learned_loop import (
+    loop_document,
+    read_feed,
+    read_loop,
+    read_standard_errors,
+    read_validation,
+    validation_document,
+)
+from stickslip.parameters import LUGRE, PAPER
+from stickslip.setup import LOOP, VALIDATION, Datasheet
+
+AXIS = Axis(5.557, 6.6135, 1e-4)
+LOOPS = {
+    "paper": design_velocity_loop(AXIS, LOOP),
+    "weak": close_velocity_loop(AXIS, 5e-4, 5e-4, 200.0, 2000.0),
+}
+LOOPS["filter"] = with_inertia(with_velocity_filter(LOOPS["paper"], Datasheet(), 6.0))
+SLOW = cosim.Trapezoid(height=5e-4, slope=0.01, plateau=1.0, begin=0.1)
+
+
+@pytest.fixture
+def learned(tmp_path):
+    """Write a learned.json with Table 2 and more entries; return its path."""
+
+    def write(**entries):
+        parameters = {name: {"value": PAPER[name], "standard_error": None} for name in LUGRE}
+        path = tmp_path / "learned.json"
+        path.write_text(json.dumps({"parameters": parameters, **entries}))
+        return path
+
+    return write
+
+
+def export(path, folder, *more):
+    return main(["export", "compensator", "--parameters", str(path), "--out", str(folder), *more])
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_a_loop_comes_back_as_it_was(learned, name):
+    loop = LOOPS[name]
+    again = read_loop(learned(loop=loop_document(loop)))
+    assert again.axis == loop.axis
+    assert again.velocity_filter == loop.velocity_filter
+    for matrix in ("A", "B", "C", "D"):
+        np.testing.assert_array_equal(getattr(again.nominal, matrix), getattr(loop.nominal, matrix))
+    np.testing.assert_array_equal(again.acceleration.B, loop.acceleration.B)
+
+
+def test_an_older_file_has_no_loop(learned):
+    path = learned()
+    assert read_loop(path) is None
+    assert read_validation(path) == VALIDATION
+    assert read_feed(path) == "nominal"
+    assert read_standard_errors(path) == {}
+
+
+def test_a_validation_command_comes_back(learned):
+    assert read_validation(learned(validation=validation_document(SLOW))) == SLOW
+
+
+def test_a_reproduction_writes_its_loop(results, reproduction):
+    loop = read_loop(results / "learned.json")
+    assert loop.K_p == reproduction.identification.loop.K_p
+    assert read_validation(results / "learned.json") == VALIDATION
+    assert set(read_standard_errors(results / "learned.json")) == set(LUGRE)
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({}, "'m' is missing; expected m, b, tau_i, T_s"),
+        ([1], "expected names, each with a value"),
+        ({"m": 3}, "expected names, each with a value"),
+        ({**loop_document(LOOPS["paper"]), "m": {"value": -1.0}}, "m is -1 kg; expected above 0"),
+        ({**loop_document(LOOPS["paper"]), "K_p": {"value": 1e9}}, "unstable"),
+    ],
+)
+def test_a_loop_that_is_none_is_told(learned, entry, said):
+    with pytest.raises(UsageError, match="loop: ") as caught:
+        read_loop(learned(loop=entry))
+    assert said in str(caught.value)
+
+
+def test_export_of_a_sound_compensator_is_quiet(learned, tmp_path, capsys):
+    assert export(learned(loop=loop_document(LOOPS["paper"])), tmp_path) == 0
+    assert capsys.readouterr().err == ""
+    assert (tmp_path / "compensator.fmu").exists()
+
+
+def test_export_refuses_what_makes_the_loop_worse_unless_forced(learned, tmp_path, capsys):
+    entries = {"loop": LOOPS["weak"], "validation": SLOW}
+    documents = {"loop": loop_document, "validation": validation_document}
+    path = learned(**{name: documents[name](value) for name, value in entries.items()})
+    assert export(path, tmp_path) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[-1].startswith(f"stickslip: {path}: with the compensator the simulated tracking")
+    assert lines[-1].endswith("--force exports all the same")
+    assert any(line.startswith("stickslip: warning: stribeck: at 0.5 mm/s") for line in lines)
+    assert not (tmp_path / "compensator.fmu").exists()
+    assert export(path, tmp_path, "--force") == 0
+    assert (tmp_path / "compensator.fmu").exists()
+    assert "warning: with the compensator" in capsys.readouterr().err
+
+
+def test_export_says_when_it_cannot_tell(learned, tmp_path, capsys):
+    assert export(learned(), tmp_path) == 0
+    assert "tells of no loop" in capsys.readouterr().err
