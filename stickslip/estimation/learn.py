@@ -7,7 +7,6 @@ whitened, and corrected by replicas of the experiment -> certainty.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -24,7 +23,7 @@ from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.replica import RUNS, Corrected, correct
-from stickslip.estimation.search import SETTINGS, search, with_linear
+from stickslip.estimation.search import Search, search, with_linear
 from stickslip.estimation.start import Start, begin
 from stickslip.estimation.unknowns import LEVEL, SOUGHT, Values
 from stickslip.measurement import Array
@@ -51,16 +50,16 @@ class Task:
     fmus : folder of the FMUs
     gains : of the controller FMU by name; None when the controller is not known
     judge : how candidates are judged; ``auto`` takes what the recording allows
-    seed : of the genetic algorithm
+    search : which algorithm, where it runs
+    seed : of the search
     seeds : how many searches, each with a seed of its own
-    delay : of the force beyond the log, where it is known [s]: a start for the fit
     """
 
     fmus: Path
     recording: Recording
     gains: Mapping[str, float] | None = None
     judge: JudgeName = "auto"
-    settings: ga.Settings = SETTINGS
+    search: Search = field(default_factory=Search)
     seed: int = 0
     seeds: int = 1
 
@@ -93,7 +92,7 @@ class Estimation:
     delay: float
     profiles: pd.DataFrame
     searches: pd.DataFrame
-    algorithm: ga.GeneticAlgorithm
+    algorithm: ga.Optimiser
     figures: Figures
     controller: ControllerCheck | None
     model_error: float
@@ -108,8 +107,7 @@ class Estimation:
 def learn(
     task: Task,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.GeneticAlgorithm], object] | None = None,
-    executor: Executor | None = None,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> Estimation:
     """Learn the parameters of the drive that made a recording.
 
@@ -132,7 +130,7 @@ def learn(
     with InverseModel(task.fmus, recording) as inverse:
         start = begin(inverse, recording)
         on_stage("searching")
-        found, rows, algorithm = _search(task, inverse, start, on_generation, executor)
+        found, rows, algorithm = _search(task, inverse, start, on_generation)
         judge, reason = _choose(task, check)
         corrected = None
         if judge == OutputError.name and task.gains is not None:
@@ -180,13 +178,12 @@ def _search(
     task: Task,
     inverse: InverseModel,
     start: Start,
-    on_generation: Callable[[ga.GeneticAlgorithm], object] | None,
-    executor: Executor | None,
-) -> tuple[Fit, pd.DataFrame, ga.GeneticAlgorithm]:
+    on_generation: Callable[[ga.Optimiser], object] | None,
+) -> tuple[Fit, pd.DataFrame, ga.Optimiser]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
     for seed in range(task.seed, task.seed + task.seeds):
-        algorithm = search(inverse, start, seed, task.settings, executor, on_generation)
+        algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
         found = fit(inverse, start.unknowns, start.unknowns.coordinates(values))
         fits.append(found)
@@ -199,8 +196,22 @@ def _search(
                 **{name: found.parameters[name] for name in SOUGHT},
             }
         )
+    if task.seeds > 1:
+        for seed in range(task.seed, task.seed + task.seeds):
+            own = _of_seed(task, seed).execution.checkpoint
+            if own is not None:
+                own.unlink(missing_ok=True)
     best = int(np.argmin([found.noise for found in fits]))
     return _without_stribeck(inverse, fits[best]), pd.DataFrame(rows), algorithms[best]
+
+
+def _of_seed(task: Task, seed: int) -> Search:
+    """Return how to search; each of several seeds has a checkpoint of its own."""
+    path = task.search.execution.checkpoint
+    if path is None or task.seeds == 1:
+        return task.search
+    own = path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
+    return replace(task.search, execution=replace(task.search.execution, checkpoint=own))
 
 
 def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:

@@ -19,7 +19,7 @@ def draw(reproduction: Reproduction) -> Figure:
 
 
 def draw_course(
-    algorithm: ga.GeneticAlgorithm, cost: str, final: tuple[float, str] | None = None
+    algorithm: ga.Optimiser, cost: str, final: tuple[float, str] | None = None
 ) -> Figure:
     """Draw best and mean cost of an algorithm.
 
