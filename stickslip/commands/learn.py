@@ -115,6 +115,8 @@ def _print_findings(findings: Iterable[Finding]) -> None:
 def print_estimation(estimation: Estimation) -> None:
     """Print judge, parameters with intervals, and relative errors."""
     print(f"\njudged by the {estimation.judge}: {estimation.reason}")
+    for remark in estimation.remarks:
+        print(f"note: {remark}")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

@@ -21,6 +21,7 @@ from stickslip.estimation.controller_check import ControllerCheck, check_control
 from stickslip.estimation.figures import Figures, figures
 from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.estimation.inverse import InverseModel
+from stickslip.estimation.motion import position_of
 from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.replica import RUNS, Corrected, correct
 from stickslip.estimation.search import Search, search, with_linear
@@ -79,6 +80,7 @@ class Estimation:
     algorithm : the search that led to the result
     figures : how near the model comes to the recording
     controller : the check of the controller; None when it is not known
+    remarks : what was done to the recording
     model_error : residual of the loop over what encoder and noise explain; NaN without the loop
     """
 
@@ -96,7 +98,8 @@ class Estimation:
     figures: Figures
     controller: ControllerCheck | None
     model_error: float
-    gains: Mapping[str, float] | None = field(default=None)
+    gains: Mapping[str, float] | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -126,7 +129,8 @@ def learn(
         check = check_controller(task.fmus, recording, task.gains)
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
-            task = replace(task, recording=recording)
+    recording, remarks = _against_motion(recording)
+    task = replace(task, recording=recording)
     with InverseModel(task.fmus, recording) as inverse:
         start = begin(inverse, recording)
         on_stage("searching")
@@ -171,6 +175,7 @@ def learn(
         check,
         model_error,
         task.gains,
+        remarks,
     )
 
 
@@ -203,6 +208,18 @@ def _search(
                 own.unlink(missing_ok=True)
     best = int(np.argmin([found.noise for found in fits]))
     return _without_stribeck(inverse, fits[best]), pd.DataFrame(rows), algorithms[best]
+
+
+def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Turn a measured friction that drives the motion, by the sign of its work."""
+    if recording.force is not None or recording.friction is None:
+        return recording, ()
+    position = position_of(recording)
+    work = float(recording.friction[1:] @ np.diff(position))
+    if work >= 0.0:
+        return recording, ()
+    turned = replace(recording, friction=-recording.friction)
+    return turned, ("the friction logged does work on the motion: its sign was turned",)
 
 
 def _of_seed(task: Task, seed: int) -> Search:
