@@ -12,9 +12,7 @@ import numpy as np
 import models
 from cosim.control import Axis, ControlError, VelocityLoop, close_velocity_loop
 from stickslip.errors import HarmfulError, RecordingError
-from stickslip.estimation import Estimation, Task, candidate_fmus, learn
-from stickslip.estimation.learn import JudgeName
-from stickslip.estimation.search import Search
+from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import estimation_document
 from stickslip.loop import build_fmus

@@ -16,8 +16,7 @@ import pandas as pd
 import cosim
 from cosim.control import LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.attribution import attribute
-from stickslip.estimation import Estimation, Task, candidate_fmus, learn
-from stickslip.estimation.search import Search
+from stickslip.estimation import Estimation, Search, Task, candidate_fmus, learn
 from stickslip.execution import Execution
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.loop import build_fmus, paper_loop

@@ -19,9 +19,7 @@ from stickslip.commands.execution import (
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.estimation import Estimation
-from stickslip.estimation.learn import JudgeName
-from stickslip.estimation.search import Search
+from stickslip.estimation import Estimation, JudgeName, Search
 from stickslip.log_learning import learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
 from stickslip.recording import Finding
