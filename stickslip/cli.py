@@ -19,6 +19,7 @@ from stickslip.commands import (
     design,
     export,
     identify,
+    learn,
     plan,
     reproduce,
     simulate,
@@ -26,7 +27,7 @@ from stickslip.commands import (
 )
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, check, design, plan, identify, validate, export)
+COMMANDS = (reproduce, build, simulate, check, design, plan, identify, learn, validate, export)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,
@@ -53,8 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("stickslip: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as interruption:
+        print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
         return 130
     return status or 0
 

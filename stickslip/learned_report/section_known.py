@@ -99,7 +99,7 @@ def shown(known: Certainty, scale: Scale) -> tuple[str, str, str]:
 
 def _rest(estimation: Estimation) -> Html:
     """Return what else the fit found."""
-    error = estimation.fit.errors()["F_0"]
+    error = estimation.errors["F_0"]
     unit = force_scale(estimation.recording.motion, np.ones(1)).unit
     push = WORDS[estimation.recording.motion][1]
     constant = f"a constant {push} of {estimated(estimation.F_0, error)} {unit}"

@@ -17,7 +17,8 @@ def write(
     estimation: Estimation, findings: Iterable[Finding], pictures: Mapping[str, Picture]
 ) -> Html:
     """Return the section on the log, errors and warnings first."""
-    ordered = sorted(findings, key=lambda finding: ORDER.index(finding.severity))
+    done = (Finding("note", remark) for remark in estimation.remarks)
+    ordered = sorted([*findings, *done], key=lambda finding: ORDER.index(finding.severity))
     rows = [
         (finding.severity, _prose(finding.what), _prose(finding.figure), _prose(finding.advice))
         for finding in ordered

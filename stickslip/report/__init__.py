@@ -9,10 +9,7 @@ the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-
-from matplotlib.figure import Figure
 
 from stickslip.report import (
     fig2,
@@ -23,13 +20,13 @@ from stickslip.report import (
     identification_presliding,
 )
 from stickslip.report.page import page
-from stickslip.report.picture import Picture
+from stickslip.report.picture import Drawing, Picture
 from stickslip.reproduction import Reproduction
 from toolchain import write_whole
 
 __all__ = ["FIGURES", "write_report"]
 
-FIGURES: dict[str, Callable[[Reproduction], Figure]] = {
+FIGURES: dict[str, Drawing] = {
     "fig2_loops": fig2.draw,
     "fig5_fitness": fig5.draw,
     "fig6_tracking": fig6.draw,

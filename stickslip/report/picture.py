@@ -6,13 +6,13 @@ import base64
 import io
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 
 from matplotlib.figure import Figure
 
 from stickslip.report.style import RESOLUTION, house_style
+from stickslip.reproduction import Reproduction
 
-Subject = TypeVar("Subject")
+Drawing = Callable[[Reproduction], Figure]
 
 MILLIMETRES = 25.4
 """In an inch, matplotlib's unit."""
@@ -33,10 +33,10 @@ class Picture:
     width: float
 
     @classmethod
-    def of(cls, draw: Callable[[Subject], Figure], subject: Subject) -> Picture:
-        """Draw a figure of a subject in the house style."""
+    def of(cls, draw: Callable[..., Figure], *subjects: object) -> Picture:
+        """Draw a figure of its subjects in the house style."""
         with house_style():
-            figure = draw(subject)
+            figure = draw(*subjects)
             _settle(figure)
             png, svg = io.BytesIO(), io.BytesIO()
             figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})

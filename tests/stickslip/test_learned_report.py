@@ -81,14 +81,15 @@ def made(kind="loop", n=30_000):
         start=Start(VALUES, unknowns),
         fit=fit,
         known=known,
-        F_0=0.3,
-        delay=1e-4,
+        parameters=VALUES,
+        errors={name: 0.01 * value for name, value in VALUES.items()},
         profiles=pd.concat([profile(name, 100.0 if name == "sigma_1" else 1.0) for name in LUGRE]),
         searches=pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **PAPER}]),
         algorithm=algorithm(),
         figures=Figures(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
         controller=None if simulated is None else ControllerCheck(force, 6e-4, 1),
         model_error=0.6,
+        remarks=("the sign was turned",),
     )
 
 
@@ -158,6 +159,7 @@ def test_findings_stand_on_the_page_warnings_first(written):
         assert finding.what in said
         assert finding.figure in said
         assert finding.advice in said
+    assert "the sign was turned" in said
     assert said.index(FINDINGS[1].what) < said.index(FINDINGS[0].what)
 
 
