@@ -92,10 +92,11 @@ def _controller(estimation: Estimation) -> Html:
 def _search(estimation: Estimation) -> Html:
     searches = estimation.searches
     evaluations = number(float(searches["evaluations"].sum()), 7)
+    title, stopped = estimation.algorithm.title, estimation.algorithm.stopped
+    times = "1 search" if len(searches) == 1 else f"{len(searches)} searches"
     said = paragraph(
-        f"A genetic algorithm searched by the inverse model ({evaluations} candidates in "
-        f"{len(searches)} {'search' if len(searches) == 1 else 'searches'}), and least squares "
-        "finished."
+        f"{title[:1].upper()}{title[1:]} searched by the inverse model ({evaluations} candidates "
+        f"in {times}{f'; {stopped}' if stopped else ''}), and least squares finished."
     )
     if len(searches) == 1:
         return said

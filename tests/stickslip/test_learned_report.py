@@ -21,6 +21,7 @@ from stickslip.learned_report.scales import Scale
 from stickslip.learned_report.thinning import thinned
 from stickslip.parameters import LUGRE, PAPER
 from stickslip.recording import Finding, Recording
+from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 
 FINDINGS = (
@@ -197,11 +198,12 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
 
 
 @pytest.mark.parametrize("written", ["loop"], indirect=True)
-def test_the_same_estimation_gives_the_same_bytes(written, tmp_path):
+@pytest.mark.parametrize("name", ["force", "profiles"])
+def test_the_same_estimation_gives_the_same_bytes(written, name):
     kind, _, folder = written
-    (tmp_path / "learned.json").write_text("{}")
-    for path in write_estimation_report(made(kind), FINDINGS, tmp_path):
-        assert path.read_bytes() == (folder / path.name).read_bytes(), path.name
+    again = Picture.of(PICTURES[name], made(kind))
+    assert (folder / f"{name}.svg").read_bytes() == again.svg
+    assert (folder / f"{name}.png").read_bytes() == again.png
 
 
 def test_searches_of_several_seeds_are_listed():
