@@ -95,8 +95,9 @@ def _search(estimation: Estimation) -> Html:
     title, stopped = estimation.algorithm.title, estimation.algorithm.stopped
     times = "1 search" if len(searches) == 1 else f"{len(searches)} searches"
     said = paragraph(
-        f"{title[:1].upper()}{title[1:]} searched by the inverse model ({evaluations} candidates "
-        f"in {times}{f'; {stopped}' if stopped else ''}), and least squares finished."
+        f"{title[:1].upper()}{title[1:]} searched by the inverse model, {evaluations} candidates "
+        f"in {times}, and least squares finished."
+        + (f" Why it ended: {stopped}." if stopped else "")
     )
     if len(searches) == 1:
         return said
