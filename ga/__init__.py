@@ -1,10 +1,11 @@
-"""Learns the parameters of a simulated system with a genetic algorithm. It knows no friction.
+"""Learns the parameters of a simulated system by trying them. It knows no friction.
 
-The core works on plain arrays and needs nothing but numpy and pandas; only `SimulatedCost` runs
-FMUs, and importing it imports cosim.
+The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it imports cosim.
 
-    algorithm = ga.GeneticAlgorithm(genes, ga.DEFAULT, seed=0)
-    learned = ga.learn(algorithm, evaluate)
+    problem = ga.Problem(genes, repair)
+    optimiser = ga.optimiser("default", problem, ga.Limits(evaluations=1000), seed=0)
+    with ga.executor("processes", workers=4) as executor:
+        learned = ga.learn(optimiser, evaluate, executor, checkpoint="run.json")
 
     GaError(Exception)
         SettingsError(ValueError)      a gene, a setting or a repair makes no sense
@@ -13,6 +14,7 @@ FMUs, and importing it imports cosim.
         CallOrderError(RuntimeError)   ask and tell out of turn
         CandidateFailed                a candidate cannot be judged; raised by the cost
         NothingLearned                 every candidate of the first generation failed
+    Interrupted(KeyboardInterrupt)     Ctrl-C; says what is kept and how to go on
 """
 
 from typing import TYPE_CHECKING
@@ -24,14 +26,20 @@ from ga.errors import (
     CandidateFailed,
     CostError,
     GaError,
+    Interrupted,
     NothingLearned,
     SettingsError,
     StateError,
 )
+from ga.executors import executor
 from ga.fitness import fitness
 from ga.gene import Gene
 from ga.generation import Candidate
 from ga.learning import Learned, learn
+from ga.limits import Limits
+from ga.named import ALGORITHMS, optimiser
+from ga.optimiser import Optimiser
+from ga.problem import Problem
 from ga.repair import AtLeast
 from ga.settings import DEFAULT, PAPER, PRESETS, Settings
 
@@ -39,6 +47,7 @@ if TYPE_CHECKING:
     from ga.candidates import SimulatedCost
 
 __all__ = [
+    "ALGORITHMS",
     "DEFAULT",
     "PAPER",
     "PRESETS",
@@ -50,15 +59,21 @@ __all__ = [
     "GaError",
     "Gene",
     "GeneticAlgorithm",
+    "Interrupted",
     "Learned",
+    "Limits",
     "NothingLearned",
+    "Optimiser",
+    "Problem",
     "Settings",
     "SettingsError",
     "SimulatedCost",
     "StateError",
     "crossover_probability",
+    "executor",
     "fitness",
     "learn",
+    "optimiser",
 ]
 
 

@@ -1,37 +1,38 @@
-"""The genetic algorithm: ask for candidates, tell their costs, generation after generation.
-
-    ask -> tell -> ask -> tell -> ...
-
-It evaluates nothing itself and all its randomness is here, so the result does not depend on where
-or in which order the candidates are evaluated.
-"""
+"""The genetic algorithm, generation after generation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-import pandas as pd
-from numpy.typing import ArrayLike
 
-from ga import checkpoint
+from ga.archive import Archive
 from ga.arrays import Array
 from ga.breeding import breed
+from ga.checkpoint import seed_of
 from ga.encoding import Encoding
-from ga.errors import CallOrderError, CostError, SettingsError
 from ga.gene import Gene
 from ga.generation import Candidate, Generation
 from ga.initial import first_generation
-from ga.record import Record
+from ga.limits import PROGRESS, Limits
+from ga.optimiser import Optimiser
+from ga.problem import Problem
+from ga.quadratic import unknowns
+from ga.rates import MutationRate
 from ga.repair import Repair
 from ga.settings import DEFAULT, Settings
 
-NOT_A_NUMBER = "the cost is not a number"
+COLLAPSED = 1e-12
+"""A population whose strings all lie within this of each other cannot move any more."""
 
 
-class GeneticAlgorithm:
+class GeneticAlgorithm(Optimiser):
     """Ask/tell genetic algorithm on k genes.
+
+    The first generation holds the start as its first row. Later ones hold only children: the
+    elite's costs are known, unless the settings say that each run differs.
 
     Parameters
     ----------
@@ -39,11 +40,15 @@ class GeneticAlgorithm:
     settings : how; see `Settings` and `PRESETS`
     seed : of all randomness; the same seed and costs give the same history, bit for bit
     repair : makes candidates keep a constraint, e.g. `AtLeast`; its result is held to the bounds
+    limits : when to stop; by default the settings' ``generations`` and ``threshold``
 
     Raises
     ------
     SettingsError : no genes, two of one name, or bounds that the encoding cannot take
     """
+
+    kind = "genetic"
+    title = "a genetic algorithm"
 
     def __init__(
         self,
@@ -51,156 +56,125 @@ class GeneticAlgorithm:
         settings: Settings = DEFAULT,
         seed: int = 0,
         repair: Repair | None = None,
+        limits: Limits | None = None,
     ) -> None:
-        self.genes = tuple(genes)
+        own = Limits(generations=settings.generations, target=settings.threshold)
+        super().__init__(Problem(genes, repair), limits or own, seed)
+        self.genes = self.problem.genes
         self.settings = settings
-        self.names = [gene.name for gene in self.genes]
-        if not self.genes or len(set(self.names)) < len(self.names):
-            raise SettingsError(
-                f"genes must be one or more, each with its own name, got {self.names}"
-            )
-        self._repair = repair
         self._encoding = Encoding(self.genes, settings.encoding, settings.resolution)
         self._rng = np.random.Generator(np.random.PCG64(seed))
-        self._rng_at_tell = self._rng.bit_generator.state
+        self._begin_anew(restarts=0)
+        self._earlier: Candidate | None = None
+        self._chosen: Candidate | None = None
+
+    def _begin_anew(self, restarts: int) -> None:
+        k = len(self.genes)
+        size = round((self.settings.finish or 0) * unknowns(k))
+        self._restarts = restarts
         self._current: Generation | None = None
-        self._asked: tuple[Array, Array] | None = None
-        self._record = Record()
+        self._strings = np.empty((0, k))
+        self._mutation = MutationRate(self.settings)
+        self._rates = self._mutation.draw(0, self._rng)
+        self._archive = Archive(size, k)
+        self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
 
-    def ask(self) -> Array:
-        """Return the candidates to evaluate next.
+    @property
+    def batch(self) -> int:
+        """How many candidates the next `ask` returns.
 
-        The first generation holds the start as its first row. Later ones hold only children: the
-        elite's costs are known, and the cost is taken to be deterministic.
-
-        Returns
-        -------
-        ndarray, shape (n, k), in the genes' units: n is the population at first, then the
-        population without the elite
-
-        Raises
-        ------
-        CallOrderError : the candidates asked for before have not been told
+        The population at first and after a restart, then the population without the elite.
         """
-        if self._asked is not None:
-            raise CallOrderError(
-                f"ask was called twice; first tell the costs of the {len(self._asked[1])} "
-                "candidates already asked"
-            )
-        if self._current is None:
-            start = np.array([[gene.start for gene in self.genes]])
-            strings = first_generation(self._encoding.encode(start)[0], self.settings, self._rng)
-        else:
-            strings = breed(self._current.strings, self._current.costs, self.settings, self._rng)
-        strings = self._encoding.settle(strings)
+        if self._current is None or self.settings.noisy:
+            return self.settings.population
+        return self.settings.population - self.settings.elites
+
+    def _propose(self) -> Array:
+        current = self._current
+        strings = self._encoding.settle(self._first() if current is None else self._next(current))
         values = self._encoding.decode(strings)
-        if self._repair is not None:
-            repaired = self._repair(values.copy(), self.genes)
-            if repaired.shape != values.shape:
-                raise SettingsError(
-                    f"repair must return the population's shape {values.shape}, "
-                    f"got {repaired.shape}"
-                )
-            values = np.clip(repaired, self._encoding.lower, self._encoding.upper)
+        if self.problem.repair is not None:
+            values = self.problem.repaired(values)
             strings = self._encoding.encode(values)
-        self._asked = strings, values
-        return values.copy()
+        self._strings = strings
+        if current is None or not self.settings.noisy:
+            return values
+        return np.vstack([values, current.values[: self.settings.elites]])
 
-    def tell(self, costs: ArrayLike, reasons: Sequence[str] | None = None) -> None:
-        """Take the costs of the candidates that `ask` returned, in their order.
+    def _first(self) -> Array:
+        """Return a first generation: around the start or, after a restart, anywhere."""
+        start = self._encoding.encode(self.problem.start[np.newaxis])[0]
+        if self._restarts:
+            return self._rng.random((self.settings.population, start.size))
+        return first_generation(start, self.settings, self._rng)
 
-        Parameters
-        ----------
-        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf, with
-            the reason "the cost is not a number".
-        reasons : why each failed, n texts, empty where it did not
+    def _next(self, current: Generation) -> Array:
+        """Return children; the last, whose rival is the worst, is the local finish."""
+        settings = self.settings
+        self._rates = self._mutation.draw(settings.population - settings.elites, self._rng)
+        strings = breed(current.strings, current.costs, self._rates, settings, self._rng)
+        bottom = self._archive.bottom()
+        if bottom is not None:
+            strings[-1] = bottom
+        return strings
 
-        Raises
-        ------
-        CallOrderError : nothing was asked
-        CostError : wrong number of costs or reasons, or a negative cost. The candidates can
-            still be told.
-        """
-        if self._asked is None:
-            raise CallOrderError("tell was called before ask; ask for candidates first")
-        strings, values = self._asked
-        told = np.array(costs, dtype=float)
-        notes = [""] * len(values) if reasons is None else list(reasons)
-        if told.shape != (len(values),) or len(notes) != len(values):
-            raise CostError(
-                f"tell expects {len(values)} costs (and as many reasons), one per candidate asked, "
-                f"got costs of shape {told.shape} and {len(notes)} reasons"
-            )
-        for index in np.flatnonzero(np.isnan(told)):
-            told[index], notes[index] = np.inf, notes[index] or NOT_A_NUMBER
-        if (told < 0).any():
-            raise CostError(
-                f"costs must be 0 or above, because fitness is their inverse, got {told.min()}"
-            )
-        children = Generation(strings, values, told)
-        self._record.add(values, told, notes)
+    def _digest(self, values: Array, costs: Array) -> Array:
+        n = len(self._strings)
+        children = Generation.once(self._strings, values[:n], costs[:n])
+        self._archive.add(children.strings, children.costs)
         if self._current is None:
-            self._current = children.ranked()
+            current = children.ranked()
         else:
-            self._current = self._current.followed_by(children, self.settings)
-        self._record.close_generation(self._current.costs)
-        self._asked = None
-        self._rng_at_tell = self._rng.bit_generator.state
+            self._archive.add(self._current.strings[: len(costs) - n], costs[n:])
+            rivals = self._current.averaged(costs[n:])
+            wins = rivals.winners(children, self.settings)
+            self._mutation.follow(self._rates, wins)
+            current = rivals.followed_by(children, wins)
+        self._current = current
+        self._chosen = self._most_trusted(current) if self.settings.noisy else None
+        self._watch(current)
+        return current.costs
 
-    @property
-    def best(self) -> Candidate:
-        """The candidate of the lowest cost so far.
+    def _choose(self) -> Candidate | None:
+        return self._chosen
 
-        Raises
-        ------
-        CallOrderError : no costs have been told
-        """
-        if self._current is None:
-            raise CallOrderError("there is no best candidate yet; ask and tell first")
-        return self._current.best()
+    def _most_trusted(self, current: Generation) -> Candidate:
+        """Return the lowest mean of more than one run, also of earlier starts."""
+        repeated = np.flatnonzero(current.runs > 1)
+        found = current.candidate(int(repeated[0]) if repeated.size else 0)
+        if self._earlier is not None and self._earlier.cost <= found.cost:
+            return self._earlier
+        return found
 
-    @property
-    def generation(self) -> int:
-        """How many generations have been told."""
-        return len(self._record.summaries)
+    def _watch(self, current: Generation) -> None:
+        """Count generations without progress, and begin anew when it is time."""
+        stale, goal = self._stale
+        lowest = float(current.costs[0])
+        self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
+        if self._at_rest() and self._restarts < self.settings.restarts:
+            self._earlier = self._chosen
+            self._begin_anew(self._restarts + 1)
 
-    @property
-    def evaluations(self) -> int:
-        """How many candidates have been told."""
-        return len(self._record.evaluations)
+    def _at_rest(self) -> bool:
+        patience = self.settings.patience
+        return patience is not None and (self._stale[0] >= patience or self._collapsed())
 
-    @property
-    def stopped(self) -> str | None:
-        """Why learning should stop, or None. `ask` goes on regardless.
+    def _collapsed(self) -> bool:
+        current = self._current
+        return current is not None and float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
 
-        Source
-        ------
-        Paper, Step 3.
-        """
-        threshold = self.settings.threshold
-        if self._current is not None and threshold is not None and self.best.cost <= threshold:
-            return f"the best cost {self.best.cost:.6g} reached the threshold {threshold:.6g}"
-        if self.generation >= self.settings.generations:
-            return f"all {self.settings.generations} generations are done"
-        return None
+    def _converged(self) -> str | None:
+        if not self._at_rest():
+            return None
+        why = f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
+        if self._collapsed():
+            why = "the population has collapsed to a point"
+        return f"stagnation: {why}, after {self._restarts} restarts"
 
-    @property
-    def history(self) -> pd.DataFrame:
-        """Every evaluation: generation, index, a column per gene, cost, reason."""
-        return self._record.history(self.names)
-
-    def convergence(self) -> pd.DataFrame:
-        """Every generation: generation, evaluations, best_cost, mean_cost (see `Summary`)."""
-        return self._record.convergence()
-
-    def state(self) -> dict[str, Any]:
-        """Everything needed to go on later, as plain data that JSON keeps exactly.
-
-        Between `ask` and `tell` it is the state before `ask`, which will ask the same again.
-        """
-        return checkpoint.pack(
-            self.genes, self.settings, self._rng_at_tell, self._current, self._record
-        )
+    def _options(self) -> dict[str, Any]:
+        kept = asdict(self.settings)
+        del kept["generations"], kept["threshold"]  # a run may go on for longer than first planned
+        return kept
 
     @classmethod
     def from_state(
@@ -209,6 +183,7 @@ class GeneticAlgorithm:
         settings: Settings,
         state: Mapping[str, Any],
         repair: Repair | None = None,
+        limits: Limits | None = None,
     ) -> GeneticAlgorithm:
         """Go on from `state`: bit for bit as if it had never been interrupted.
 
@@ -221,10 +196,6 @@ class GeneticAlgorithm:
         ------
         StateError : the state is of other genes or settings, or is no state
         """
-        algorithm = cls(genes, settings, repair=repair)
-        algorithm._current, algorithm._record, rng_state = checkpoint.unpack(
-            algorithm.genes, settings, state
-        )
-        algorithm._rng.bit_generator.state = rng_state
-        algorithm._rng_at_tell = rng_state
+        algorithm = cls(genes, settings, seed_of(state), repair, limits)
+        algorithm.replay(state)
         return algorithm

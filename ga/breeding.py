@@ -10,13 +10,16 @@ from ga.mutation import MUTATIONS
 from ga.settings import Settings
 
 
-def breed(strings: Array, costs: Array, settings: Settings, rng: np.random.Generator) -> Array:
+def breed(
+    strings: Array, costs: Array, rates: Array, settings: Settings, rng: np.random.Generator
+) -> Array:
     """Return children for the places outside the elite.
 
     Parameters
     ----------
     strings : the generation, best first, shape (n, k)
     costs : of the generation, shape (n,)
+    rates : of the children's mutation, shape (n - elites, 1)
 
     Returns
     -------
@@ -27,4 +30,4 @@ def breed(strings: Array, costs: Array, settings: Settings, rng: np.random.Gener
     Paper, Step 4.
     """
     children = CROSSOVERS[settings.crossover](strings, costs, settings, rng)
-    return MUTATIONS[settings.mutation](children, strings, settings.mutation_rate, rng)
+    return MUTATIONS[settings.mutation](children, strings, rates, rng)

@@ -43,6 +43,11 @@ class SimulatedCost:
     inputs: Mapping[str, Input] = field(default_factory=dict)
     _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
 
+    @property
+    def fatal(self) -> tuple[type[Exception], ...]:
+        """What no candidate is to blame for."""
+        return (cosim.CosimError,)
+
     def __call__(self, values: Array) -> float:
         """Run one candidate.
 
@@ -54,6 +59,7 @@ class SimulatedCost:
         ------
         CandidateFailed : an FMU failed during the run
         cosim.CosimError : the system, a name or an input is wrong, whatever the candidate
+        Exception : what `cost` raises
         """
         parameters = dict(zip(self.names, values.tolist(), strict=True))
         try:

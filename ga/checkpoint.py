@@ -1,106 +1,133 @@
 """Checkpoints: a run as plain data, and back.
 
-Floats survive JSON exactly. Infinity has no place in JSON, so a cost of inf is written as null.
+A checkpoint holds what was told, not what an optimiser keeps inside: any optimiser that is asked
+and told the same again is where it was. Floats survive JSON exactly. Infinity has no place in JSON,
+so a cost of inf is written as null.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, is_dataclass
+from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ga.arrays import Array
 from ga.errors import StateError
-from ga.gene import Gene
-from ga.generation import Generation
-from ga.record import Evaluation, Record, Summary
-from ga.settings import Settings
+from ga.problem import Problem
+from ga.record import Record
+from toolchain import write_whole
 
-FORMAT = 1
+FORMAT = 2
+
+Told = tuple[Array, list[float], list[str]]
+"""values (n, k), n costs and n reasons of a generation"""
 
 
-def pack(
-    genes: Sequence[Gene],
-    settings: Settings,
-    rng: Mapping[str, Any],
-    current: Generation | None,
-    record: Record,
-) -> dict[str, Any]:
-    """Plain data (dicts, lists, str, int, float, None) from a run's parts."""
+def head(kind: str, problem: Problem, settings: Mapping[str, Any], seed: int) -> dict[str, Any]:
+    """Return what a run must have in common with its checkpoint."""
+    repair = problem.repair
     return {
         "format": FORMAT,
-        "problem": _problem(genes, settings),
-        "rng": dict(rng),
-        "current": current
-        and {
-            "strings": current.strings.tolist(),
-            "values": current.values.tolist(),
-            "costs": [_finite(cost) for cost in current.costs.tolist()],
-        },
+        "optimiser": kind,
+        "genes": [asdict(gene) for gene in problem.genes],
+        "repair": repr(repair) if is_dataclass(repair) else getattr(repair, "__qualname__", None),
+        "settings": dict(settings),
+        "seed": seed,
+    }
+
+
+def pack(head: Mapping[str, Any], record: Record) -> dict[str, Any]:
+    """Return plain data (dicts, lists, str, int, float, None) from a run's parts."""
+    return {
+        **head,
         "evaluations": [
-            [e.generation, e.index, list(e.values), _finite(e.cost), e.reason]
-            for e in record.evaluations
-        ],
-        "summaries": [
-            [s.generation, s.evaluations, _finite(s.best_cost), _finite(s.mean_cost)]
-            for s in record.summaries
+            [e.generation, list(e.values), _finite(e.cost), e.reason] for e in record.evaluations
         ],
     }
 
 
-def unpack(
-    genes: Sequence[Gene], settings: Settings, state: Mapping[str, Any]
-) -> tuple[Generation | None, Record, dict[str, Any]]:
-    """Return the current generation, the record and the generator state of a checkpoint.
+def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
+    """Yield what was told, generation after generation.
 
     Raises
     ------
-    StateError : the state is of other genes or settings, or is no state
+    StateError : the state is of another run than `head`, or is no state
+    """
+    seed_of(state)
+    for part, expected in head.items():
+        if expected != state.get(part):
+            raise StateError(
+                f"the checkpoint was made with other {part}: it has {state.get(part)}, "
+                f"expected {expected}; resume with those or start afresh"
+            )
+    try:
+        generations = [
+            (
+                np.array([values for _, values, _, _ in rows], dtype=float),
+                [_cost(cost) for _, _, cost, _ in rows],
+                [str(reason) for _, _, _, reason in rows],
+            )
+            for rows in (
+                list(group) for _, group in groupby(state["evaluations"], lambda row: row[0])
+            )
+        ]
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise StateError(f"the checkpoint is damaged ({error!r}); start afresh") from error
+    yield from generations
+
+
+def seed_of(state: Mapping[str, Any]) -> int:
+    """Return the seed of a checkpoint.
+
+    Raises
+    ------
+    StateError : the state is no state
     """
     if not isinstance(state, Mapping) or state.get("format") != FORMAT:
         raise StateError(
             f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
         )
-    asked, stored = _problem(genes, settings), state.get("problem", {})
-    for part in asked:
-        if asked[part] != stored.get(part):
-            raise StateError(
-                f"the checkpoint was made with other {part}: it has {stored.get(part)}, "
-                f"expected {asked[part]}; resume with those or start afresh"
-            )
+    seed = state.get("seed")
+    if not isinstance(seed, int):
+        raise StateError(f"the checkpoint is damaged (its seed is {seed!r}); start afresh")
+    return seed
+
+
+def write(path: Path, state: Mapping[str, Any], about: str) -> None:
+    """Write a checkpoint, whole or not at all.
+
+    Raises
+    ------
+    OSError : the folder cannot be written or the disk is full; the old checkpoint is then whole
+    """
+    write_whole(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
+
+
+def read(path: Path, about: str) -> dict[str, Any]:
+    """Read the state from a checkpoint.
+
+    Raises
+    ------
+    StateError : the file is no JSON object, or its costs are about something else
+    OSError : it cannot be read
+    """
     try:
-        return _current(state), _record(state), dict(state["rng"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise StateError(f"the checkpoint is damaged ({error!r}); start afresh") from error
-
-
-def _current(state: Mapping[str, Any]) -> Generation | None:
-    stored = state["current"]
-    return stored and Generation(
-        np.array(stored["strings"], dtype=float),
-        np.array(stored["values"], dtype=float),
-        np.array([_cost(cost) for cost in stored["costs"]]),
-    )
-
-
-def _record(state: Mapping[str, Any]) -> Record:
-    return Record(
-        [
-            Evaluation(generation, index, tuple(values), _cost(cost), reason)
-            for generation, index, values, cost, reason in state["evaluations"]
-        ],
-        [
-            Summary(generation, count, _cost(best), _cost(mean))
-            for generation, count, best, mean in state["summaries"]
-        ],
-    )
-
-
-def _problem(genes: Sequence[Gene], settings: Settings) -> dict[str, Any]:
-    kept = asdict(settings)
-    del kept["generations"], kept["threshold"]  # a run may go on for longer than first planned
-    return {"genes": [asdict(gene) for gene in genes], "settings": kept}
+        state = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
+    if not isinstance(state, dict):
+        raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r}, expected {about!r}; resume with "
+            "that or start afresh"
+        )
+    return state
 
 
 def _finite(cost: float) -> float | None:

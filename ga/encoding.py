@@ -2,18 +2,20 @@
 
 A candidate's string holds a number in [0, 1] for each gene. ``linear`` spreads the gene's bounds
 evenly over it, as the paper does; ``log`` spreads their logarithms, so that every decade of a wide
-range is searched alike.
+range is searched alike. A gene that asks for it is linear in any encoding.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ga.arrays import Array
 from ga.errors import SettingsError
 from ga.gene import Gene
+from ga.problem import Problem
 
 
 class Encoding:
@@ -33,16 +35,22 @@ class Encoding:
     def __init__(self, genes: Sequence[Gene], kind: str, resolution: float | None) -> None:
         self.lower = np.array([gene.lower for gene in genes])
         self.upper = np.array([gene.upper for gene in genes])
-        self._log = kind == "log"
+        self._log = np.array([kind == "log" and not gene.linear for gene in genes])
         self._resolution = resolution
-        for gene in genes:
-            if self._log and gene.lower <= 0:
+        for gene, log in zip(genes, self._log, strict=True):
+            if log and gene.lower <= 0:
                 raise SettingsError(
                     f"gene {gene.name}: log encoding needs a lower bound above 0, "
-                    f"got {gene.lower}; use encoding='linear' or raise the bound"
+                    f"got {gene.lower}; use linear=True, encoding='linear' or raise the bound"
                 )
         self._origin = self._scale(self.lower)
         self._span = self._scale(self.upper) - self._origin
+
+    @classmethod
+    def of(cls, problem: Problem) -> Encoding:
+        """Return the encoding for a problem that has none of its own: log wherever it can be."""
+        kinds = [gene if gene.lower > 0 else replace(gene, linear=True) for gene in problem.genes]
+        return cls(kinds, "log", None)
 
     def encode(self, values: Array) -> Array:
         """Return the strings, shape (n, k), of values inside the bounds, shape (n, k)."""
@@ -51,7 +59,8 @@ class Encoding:
     def decode(self, strings: Array) -> Array:
         """Return the values, shape (n, k), of strings, shape (n, k); never outside the bounds."""
         scaled = self._origin + strings * self._span
-        return np.clip(np.exp(scaled) if self._log else scaled, self.lower, self.upper)
+        scaled[..., self._log] = np.exp(scaled[..., self._log])
+        return np.clip(scaled, self.lower, self.upper)
 
     def settle(self, strings: Array) -> Array:
         """Mirror strings that left [0, 1] back at its ends, then round to the resolution."""
@@ -62,4 +71,6 @@ class Encoding:
         return np.clip(np.rint(inside / self._resolution) * self._resolution, 0.0, 1.0)
 
     def _scale(self, values: Array) -> Array:
-        return np.log(values) if self._log else values
+        scaled = np.array(values)
+        scaled[..., self._log] = np.log(scaled[..., self._log])
+        return scaled

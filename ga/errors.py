@@ -1,5 +1,9 @@
 """Errors of the learning; the tree is drawn in ``ga/__init__.py``."""
 
+from __future__ import annotations
+
+from pathlib import Path
+
 
 class GaError(Exception):
     """Something about a learning run is wrong."""
@@ -27,3 +31,25 @@ class CandidateFailed(GaError):
 
 class NothingLearned(GaError):
     """Every candidate of the first generation failed. The message gives the first reason."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run. The message says what is kept and how to go on.
+
+    Attributes
+    ----------
+    checkpoint : where the run can be resumed from, if it is kept at all
+    generations, evaluations : what is in it
+    """
+
+    def __init__(self, checkpoint: Path | None, generations: int, evaluations: int) -> None:
+        self.checkpoint, self.generations, self.evaluations = checkpoint, generations, evaluations
+        if checkpoint is None:
+            kept = "nothing is kept, because no checkpoint was asked for"
+        elif not generations:
+            kept = "nothing is kept, because no generation was done"
+        else:
+            kept = f"they are kept in {checkpoint}; go on with resume=True (--resume)"
+        super().__init__(
+            f"interrupted after {generations} generations ({evaluations} evaluations); {kept}"
+        )

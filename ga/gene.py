@@ -18,6 +18,8 @@ class Gene:
     lower, upper : bounds of the search, in `unit`
     start : the coarsely identified value, in `unit`
     unit : for people and reports
+    linear : search its values evenly even where other genes are logarithmic, e.g. an offset that
+        may be negative
 
     Raises
     ------
@@ -29,6 +31,7 @@ class Gene:
     upper: float
     start: float
     unit: str = ""
+    linear: bool = False
 
     def __post_init__(self) -> None:
         values = {"lower": self.lower, "upper": self.upper, "start": self.start}

@@ -1,19 +1,20 @@
-"""Learning: ask, evaluate, tell, until the algorithm has had enough."""
+"""Learning: ask, evaluate, tell, until the optimiser has had enough."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from functools import partial
+from pathlib import Path
+from typing import TypeVar
 
-from ga.algorithm import GeneticAlgorithm
-from ga.arrays import Array
-from ga.errors import CandidateFailed, NothingLearned
+from ga import checkpoint as files
+from ga.errors import Interrupted, NothingLearned, StateError
 from ga.generation import Candidate
+from ga.judging import Evaluate, judge_all
+from ga.optimiser import Optimiser
 
-Evaluate = Callable[[Array], float]
-"""values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none"""
+AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
 
 @dataclass(frozen=True)
@@ -33,56 +34,73 @@ class Learned:
 
 
 def learn(
-    algorithm: GeneticAlgorithm,
+    algorithm: AnyOptimiser,
     evaluate: Evaluate,
     executor: Executor | None = None,
-    on_generation: Callable[[GeneticAlgorithm], object] | None = None,
+    on_generation: Callable[[AnyOptimiser], object] | None = None,
+    *,
+    checkpoint: Path | str | None = None,
+    resume: bool = False,
+    about: str = "",
 ) -> Learned:
     """Run `algorithm` until it stops. The result does not depend on the executor.
 
     Parameters
     ----------
-    algorithm : new or resumed
-    evaluate : cost of one candidate. Raising `CandidateFailed` makes the cost infinite and records
-        the message; every other exception ends the run. Must pickle for an executor of processes.
-    executor : any ``concurrent.futures`` executor; the caller's own thread by default
-    on_generation : called after every generation, e.g. to write a checkpoint or move a bar
+    algorithm : a new optimiser, or one that was resumed
+    evaluate : cost of one candidate. What it raises makes the cost infinite and is recorded as the
+        reason, but not if the very first candidate, the start, raises anything else than
+        `CandidateFailed`: this would be the fault of the set-up and ends the run, as do an
+        ``OSError`` and what `evaluate` calls ``fatal``. Must pickle for workers in other processes.
+    executor : see `executor`, or any of ``concurrent.futures``; the caller's own thread by default
+    on_generation : called after every generation, e.g. to move a bar
+    checkpoint : file that is written after every generation, whole or not at all
+    resume : go on from `checkpoint`, if that exists, bit for bit as if nothing had happened
+    about : what else the costs depend on; a checkpoint of something else is refused
 
     Raises
     ------
     NothingLearned : every candidate of the first generation failed
+    StateError : the checkpoint exists and is not to be resumed, or is of another run
+    Interrupted : Ctrl-C; the generations before are in the checkpoint
     """
-    while (stopped := algorithm.stopped) is None:
-        outcomes = _evaluate_all(algorithm.ask(), evaluate, executor)
-        algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
+    path = None if checkpoint is None else Path(checkpoint)
+    if path is not None and path.exists():
+        if not resume:
+            raise StateError(
+                f"{path}: holds an earlier learning run; resume it, or delete it to start afresh"
+            )
+        algorithm.replay(files.read(path, about))
+
+    def keep(algorithm: AnyOptimiser) -> None:
+        if path is not None:
+            files.write(path, algorithm.state(), about)
         if on_generation is not None:
             on_generation(algorithm)
-        if algorithm.best.cost == float("inf"):
-            raise NothingLearned(
-                f"all {algorithm.evaluations} candidates failed, the start values among them; "
-                f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
-            )
+
+    try:
+        stopped = _run(algorithm, evaluate, executor, keep)
+    except KeyboardInterrupt:
+        raise Interrupted(path, algorithm.generation, algorithm.evaluations) from None
     best = algorithm.best
     parameters = dict(zip(algorithm.names, best.values.tolist(), strict=True))
     return Learned(best, parameters, stopped)
 
 
-def _evaluate_all(
-    population: Array, evaluate: Evaluate, executor: Executor | None
-) -> list[tuple[float, str]]:
-    """Cost and reason of every row, in order."""
-    if executor is None:
-        return [_outcome(partial(evaluate, row)) for row in population]
-    futures: list[Future[float]] = [executor.submit(evaluate, row) for row in population]
-    try:
-        return [_outcome(future.result) for future in futures]
-    finally:
-        for future in futures:
-            future.cancel()
-
-
-def _outcome(judge: Callable[[], float]) -> tuple[float, str]:
-    try:
-        return float(judge()), ""
-    except CandidateFailed as failure:
-        return float("inf"), str(failure)
+def _run(
+    algorithm: AnyOptimiser,
+    evaluate: Evaluate,
+    executor: Executor | None,
+    on_generation: Callable[[AnyOptimiser], object],
+) -> str:
+    while (stopped := algorithm.stopped) is None:
+        begins = algorithm.generation == 0
+        outcomes = judge_all(algorithm.ask(), evaluate, executor, begins=begins)
+        algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
+        if algorithm.best.cost == float("inf"):
+            raise NothingLearned(
+                f"all {algorithm.evaluations} candidates failed, the start values among them; "
+                f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
+            )
+        on_generation(algorithm)
+    return stopped

@@ -8,11 +8,11 @@ import numpy as np
 
 from ga.arrays import Array
 
-Mutation = Callable[[Array, Array, float, np.random.Generator], Array]
-"""(children (m, k); strings of the population (n, k); rate; rng) -> children (m, k)"""
+Mutation = Callable[[Array, Array, Array, np.random.Generator], Array]
+"""(children (m, k); strings of the population (n, k); rates (m, 1); rng) -> children (m, k)"""
 
 
-def uniform(children: Array, strings: Array, rate: float, rng: np.random.Generator) -> Array:
+def uniform(children: Array, strings: Array, rates: Array, rng: np.random.Generator) -> Array:
     """Give a mutated gene any value of its range.
 
     Source
@@ -20,17 +20,17 @@ def uniform(children: Array, strings: Array, rate: float, rng: np.random.Generat
     Paper, Step 4, part 3.
     """
     del strings  # wherever the population is
-    mutated = rng.random(children.shape) < rate
+    mutated = rng.random(children.shape) < rates
     return np.where(mutated, rng.random(children.shape), children)
 
 
-def spread(children: Array, strings: Array, rate: float, rng: np.random.Generator) -> Array:
+def spread(children: Array, strings: Array, rates: Array, rng: np.random.Generator) -> Array:
     """Move a mutated gene by about twice the population's standard deviation in that gene.
 
     The change is wide while the population is scattered and fine once it has closed in, so no
     schedule has to be guessed.
     """
-    mutated = rng.random(children.shape) < rate
+    mutated = rng.random(children.shape) < rates
     change = 2 * strings.std(axis=0) * rng.standard_normal(children.shape)
     return np.where(mutated, children + change, children)
 

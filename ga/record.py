@@ -39,7 +39,7 @@ class Summary:
     ----------
     generation : 1 for the first
     evaluations : so far
-    best_cost : of the generation, the elite included, and so of the run
+    best_cost : of the run so far
     mean_cost : over the generation's finite costs, the elite included; inf if there is none
     """
 
@@ -63,12 +63,12 @@ class Record:
             row, cost = tuple(values[index].tolist()), float(costs[index])
             self.evaluations.append(Evaluation(generation, index, row, cost, reason))
 
-    def close_generation(self, costs: Array) -> None:
-        """Note the costs of the generation, elite included, shape (n,)."""
+    def close_generation(self, costs: Array, best: float) -> None:
+        """Note the costs of the generation, elite included, shape (n,), and the run's best."""
         finite = costs[np.isfinite(costs)]
         mean = float(finite.mean()) if finite.size else float("inf")
         generation = len(self.summaries) + 1
-        summary = Summary(generation, len(self.evaluations), float(costs.min()), mean)
+        summary = Summary(generation, len(self.evaluations), best, mean)
         self.summaries.append(summary)
 
     def history(self, names: Sequence[str]) -> pd.DataFrame:

@@ -31,6 +31,13 @@ class Settings:
     near_share : share of the first generation drawn around the start; the rest is drawn uniformly
     near_spread : standard deviation of that part, on the string's scale of [0, 1]
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
+    adaptive : the mutation rate follows what succeeds, see ``ga/rates.py``
+    finish : one child in each generation is where a quadratic is lowest that is fitted to the
+        cheapest candidates, so many times as it has coefficients; None has no such child
+    patience : generations in which the best cost has not fallen by 1 % after which the search
+        begins anew, anywhere; None never does
+    restarts : how often at most. A search that then comes to rest again is at its end.
+    noisy : each run differs: the elite is evaluated in each generation again, and costs its mean
 
     Raises
     ------
@@ -52,6 +59,11 @@ class Settings:
     near_share: float = 0.8
     near_spread: float = 0.05
     threshold: float | None = None
+    adaptive: bool = True
+    finish: float | None = 2.0
+    patience: int | None = 50
+    restarts: int = 3
+    noisy: bool = False
 
     def __post_init__(self) -> None:
         self._check("population", self.population >= 4, "at least 4")
@@ -66,6 +78,11 @@ class Settings:
             )
         if self.threshold is not None:
             self._check("threshold", self.threshold >= 0, "0 or above, or None")
+        if self.finish is not None:
+            self._check("finish", self.finish > 1, "above 1, or None")
+        if self.patience is not None:
+            self._check("patience", self.patience >= 1, "at least 1, or None")
+        self._check("restarts", self.restarts >= 0, "0 or above")
         hints = get_type_hints(Settings)
         for field in ("crossover", "mutation", "survival", "encoding"):
             names = get_args(hints[field])
@@ -96,6 +113,10 @@ PAPER = Settings(
     encoding="linear",
     resolution=1e-4,
     near_share=0.0,
+    adaptive=False,
+    finish=None,
+    patience=None,
+    restarts=0,
 )
 """Table 3 and Steps 1 to 4 of the paper. Where it is silent, this is how we read it:
 

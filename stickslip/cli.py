@@ -54,8 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("stickslip: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as interruption:
+        print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
         return 130
     return status or 0
 

@@ -1,4 +1,4 @@
-"""The learning of Fig. 3: the genetic algorithm tries compensators on the drive.
+"""The learning of Fig. 3: an algorithm tries compensators on the drive.
 
 Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows it, v_r from the
 nominal loop, both through the same low-pass.
@@ -7,14 +7,13 @@ nominal loop, both through the same low-pass.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 
 import cosim
 import ga
+from stickslip.execution import Execution
 from stickslip.identification import Identification
 from stickslip.loop import Feed
 from stickslip.measurement import Array, smoothed
@@ -49,16 +48,17 @@ class Study:
     Attributes
     ----------
     v_cmd : (n,) training command [m/s], one value a sample
-    settings : of the genetic algorithm, one of ``ga.PRESETS`` or your own
+    algorithm : one of ``ga.ALGORITHMS``
+    settings : of the genetic algorithm, instead of those that ``algorithm`` names
     """
 
     rig: Rig
     identification: Identification
     v_cmd: Array
     feed: Feed = "nominal"
-    settings: ga.Settings = ga.DEFAULT
+    algorithm: str = "default"
+    settings: ga.Settings | None = None
     seed: int = 0
-    workers: int = 1
 
     def run(self, values: Mapping[str, float]) -> cosim.Result:
         """Run one compensator on the drive and return what was recorded."""
@@ -74,22 +74,43 @@ class Study:
 
 
 def learn(
-    study: Study, on_generation: Callable[[ga.GeneticAlgorithm], object] | None = None
-) -> ga.GeneticAlgorithm:
-    """Run the genetic algorithm to its end and return it, with its history.
+    study: Study,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
+    execution: Execution | None = None,
+) -> ga.Optimiser:
+    """Run the algorithm to its end and return it, with its history.
 
     Raises
     ------
     ga.NothingLearned
         When no candidate could be run.
+    ga.StateError
+        When the checkpoint is of another run, or is there and not to be resumed.
+    ga.Interrupted
+        At Ctrl-C.
     """
-    algorithm = ga.GeneticAlgorithm(
-        genes(study.identification), study.settings, study.seed, repair=repair(study.settings)
-    )
-    pool = ThreadPoolExecutor(study.workers) if study.workers > 1 else nullcontext()
-    with study.cost() as cost, pool as executor:
-        ga.learn(algorithm, cost, executor, on_generation)
+    execution = execution or Execution()
+    algorithm = optimiser(study)
+    with study.cost() as cost, execution.opened() as executor:
+        ga.learn(
+            algorithm,
+            cost,
+            executor,
+            on_generation,
+            checkpoint=execution.checkpoint,
+            resume=execution.resume,
+            about=f"feed {study.feed}, {len(study.v_cmd)} samples",
+        )
     return algorithm
+
+
+def optimiser(study: Study) -> ga.Optimiser:
+    """Return what searches the five genes."""
+    settings = study.settings or ga.PRESETS.get(study.algorithm)
+    problem = ga.Problem(genes(study.identification), repair(settings))
+    if study.settings is not None:
+        return ga.GeneticAlgorithm(problem.genes, study.settings, study.seed, problem.repair)
+    return ga.optimiser(study.algorithm, problem, seed=study.seed)
 
 
 def genes(identification: Identification) -> list[ga.Gene]:
@@ -102,9 +123,9 @@ def genes(identification: Identification) -> list[ga.Gene]:
     ]
 
 
-def repair(settings: ga.Settings) -> ga.AtLeast | None:
+def repair(settings: ga.Settings | None) -> ga.AtLeast | None:
     """Return F_s >= F_c; the paper, whose genes are linear, does not ask for it."""
-    return None if settings.encoding == "linear" else CONSTRAINT
+    return None if settings is not None and settings.encoding == "linear" else CONSTRAINT
 
 
 def parameters(values: Array) -> dict[str, float]:

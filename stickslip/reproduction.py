@@ -16,6 +16,7 @@ import pandas as pd
 import cosim
 import ga
 import models
+from stickslip.execution import Execution
 from stickslip.identification import Identification, identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
@@ -33,13 +34,12 @@ class Options:
     Attributes
     ----------
     truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
-    preset : of the genetic algorithm, a name in ``ga.PRESETS``
+    preset : how to learn, a name in ``ga.ALGORITHMS``
     feed : what drives the compensator
     """
 
     truth: Mapping[str, float] = field(default_factory=dict)
     seed: int = 0
-    workers: int = 1
     preset: str = "default"
     feed: Feed = "nominal"
 
@@ -55,8 +55,8 @@ class Progress(Protocol):
     def stage(self, name: str) -> None:
         """Begin a stage."""
 
-    def generation(self, algorithm: ga.GeneticAlgorithm) -> None:
-        """One more generation of the genetic algorithm is done."""
+    def generation(self, algorithm: ga.Optimiser) -> None:
+        """One more generation of candidates is done."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Reproduction:
     options: Options
     truth: Mapping[str, float]
     identification: Identification
-    algorithm: ga.GeneticAlgorithm
+    algorithm: ga.Optimiser
     learned: Refinement
     validation: Validation
     system: cosim.System
@@ -94,7 +94,9 @@ def drive_truth(changes: Mapping[str, float]) -> dict[str, float]:
     return {v.name: v.start for v in model.variables if v.role == "parameter"}
 
 
-def reproduce(options: Options, fmus: Path, progress: Progress) -> Reproduction:
+def reproduce(
+    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
+) -> Reproduction:
     """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
 
     Raises
@@ -113,12 +115,11 @@ def reproduce(options: Options, fmus: Path, progress: Progress) -> Reproduction:
         identification,
         TRAINING.sample(rig.samples(TRAINING.duration)),
         feed=options.feed,
-        settings=ga.PRESETS[options.preset],
+        algorithm=options.preset,
         seed=options.seed,
-        workers=options.workers,
     )
     progress.stage("learning")
-    algorithm = learn(study, progress.generation)
+    algorithm = learn(study, progress.generation, execution)
     progress.stage("refining")
     learned = refine(study, parameters(algorithm.best.values), fit=options.refined)
     progress.stage("validating")

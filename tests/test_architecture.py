@@ -19,7 +19,7 @@ ALLOWED = {
     "models": {"toolchain"},
     "cosim": {"toolchain"},
     "fmucheck": set(),
-    "ga": {"cosim"},
+    "ga": {"cosim", "toolchain"},
     "stickslip": {"fmucheck", "ga", "cosim", "models", "toolchain"},
 }
 FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}

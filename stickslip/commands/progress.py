@@ -23,16 +23,16 @@ class TerminalProgress:
         if self._stream.isatty():
             print(f"{name} ...", file=self._stream, flush=True)
 
-    def generation(self, algorithm: ga.GeneticAlgorithm) -> None:
+    def generation(self, algorithm: ga.Optimiser) -> None:
         """Move the bar on."""
         if self._bar is None:
             self._bar = tqdm(
-                total=algorithm.settings.generations,
+                total=algorithm.limits.generations,
                 unit="generation",
                 disable=not self._stream.isatty(),
                 file=self._stream,
             )
-        self._bar.update()
+        self._bar.update(algorithm.generation - self._bar.n)
         self._bar.set_postfix_str(f"best cost {algorithm.best.cost:.3g} m2/s2", refresh=False)
 
     def __enter__(self) -> Self:

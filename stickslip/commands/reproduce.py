@@ -8,8 +8,13 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import ga
 from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+    forget,
+)
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
@@ -30,14 +35,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
         default="drive",
         help="drive: each candidate runs on the drive FMU, as in the paper",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
-    parser.add_argument("--workers", type=int, default=1, help="candidates run side by side")
-    parser.add_argument(
-        "--preset",
-        choices=sorted(ga.PRESETS),
-        default="default",
-        help="paper: linear genes and no refinement, as published",
-    )
+    parser.add_argument("--seed", type=int, default=0, help="of the algorithm")
+    add_algorithm_option(parser, "--preset")
+    add_execution_options(parser)
     parser.add_argument(
         "--feed",
         choices=FEEDS,
@@ -50,16 +50,13 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Reproduce, write the results and print the main figures."""
-    if options.workers < 1 or options.seed < 0:
-        raise UsageError(
-            f"--workers must be at least 1 and --seed at least 0, "
-            f"got {options.workers} and {options.seed}"
-        )
+    if options.seed < 0:
+        raise UsageError(f"--seed must be at least 0, got {options.seed}")
+    execution = execution_of(options, options.out / "learning.checkpoint.json")
     chosen = Options(
         truth=drive_changes(options.set),
         seed=options.seed,
-        workers=options.workers,
-        preset=options.preset,
+        preset=options.algorithm,
         feed=options.feed,
     )
     drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
@@ -68,8 +65,9 @@ def run(options: argparse.Namespace) -> None:
         tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
-        reproduction = reproduce(chosen, Path(fmus), progress)
+        reproduction = reproduce(chosen, Path(fmus), progress, execution)
         progress.stage("writing the report")
         write_results(reproduction, options.out)
+        forget(execution, options)
     print_table4(reproduction.validation.table())
     print(f"all results in {options.out}; begin with report.html")

@@ -64,7 +64,7 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
         "section",
         element("h2", "Identification"),
         paragraph(
-            "Three experiments find the parameters coarsely. The genetic algorithm begins at these "
+            "Three experiments find the parameters coarsely. Learning begins at these "
             "values and searches from 0.1 to 100 times each."
         ),
         element("div", join(figures, "\n"), class_="row"),

@@ -82,7 +82,21 @@ def _course(reproduction: Reproduction) -> Html:
 
 
 def _settings(reproduction: Reproduction) -> Html:
-    settings = reproduction.algorithm.settings
+    algorithm = reproduction.algorithm
+    if isinstance(algorithm, ga.GeneticAlgorithm):
+        rows = _of_genetic(algorithm.settings)
+    else:
+        rows = [
+            ("algorithm", algorithm.title, "genetic"),
+            ("population", str(algorithm.batch), PAPER_TABLE3["population"]),
+            ("generations", str(algorithm.generation), PAPER_TABLE3["generations"]),
+        ]
+    rows.append(("seed", str(reproduction.options.seed), "–"))
+    caption = f"Settings, preset “{reproduction.options.preset}”, beside Table 3"
+    return table(("", "This run", "Paper"), rows, caption)
+
+
+def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
     names = {
         "population": "population",
         "generations": "generations",
@@ -91,22 +105,25 @@ def _settings(reproduction: Reproduction) -> Html:
         "crossover_rate": "crossover rate",
         "resolution": "resolution",
     }
-    rows = [(said, _setting(settings, name), PAPER_TABLE3[name]) for name, said in names.items()]
-    rows += [
+    finish = "none" if settings.finish is None else "lowest point of a fitted quadratic"
+    restarts = "none" if settings.patience is None else f"after {settings.patience} generations"
+    return [
+        *((said, _setting(settings, name), PAPER_TABLE3[name]) for name, said in names.items()),
         ("crossover", settings.crossover, "not stated"),
         ("mutation", settings.mutation, "not stated"),
         ("survival", settings.survival, "elitist"),
         ("encoding of the genes", settings.encoding, "real numbers"),
-        ("seed", str(reproduction.options.seed), "–"),
+        ("local finish", finish, "none"),
+        ("restart without progress", restarts, "none"),
     ]
-    caption = f"Settings, preset “{reproduction.options.preset}”, beside Table 3"
-    return table(("", "This run", "Paper"), rows, caption)
 
 
 def _setting(settings: ga.Settings, name: str) -> str:
     if name == "crossover_rate" and settings.crossover == "arithmetic":
         return f"adaptive (7), k₁ = {settings.k1:g}, k₂ = {settings.k2:g}"
     value = getattr(settings, name)
+    if settings.adaptive and name == "mutation_rate":
+        return f"{value:g} at first, adaptive"
     return "continuous" if value is None else f"{value:g}"
 
 

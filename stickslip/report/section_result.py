@@ -31,7 +31,7 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
     done = paragraph(
         "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
         "Learning Algorithm”. A drive, built as an FMU, was identified by three experiments; a "
-        "velocity loop was designed on what they found; a genetic algorithm then tried "
+        f"velocity loop was designed on what they found; {algorithm.title} then tried "
         f"{number(algorithm.evaluations, 6)} friction compensators on the drive "
         f"(preset “{options.preset}”, seed {options.seed}, compensator fed with "
         f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning saw the "

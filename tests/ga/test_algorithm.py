@@ -121,8 +121,8 @@ def test_a_resumed_run_may_go_on_for_longer_but_not_differently():
         ga.GeneticAlgorithm.from_state(GENES[:2], ga.DEFAULT, state)
     with pytest.raises(ga.StateError, match="no checkpoint"):
         ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, {})
-    del state["summaries"]
-    with pytest.raises(ga.StateError, match=r"damaged.*summaries"):
+    del state["evaluations"]
+    with pytest.raises(ga.StateError, match=r"damaged.*evaluations"):
         ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, state)
 
 

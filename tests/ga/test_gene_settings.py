@@ -33,6 +33,9 @@ def test_the_default_preset_is_the_default():
         ("encoding", "binary"),
         ("survival", "all"),
         ("mutation", "none"),
+        ("finish", 0.5),
+        ("patience", 0),
+        ("restarts", -1),
     ],
 )
 def test_a_setting_out_of_range_is_named(field, value):

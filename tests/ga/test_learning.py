@@ -42,8 +42,39 @@ def test_when_all_fail_the_first_reason_is_given():
         learned(SHORT, always_fails)
 
 
+def crashes(error):
+    """Return a cost that raises an error wherever gene a is large, but not at the start."""
+
+    def cost(values):
+        if values[0] > 2:
+            raise error
+        return quadratic(values)
+
+    return cost
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_crash_that_a_candidate_causes_costs_infinity_and_says_why(workers):
+    with ga.executor("threads", workers) as executor:
+        algorithm, _ = learned(SHORT, crashes(ZeroDivisionError("no force")), executor=executor)
+    history = algorithm.history
+    assert (history["cost"] == np.inf).tolist() == (history["a"] > 2).tolist()
+    failed = history[history["cost"] == np.inf]
+    assert (failed["reason"] == "ZeroDivisionError: no force").all()
+    assert len(failed) > 0
+
+
+def test_a_fault_of_the_machine_ends_the_run():
+    with pytest.raises(FileNotFoundError):
+        learned(SHORT, crashes(FileNotFoundError("drive.fmu")))
+    cost = crashes(LookupError("no such variable"))
+    cost.fatal = (LookupError,)
+    with pytest.raises(LookupError):
+        learned(SHORT, cost)
+
+
 @pytest.mark.parametrize("workers", [0, 2])
-def test_other_errors_end_the_run(workers):
+def test_an_error_of_the_very_first_candidate_ends_the_run(workers):
     if not workers:
         with pytest.raises(ZeroDivisionError):
             learned(SHORT, breaks)

@@ -3,7 +3,6 @@
 import base64
 import re
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -63,9 +62,8 @@ def identification():
 
 
 def algorithm(preset):
-    settings = replace(ga.PRESETS[preset], generations=3)
     genes = [ga.Gene(name, 0.1 * PAPER[name], 100 * PAPER[name], PAPER[name]) for name in LUGRE]
-    learning = ga.GeneticAlgorithm(genes, settings, seed=0)
+    learning = ga.optimiser(preset, ga.Problem(genes), ga.Limits(generations=3))
     for _ in range(3):
         costs = np.linspace(1e-3, 5e-3, len(learning.ask())) / (1 + learning.generation)
         learning.tell(np.append(costs[:-1], np.inf))  # the last candidate fails
@@ -237,7 +235,7 @@ def test_verdict_does_not_praise_what_is_not_better(outline):
     assert "in 2 of 4 measures" in outline.text
 
 
-@pytest.mark.parametrize("preset", ga.PRESETS)
+@pytest.mark.parametrize("preset", ga.ALGORITHMS)
 @pytest.mark.parametrize("accepted", [True, False])
 def test_page_of_every_outcome_is_well_formed(preset, accepted):
     blank = dict.fromkeys(FIGURES, Picture(b"", b"", 89.0))

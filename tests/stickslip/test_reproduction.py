@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import ga
+from stickslip.execution import Execution
 from stickslip.identification import Estimate
 from stickslip.learning import Study, learn
 from stickslip.loop import build_fmus, paper_loop
@@ -81,10 +82,8 @@ def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, ma
     v_cmd = TRAINING.sample(rig.samples(2.0))
 
     def run(workers):
-        study = Study(
-            rig, reproduction.identification, v_cmd, settings=settings, seed=3, workers=workers
-        )
-        return learn(study).convergence()
+        study = Study(rig, reproduction.identification, v_cmd, settings=settings, seed=3)
+        return learn(study, execution=Execution(workers)).convergence()
 
     serial, parallel = run(workers=1), run(workers=2)
     assert serial.to_csv() == parallel.to_csv()

@@ -1,0 +1,1 @@
+"""How fast learning learns, and what a candidate costs: ``python -m benchmarks.learning``."""

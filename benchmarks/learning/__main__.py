@@ -1,0 +1,52 @@
+"""Learning, measured: ``python -m benchmarks.learning --out DIR``; takes about an hour in full."""
+
+import argparse
+import tempfile
+from functools import partial
+from pathlib import Path
+
+from benchmarks.learning import race, scaling, speed, survival
+from benchmarks.learning.problem import KINDS
+
+PARTS = ("speed", "scaling", "survival", "race")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.learning", description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("learning-benchmark"), metavar="DIR")
+    parser.add_argument("--part", choices=PARTS, action="append", help="one or more; all if left")
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--evaluations", type=int, default=1000)
+    parser.add_argument("--problem", choices=KINDS, action="append", help="to race on; all if left")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    for part in options.part or PARTS:
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            measure, about = {
+                "race": (
+                    partial(
+                        race.run,
+                        folder,
+                        options.out,
+                        options.problem or list(KINDS),
+                        options.seeds,
+                        options.evaluations,
+                    ),
+                    race.__doc__,
+                ),
+                "speed": (partial(speed.measure, folder, options.evaluations), speed.__doc__),
+                "scaling": (partial(scaling.run, folder, options.out), scaling.__doc__),
+                "survival": (partial(survival.run, folder, options.out), survival.__doc__),
+            }[part]
+            print(f"\n{about.strip()}")
+            found = measure()
+            if isinstance(found, dict):
+                found = "\n".join(f"  {name:76} {value:8.4g}" for name, value in found.items())
+            print(found, flush=True)
+            text = f"{about.strip()}\n{found}\n"
+            (options.out / f"{part}.txt").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

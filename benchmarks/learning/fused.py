@@ -1,0 +1,64 @@
+"""The paper's loop as plain C without FMI, checked bit for bit against the FMUs."""
+
+from __future__ import annotations
+
+import ctypes
+from pathlib import Path
+
+import numpy as np
+
+import cosim
+import models
+import toolchain
+from models.export.headers import variables_header
+
+MODELS = {
+    "nominal": "nominal_loop",
+    "compensator": "compensator",
+    "controller": "velocity_controller",
+    "drive": "drive",
+}
+ROOT = Path(models.__file__).parent
+
+
+class FusedLoop:
+    """Runs a system of `stickslip.loop.paper_loop` for a command (n + 1,) [m/s]."""
+
+    def __init__(self, system: cosim.System, step: float, command: np.ndarray) -> None:
+        self._run = ctypes.CDLL(str(_library())).run
+        self._step = step
+        self._command = np.ascontiguousarray(command)
+        self._places: dict[str, tuple[str, int]] = {}
+        self._parameters: dict[str, np.ndarray] = {}
+        for component, model in MODELS.items():
+            fields = [v for v in models.load_model(model).variables if v.role == "parameter"]
+            self._parameters[component] = np.array([float(v.start) for v in fields])
+            self._places |= {f"{component}.{v.name}": (component, i) for i, v in enumerate(fields)}
+        self.set(system.parameters)
+        self.x_enc, self.v_r = np.empty_like(command), np.empty_like(command)
+
+    def set(self, parameters) -> None:
+        for name, value in parameters.items():
+            component, place = self._places[name]
+            self._parameters[component][place] = float(value)
+
+    def run(self) -> None:
+        arrays = (self._command, *self._parameters.values(), self.x_enc, self.v_r)
+        pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
+        n = ctypes.c_size_t(len(self._command) - 1)
+        if self._run(n, ctypes.c_double(self._step), *pointers):
+            raise RuntimeError("the fused loop diverged")
+
+
+def _library() -> Path:
+    files = {"fused.c": Path(__file__).with_name("fused.c").read_text()}
+    for room in ("friction", "numerics"):
+        for path in (ROOT / room).glob("*.[ch]"):
+            included = path.suffix == ".c"
+            files[f"{room}/{path.name}{'.inc' if included else ''}"] = path.read_text()
+    for model in MODELS.values():
+        files[f"{model}/model.c.inc"] = (ROOT / model / "model.c").read_text()
+        files[f"{model}/model.h"] = (ROOT / "adapter" / "model.h").read_text()
+        files[f"{model}/variables.h"] = variables_header(models.load_model(model))
+    files["fused.c"] = files["fused.c"].replace('.c"', '.c.inc"')
+    return toolchain.shared_library("fused", files, flags=["-Wno-unused-parameter", "-Wno-unused"])

@@ -1,0 +1,51 @@
+"""The problem that all race on: five LuGre genes, judged by the paper's closed loop of FMUs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import cosim
+import ga
+from benchmarks.loop import design
+from cosim import SineSweep
+from stickslip.learning import CONSTRAINT, VelocityCost
+from stickslip.loop import build_fmus, paper_loop
+from stickslip.parameters import LUGRE, PAPER, UNITS
+from stickslip.setup import LOOP
+
+COARSENESS = dict(zip(LUGRE, (0.3, 0.1, 0.8, 0.3, 0.5), strict=True))
+"""Standard deviation of what was identified, as a logarithm."""
+
+KINDS = {
+    "measured": {},  # encoder steps make the cost rough
+    "smooth": {"encoder": False, "dac": False},
+}
+
+
+def cost(folder: Path, kind: str = "measured", duration: float = 2.5) -> ga.SimulatedCost:
+    """Return what judges a candidate on the drive over a sweep of a duration [s]."""
+    build_fmus(folder, KINDS[kind])
+    specification = cosim.Specification(
+        paper_loop(folder, design(), {}),
+        step=LOOP.T_s,
+        stop=duration,
+        record=("drive.x_enc", "nominal.v_r"),
+    )
+    sweep = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=duration)
+    command = sweep.sample(np.arange(round(duration / LOOP.T_s) + 1) * LOOP.T_s)
+    names = [f"compensator.{name}" for name in LUGRE]
+    return ga.SimulatedCost(specification, names, VelocityCost(LOOP.T_s), {"v_cmd": command})
+
+
+def problem(seed: int, *, constrained: bool = True) -> ga.Problem:
+    """Return genes around a coarse identification that differs from seed to seed."""
+    rng = np.random.default_rng(1000 + seed)
+    start = {
+        name: PAPER[name] * float(np.exp(spread * rng.standard_normal()))
+        for name, spread in COARSENESS.items()
+    }
+    start["F_s"] = max(start["F_s"], start["F_c"])
+    genes = [ga.Gene(n, 0.1 * value, 100 * value, value, UNITS[n]) for n, value in start.items()]
+    return ga.Problem(genes, CONSTRAINT if constrained else None)

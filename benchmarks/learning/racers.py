@@ -1,0 +1,123 @@
+"""Who races: ours, and the same problem given to scipy, cma and pymoo as their manuals say.
+
+All search the logarithms of the genes from the same start, keep F_s >= F_c by the same repair and
+have the same budget, except for the paper's preset, which is as published.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+
+import numpy as np
+from scipy.optimize import differential_evolution
+
+import ga
+from benchmarks.learning.problem import problem
+
+Judge = Callable[[np.ndarray], float]
+Racer = Callable[[Judge, int, int], None]
+"""(cost of values (k,), seed, budget): evaluates until `Spent` is raised or it is done"""
+
+FAILED = 1e9  # the others do not all take infinity
+SIGMAS = (0.1, 0.2)
+
+
+class Spent(Exception):
+    """The budget is used up."""
+
+
+def ours(algorithm: str) -> Racer:
+    def race(judge: Judge, seed: int, budget: int) -> None:
+        given = problem(seed, constrained=algorithm != "paper")
+        optimiser = ga.optimiser(algorithm, given, ga.Limits(evaluations=budget), seed)
+        ga.learn(optimiser, judge)
+
+    return race
+
+
+def _strings(judge: Judge, seed: int) -> tuple[Judge, np.ndarray]:
+    """Return the cost of strings (k,) in [0, 1], and the start as one."""
+    given = problem(seed)
+    lower, upper = np.log([(gene.lower, gene.upper) for gene in given.genes]).T
+
+    def cost(string: np.ndarray) -> float:
+        values = np.exp(lower + np.clip(string, 0, 1) * (upper - lower))
+        try:
+            return judge(given.repaired(values[np.newaxis])[0])
+        except ga.CandidateFailed:
+            return FAILED
+
+    return cost, (np.log(given.start) - lower) / (upper - lower)
+
+
+def scipy_de(popsize: int) -> Racer:
+    def race(judge: Judge, seed: int, budget: int) -> None:
+        cost, start = _strings(judge, seed)
+        differential_evolution(
+            cost,
+            [(0, 1)] * len(start),
+            x0=start,
+            popsize=popsize,
+            maxiter=budget,
+            tol=0,
+            polish=False,
+            rng=seed,
+        )
+
+    return race
+
+
+def cma(sigma: float) -> Racer:
+    def race(judge: Judge, seed: int, budget: int) -> None:
+        from cma import fmin2
+
+        cost, start = _strings(judge, seed)
+        for attempt in range(budget):
+            options = {"bounds": [0, 1], "seed": 1 + seed + 1000 * attempt, "verbose": -9}
+            fmin2(cost, start, sigma, {**options, "verb_log": 0})
+
+    return race
+
+
+def pymoo_ga(population: int) -> Racer:
+    def race(judge: Judge, seed: int, budget: int) -> None:
+        from pymoo.algorithms.soo.nonconvex.ga import GA
+        from pymoo.core.problem import ElementwiseProblem
+        from pymoo.optimize import minimize
+
+        cost, start = _strings(judge, seed)
+
+        class Genes(ElementwiseProblem):
+            def __init__(self) -> None:
+                super().__init__(n_var=len(start), n_obj=1, xl=0.0, xu=1.0)
+
+            def _evaluate(self, x, out) -> None:
+                out["F"] = cost(x)
+
+        first = np.random.default_rng(seed).random((population, len(start)))
+        first[0] = start
+        algorithm = GA(pop_size=population, sampling=first)
+        minimize(Genes(), algorithm, ("n_eval", budget), seed=seed)
+
+    return race
+
+
+def racers() -> dict[str, Racer]:
+    """Return who races, and print who cannot."""
+    found: dict[str, Racer] = {
+        "ours, default": ours("default"),
+        "ours, paper's preset": ours("paper"),
+        "scipy DE, 10": scipy_de(2),
+        "scipy DE, 75 (its default)": scipy_de(15),
+    }
+    peers: dict[str, dict[str, Racer]] = {
+        "cma": {f"cma, sigma {sigma}": cma(sigma) for sigma in SIGMAS},
+        "pymoo": {"pymoo GA, 20": pymoo_ga(20)},
+    }
+    for package, theirs in peers.items():
+        if find_spec(package):
+            found |= theirs
+        else:
+            print(f"  {package} is not installed and does not race")
+    return found

@@ -1,0 +1,43 @@
+"""Learning on two workers, relative to one: threads, processes and Dask."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from pathlib import Path
+
+import ga
+from benchmarks.learning import figures
+from benchmarks.learning.problem import cost, problem
+
+GOALS = {"threads": 1.9, "processes": 1.9, "Dask": 1.7}
+PLACES = {"threads": "threads", "processes": "processes", "Dask": "local"}
+GENERATIONS, ROUNDS = 10, 3
+
+
+def run(folder: Path, out: Path) -> dict[str, float]:
+    """Measure, write workers.csv and a figure, and return the speeds; all must learn the same."""
+    speeds: dict[str, float] = {}
+    with cost(folder, duration=10.0) as judge:
+        for name, where in PLACES.items():
+            with ga.executor(where, 1) as one, ga.executor(where, 2) as two:
+                for executor in (one, two):  # prepares a simulation in each worker
+                    _learn(judge, executor, 2)
+                rounds = [
+                    [_learn(judge, executor, GENERATIONS) for executor in (one, two)]
+                    for _ in range(ROUNDS)
+                ]
+            if len({history for pair in rounds for _, history in pair}) > 1:
+                raise RuntimeError(f"{name}: one and two workers learned differently")
+            speeds[name] = statistics.median(a / b for (a, _), (b, _) in rounds)
+    lines = [f"{name},{speed:.3f},{GOALS[name]}" for name, speed in speeds.items()]
+    (out / "workers.csv").write_text("\n".join(["workers,two / one,goal", *lines, ""]))
+    figures.workers(out / "workers.png", speeds, GOALS)
+    return {f"two {name} / one": speed for name, speed in speeds.items()}
+
+
+def _learn(judge: ga.SimulatedCost, executor, generations: int) -> tuple[float, str]:
+    optimiser = ga.optimiser("default", problem(0), ga.Limits(generations=generations))
+    begin = time.perf_counter()
+    ga.learn(optimiser, judge, executor)
+    return time.perf_counter() - begin, optimiser.history.to_csv()

@@ -1,0 +1,77 @@
+"""The options of every command that learns: which algorithm, where it runs, what survives."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import ga
+from stickslip.errors import UsageError
+from stickslip.execution import Execution
+
+
+def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None:
+    """Declare ``--algorithm``, under other names too."""
+    parser.add_argument(
+        "--algorithm",
+        *aliases,
+        dest="algorithm",
+        choices=ga.ALGORITHMS,
+        default="default",
+        help="default: our genetic algorithm; paper: the paper's, with linear genes and no "
+        "refinement, as published; cma: CMA-ES; de: scipy's differential evolution",
+    )
+
+
+def add_execution_options(parser: argparse.ArgumentParser) -> None:
+    """Declare where candidates run, and the checkpoint."""
+    parser.add_argument(
+        "--workers", type=int, default=1, metavar="N", help="candidates run side by side"
+    )
+    place = parser.add_mutually_exclusive_group()
+    place.add_argument(
+        "--pool",
+        choices=["threads", "processes"],
+        default="threads",
+        help="what the workers are on this machine",
+    )
+    place.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here",
+    )
+    parser.add_argument(
+        "--checkpoint",
+        type=Path,
+        metavar="FILE",
+        help="written after every generation; kept at the end if it is named here",
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on from the checkpoint of a run that was killed or interrupted, if there is one",
+    )
+
+
+def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
+    """Return what was chosen; ``checkpoint`` is the file unless another one is named.
+
+    Raises
+    ------
+    UsageError
+        When the number of workers is none, or a checkpoint is there and is not to be resumed.
+    """
+    if options.workers < 1:
+        raise UsageError(f"--workers must be at least 1, got {options.workers}")
+    path = options.checkpoint or checkpoint
+    if path.exists() and not options.resume:
+        raise UsageError(
+            f"{path}: an earlier run did not end; go on with --resume, or delete it to start afresh"
+        )
+    return Execution(options.workers, options.cluster or options.pool, path, options.resume)
+
+
+def forget(execution: Execution, options: argparse.Namespace) -> None:
+    """Delete the checkpoint of a run whose results are written, unless the user named it."""
+    if execution.checkpoint is not None and options.checkpoint is None:
+        execution.checkpoint.unlink(missing_ok=True)

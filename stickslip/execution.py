@@ -1,0 +1,36 @@
+"""How candidates are run: where, how many side by side, and what survives a crash.
+
+None of it changes a result.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+import ga
+
+
+@dataclass(frozen=True)
+class Execution:
+    """Where and how safely learning runs.
+
+    Attributes
+    ----------
+    workers : candidates side by side
+    where : ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
+        ``ga.executor``
+    checkpoint : file of what was learned so far, written after every generation; None for none
+    resume : go on from the checkpoint, if it exists
+    """
+
+    workers: int = 1
+    where: str = "threads"
+    checkpoint: Path | None = None
+    resume: bool = False
+
+    def opened(self) -> AbstractContextManager[Executor | None]:
+        """Return the workers as a context, to be entered when there is work."""
+        return ga.executor(self.where, self.workers)

@@ -1,0 +1,189 @@
+"""Runs that survive: whole checkpoints, and resumed runs that are the uninterrupted ones."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from problems import GENES, quadratic, sometimes_fails
+
+import ga
+
+PROBLEM = ga.Problem(GENES, ga.AtLeast("b", "a"))
+LIMITS = ga.Limits(evaluations=200)
+
+
+def new(algorithm="default", limits=LIMITS, seed=4):
+    return ga.optimiser(algorithm, PROBLEM, limits, seed)
+
+
+class Stopped(Exception):
+    pass
+
+
+def stop_at(generation):
+    def stop(optimiser):
+        if optimiser.generation == generation:
+            raise Stopped
+
+    return stop
+
+
+@pytest.mark.parametrize("algorithm", ga.ALGORITHMS)
+def test_a_resumed_run_is_the_uninterrupted_one(algorithm, tmp_path):
+    whole, path = new(algorithm), tmp_path / "run.json"
+    found = ga.learn(whole, sometimes_fails, checkpoint=tmp_path / "whole.json")
+    for generation in (1, 2, 9):
+        with pytest.raises(Stopped):
+            ga.learn(
+                new(algorithm), sometimes_fails, None, stop_at(generation),
+                checkpoint=path, resume=True,
+            )  # fmt: skip
+    resumed = new(algorithm)
+    again = ga.learn(resumed, sometimes_fails, checkpoint=path, resume=True)
+    assert resumed.history.to_csv() == whole.history.to_csv()
+    assert resumed.convergence().to_csv() == whole.convergence().to_csv()
+    assert path.read_bytes() == (tmp_path / "whole.json").read_bytes()
+    assert (again.parameters, again.stopped) == (found.parameters, found.stopped)
+
+
+def test_a_restarted_and_a_noisy_search_resume_as_well(tmp_path):
+    settings = ga.Settings(patience=3, noisy=True)
+
+    def fresh():
+        return ga.GeneticAlgorithm(GENES, settings, 1, limits=ga.Limits(generations=40))
+
+    whole, resumed, path = fresh(), fresh(), tmp_path / "run.json"
+    ga.learn(whole, quadratic)
+    assert 10 in whole.history.groupby("generation").size().to_numpy()[1:]
+    with pytest.raises(Stopped):
+        ga.learn(fresh(), quadratic, None, stop_at(30), checkpoint=path)
+    ga.learn(resumed, quadratic, checkpoint=path, resume=True)
+    assert resumed.history.to_csv() == whole.history.to_csv()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no SIGKILL")
+def test_killed_at_any_moment_it_goes_on(tmp_path):
+    rng = np.random.default_rng(0)
+    script = Path(__file__).with_name("survivor.py")
+
+    def start(name):
+        arguments = [str(tmp_path / f"{name}.json"), str(tmp_path / f"{name}.csv")]
+        return subprocess.Popen([sys.executable, str(script), *arguments])
+
+    assert start("whole").wait() == 0
+    checkpoint, kills = tmp_path / "killed.json", 0
+    while kills < 3:
+        before = checkpoint.stat().st_size if checkpoint.exists() else 0
+        with start("killed") as process:
+            while process.poll() is None and (
+                not checkpoint.exists() or checkpoint.stat().st_size == before
+            ):
+                time.sleep(1e-3)
+            time.sleep(rng.uniform(0, 0.1))
+            process.kill()
+        kills += 1
+        json.loads(checkpoint.read_text())
+    assert start("killed").wait() == 0
+    for suffix in ("json", "csv"):
+        whole, killed = (tmp_path / f"{name}.{suffix}" for name in ("whole", "killed"))
+        assert killed.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_ctrl_c_says_what_is_kept_and_how_to_go_on(keep, tmp_path):
+    path = tmp_path / "run.json" if keep else None
+
+    def interrupt(optimiser):
+        if optimiser.generation == 3:
+            raise KeyboardInterrupt
+
+    expected = r"3 generations \(26 evaluations\).*" + ("run.json.*--resume" if keep else "nothing")
+    with pytest.raises(ga.Interrupted, match=expected):
+        ga.learn(new(), quadratic, None, interrupt, checkpoint=path)
+    if path is not None:
+        resumed = new()
+        resumed.replay(json.loads(path.read_text()))
+        assert resumed.generation == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has another Ctrl-C")
+def test_ctrl_c_ends_processes_quietly(capfd):
+    """A terminal sends it to the workers as well."""
+    with ga.executor("processes", 2) as executor:
+
+        def interrupt(optimiser):
+            if optimiser.generation == 3:
+                for process in (*executor._pool._processes, os.getpid()):
+                    os.kill(process, signal.SIGINT)
+
+        with pytest.raises(ga.Interrupted):
+            ga.learn(new(), quadratic, executor, interrupt)
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_an_earlier_run_is_not_overwritten(tmp_path):
+    path = tmp_path / "run.json"
+    ga.learn(new(), quadratic, checkpoint=path)
+    text = path.read_text()
+    with pytest.raises(ga.StateError, match=r"run\.json: holds an earlier learning run"):
+        ga.learn(new(), quadratic, checkpoint=path)
+    assert path.read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("resumed", "message"),
+    [
+        (lambda: new("de"), "other optimiser"),
+        (lambda: new("paper"), "other settings"),
+        (lambda: new(seed=5), "other seed"),
+        (lambda: ga.optimiser("default", ga.Problem(GENES), LIMITS, 4), "other repair"),
+        (lambda: ga.optimiser("default", ga.Problem(GENES[:2], PROBLEM.repair)), "other genes"),
+    ],
+)
+def test_a_checkpoint_of_another_run_is_refused(resumed, message, tmp_path):
+    path = tmp_path / "run.json"
+    ga.learn(new(), quadratic, checkpoint=path)
+    with pytest.raises(ga.StateError, match=message):
+        ga.learn(resumed(), quadratic, checkpoint=path, resume=True)
+
+
+def test_a_checkpoint_about_other_costs_is_refused(tmp_path):
+    path = tmp_path / "run.json"
+    ga.learn(new(), quadratic, checkpoint=path, about="drive 1")
+    with pytest.raises(ga.StateError, match="about 'drive 1', expected 'drive 2'"):
+        ga.learn(new(), quadratic, checkpoint=path, resume=True, about="drive 2")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", '{"format": 1}'])
+def test_a_file_that_is_no_checkpoint_is_named(text, tmp_path):
+    path = tmp_path / "run.json"
+    path.write_text(text)
+    with pytest.raises(ga.StateError, match="this is no checkpoint"):
+        ga.learn(new(), quadratic, checkpoint=path, resume=True)
+
+
+def test_what_cannot_be_repeated_is_refused():
+    state = new()
+    state.tell([quadratic(row) for row in state.ask()])
+    kept = state.state()
+    kept["evaluations"][3][1][0] *= 1 + 1e-9
+    with pytest.raises(ga.StateError, match="generation 1 of the checkpoint cannot be repeated"):
+        new().replay(kept)
+    with pytest.raises(ga.CallOrderError, match="replay needs a new optimiser"):
+        state.replay(kept)
+
+
+def test_a_run_may_go_on_for_longer(tmp_path):
+    path = tmp_path / "run.json"
+    ga.learn(new(), quadratic, checkpoint=path)
+    longer = new(limits=ga.Limits(evaluations=300))
+    ga.learn(longer, quadratic, checkpoint=path, resume=True)
+    whole = new(limits=ga.Limits(evaluations=300))
+    ga.learn(whole, quadratic)
+    assert longer.history.to_csv() == whole.history.to_csv()

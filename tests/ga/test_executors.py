@@ -1,0 +1,95 @@
+"""Threads, processes and Dask: the same bytes, also when workers die."""
+
+import os
+
+import numpy as np
+import pytest
+from problems import GENES, quadratic, sometimes_fails
+from workers import KillsItsWorker
+
+import ga
+from ga.judging import DIED
+
+GENERATIONS = 4
+
+
+def history(cost, executor=None, algorithm="default"):
+    optimiser = ga.optimiser(algorithm, ga.Problem(GENES), ga.Limits(generations=GENERATIONS))
+    ga.learn(optimiser, cost, executor)
+    return optimiser.history
+
+
+@pytest.fixture(scope="module")
+def processes():
+    with ga.executor("processes", 2) as executor:
+        yield executor
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    dask = pytest.importorskip("dask")
+    with (
+        dask.config.set(
+            {
+                "distributed.scheduler.allowed-failures": 0,
+                "distributed.worker.daemon": True,
+                "distributed.logging.distributed": "critical",
+            }
+        ),
+        ga.executor("local", 2) as executor,
+    ):
+        yield executor
+
+
+@pytest.fixture(params=["processes", "cluster"])
+def apart(request):
+    """Workers that are processes of their own."""
+    return request.getfixturevalue(request.param)
+
+
+@pytest.mark.parametrize("algorithm", ["default", "cma"])
+def test_serial_threads_processes_and_dask_agree_bit_for_bit(apart, algorithm):
+    serial = history(sometimes_fails, algorithm=algorithm).to_csv()
+    with ga.executor("threads", 2) as threads:
+        assert history(sometimes_fails, threads, algorithm).to_csv() == serial
+    assert history(sometimes_fails, apart, algorithm).to_csv() == serial
+
+
+def test_a_worker_that_dies_takes_no_result_with_it(apart, tmp_path):
+    once = tmp_path / "once"
+    once.touch()
+    died = history(KillsItsWorker(os.getpid(), once=once), apart)
+    assert not once.exists()
+    assert died.to_csv() == history(quadratic).to_csv()
+
+
+def test_a_candidate_that_kills_its_worker_costs_infinity(apart):
+    costs = history(quadratic)["a"]
+    limit = float(np.sort(costs)[-2])  # one candidate is above, in one of the generations
+    killed = history(KillsItsWorker(os.getpid(), limit), apart)
+    failed = killed[killed["a"] > limit]
+    assert len(failed) >= 1
+    assert (failed["cost"] == np.inf).all()
+    assert (failed["reason"] == DIED).all()
+    assert np.isfinite(killed[killed["a"] <= limit]["cost"]).all()
+
+
+def test_a_single_thread_is_the_callers_own():
+    with ga.executor("threads", 1) as executor:
+        assert executor is None
+
+
+@pytest.mark.parametrize(
+    ("where", "workers", "message"),
+    [("threads", 0, "at least 1, got 0"), ("greenlets", 2, "no workers 'greenlets'")],
+)
+def test_a_place_that_cannot_be_is_named(where, workers, message):
+    with pytest.raises(ga.SettingsError, match=message), ga.executor(where, workers):
+        pass
+
+
+def test_what_is_not_installed_is_named(monkeypatch):
+    monkeypatch.setattr("ga.executors.find_spec", lambda _: None)
+    needed = r"distributed.*stickslip\[dask\]"
+    with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
+        pass

@@ -1,0 +1,137 @@
+"""What holds for every optimiser, and what is special to one."""
+
+import numpy as np
+import pytest
+from problems import GENES, TARGET, quadratic, sometimes_fails
+
+import ga
+
+EVERY = pytest.mark.parametrize("algorithm", ga.ALGORITHMS)
+HELD = ga.AtLeast("b", "a")
+
+
+def learned(algorithm, cost=quadratic, evaluations=600, seed=0, repair=HELD, genes=GENES):
+    limits = ga.Limits(evaluations=evaluations)
+    optimiser = ga.optimiser(algorithm, ga.Problem(genes, repair), limits, seed)
+    ga.learn(optimiser, cost)
+    return optimiser
+
+
+@EVERY
+def test_candidates_keep_bounds_and_constraint(algorithm):
+    history = learned(algorithm).history
+    for gene in GENES:
+        assert history[gene.name].between(gene.lower, gene.upper).all()
+    assert (history["b"] >= history["a"]).all()
+
+
+@EVERY
+def test_the_start_is_the_first_candidate(algorithm):
+    first = ga.optimiser(algorithm, ga.Problem(GENES)).ask()[0]
+    span = np.array([gene.upper - gene.lower for gene in GENES])
+    assert (np.abs(first - [gene.start for gene in GENES]) <= 0.51e-4 * span).all()
+
+
+@EVERY
+def test_the_same_seed_gives_the_same_bytes_and_leaves_numpy_alone(algorithm):
+    before = np.random.get_state()[1].copy()  # noqa: NPY002 - this is the point
+    histories = [learned(algorithm, evaluations=200, seed=s).history.to_csv() for s in (5, 5, 6)]
+    assert histories[0] == histories[1] != histories[2]
+    np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002
+
+
+@pytest.mark.parametrize("algorithm", ["default", "cma", "de"])
+def test_it_finds_the_bottom_where_part_of_the_range_fails(algorithm):
+    found = learned(algorithm, sometimes_fails, 1000).best
+    np.testing.assert_allclose(found.values, np.minimum(TARGET, [2, np.inf, np.inf]), rtol=1e-2)
+
+
+@pytest.mark.parametrize("algorithm", ["default", "cma", "de"])
+def test_a_gene_may_be_negative(algorithm):
+    genes = [ga.Gene("offset", -5.0, 5.0, 1.0, "N", linear=True), *GENES[:2]]
+
+    def cost(values):
+        return float((values[0] + 2.0) ** 2 + np.sum(np.log(values[1:] / TARGET[:2]) ** 2))
+
+    found = learned(algorithm, cost, 1000, repair=None, genes=genes).best
+    np.testing.assert_allclose(found.values, [-2.0, *TARGET[:2]], rtol=1e-2)
+
+
+def test_restarts_leave_a_trap():
+    """A wide basin at the start that costs 1, and a narrow one far away that costs nothing."""
+
+    def cost(values):
+        away = np.log10(values / [0.2, 300.0, 5e-3])
+        return float(min(1 + quadratic(values), 4 * (away @ away)))
+
+    single = [
+        ga.GeneticAlgorithm(GENES, ga.Settings(patience=None, near_share=1.0), seed)
+        for seed in range(5)
+    ]
+    trapped = [ga.learn(optimiser, cost).best.cost for optimiser in single]
+    freed = [learned("default", cost, 3000, seed, repair=None).best.cost for seed in range(5)]
+    assert np.median(trapped) > 0.5
+    assert np.median(freed) < 1e-6
+
+
+def test_where_each_run_differs_repeating_the_elite_finds_the_better_candidate():
+    """Noise of 30 % of the cost: the luckiest run is not the best candidate."""
+
+    def true_cost_of_best(noisy, seed):
+        noise = np.random.default_rng(seed)
+
+        def cost(values):
+            return float((0.05 + quadratic(values)) * np.exp(0.3 * noise.standard_normal()))
+
+        limits = ga.Limits(evaluations=500)
+        optimiser = ga.optimiser("default", ga.Problem(GENES), limits, seed, noisy=noisy)
+        best = ga.learn(optimiser, cost).best
+        return quadratic(best.values), best.cost
+
+    once, again = [
+        np.median([true_cost_of_best(noisy, seed) for seed in range(20)], axis=0)
+        for noisy in (False, True)
+    ]
+    assert again[0] < once[0]
+    assert abs(again[1] - 0.05) < 0.5 * abs(once[1] - 0.05)  # and its cost is not flattered
+
+
+def test_the_elite_of_a_noisy_search_is_run_again():
+    optimiser = ga.GeneticAlgorithm(GENES, ga.Settings(noisy=True))
+    first = optimiser.ask()
+    costs = np.arange(10.0)
+    optimiser.tell(costs)
+    second = optimiser.ask()
+    np.testing.assert_array_equal(second[-2:], first[:2])
+    optimiser.tell([*np.full(8, 99.0), 3.0, 3.0])
+    assert optimiser.best.cost == 1.5  # (0 + 3) / 2
+    np.testing.assert_array_equal(optimiser.best.values, first[0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"name": "magic"}, "no algorithm 'magic'; expected one of default, paper, cma, de"),
+        ({"name": "de", "noisy": True}, "'de' takes runs to be repeatable"),
+    ],
+)
+def test_what_cannot_be_is_named(arguments, message):
+    with pytest.raises(ga.SettingsError, match=message):
+        ga.optimiser(problem=ga.Problem(GENES), **arguments)
+
+
+def test_cma_needs_its_package_and_two_genes(monkeypatch):
+    with pytest.raises(ga.SettingsError, match="two genes or more"):
+        ga.optimiser("cma", ga.Problem(GENES[:1]))
+    monkeypatch.setattr("ga.covariance.find_spec", lambda _: None)
+    with pytest.raises(ga.SettingsError, match=r"needs the package cma.*stickslip\[optimisers\]"):
+        ga.optimiser("cma", ga.Problem(GENES))
+
+
+@pytest.mark.parametrize("genes", [1, 2, 7])
+def test_de_takes_any_number_of_genes(genes):
+    several = [ga.Gene(f"g{i}", 1e-2, 1e2, 1.0) for i in range(genes)]
+    found = learned(
+        "de", lambda x: float(np.sum(np.log(x / 3) ** 2)), 900, repair=None, genes=several
+    )
+    np.testing.assert_allclose(found.best.values, 3.0, rtol=0.1)

@@ -1,0 +1,98 @@
+"""Where learning runs and what survives: the options, and the loop of FMUs behind them."""
+
+import argparse
+import json
+
+import pytest
+
+import ga
+from stickslip.cli import main
+from stickslip.commands.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+    forget,
+)
+from stickslip.errors import UsageError
+from stickslip.execution import Execution
+from stickslip.learning import Study, learn
+from stickslip.setup import TRAINING
+
+
+def chosen(*arguments):
+    parser = argparse.ArgumentParser()
+    add_algorithm_option(parser, "--preset")
+    add_execution_options(parser)
+    return parser.parse_args(arguments)
+
+
+def test_options_become_an_execution(tmp_path):
+    path = tmp_path / "learning.checkpoint.json"
+    assert execution_of(chosen(), path) == Execution(1, "threads", path)
+    there = execution_of(chosen("--workers", "3", "--pool", "processes", "--resume"), path)
+    assert there == Execution(3, "processes", path, resume=True)
+    assert execution_of(chosen("--cluster", "tcp://h:1"), path).where == "tcp://h:1"
+    assert execution_of(chosen("--checkpoint", "mine.json"), path).checkpoint.name == "mine.json"
+    assert chosen("--preset", "paper").algorithm == chosen("--algorithm", "paper").algorithm
+
+
+def test_an_unfinished_run_is_not_overwritten_unasked(tmp_path):
+    path = tmp_path / "learning.checkpoint.json"
+    path.touch()
+    with pytest.raises(UsageError, match=r"an earlier run did not end; go on with --resume"):
+        execution_of(chosen(), path)
+    assert execution_of(chosen("--resume"), path).resume
+
+
+def test_only_a_checkpoint_that_the_user_named_is_kept(tmp_path):
+    for named, kept in (((), False), (("--checkpoint", str(tmp_path / "mine.json")), True)):
+        options = chosen(*named, "--resume")
+        execution = execution_of(options, tmp_path / "ours.json")
+        execution.checkpoint.touch()
+        forget(execution, options)
+        assert execution.checkpoint.exists() == kept
+
+
+def test_ctrl_c_says_on_one_line_how_to_go_on(monkeypatch, tmp_path, capsys):
+    def interrupted(*_):
+        raise ga.Interrupted(tmp_path / "learning.checkpoint.json", 7, 58)
+
+    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", interrupted)
+    assert main(["reproduce", "--out", str(tmp_path)]) == 130
+    said = capsys.readouterr().err
+    assert said.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
+    assert "--resume" in said
+    assert len(said.splitlines()) == 1
+
+
+class Stopped(Exception):
+    pass
+
+
+def stop_at_the_second(optimiser):
+    if optimiser.generation == 2:
+        raise Stopped
+
+
+@pytest.mark.parametrize("algorithm", ["default", "de"])
+def test_learning_stopped_and_resumed_elsewhere_is_the_same(
+    algorithm, reproduction, make_rig, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("ga.named.EVALUATIONS", 40)
+    settings = ga.Settings(generations=4) if algorithm == "default" else None
+    rig = make_rig()
+    v_cmd = TRAINING.sample(rig.samples(0.5))
+
+    def study(feed="nominal"):
+        found = reproduction.identification
+        return Study(rig, found, v_cmd, feed, algorithm=algorithm, settings=settings, seed=2)
+
+    whole = learn(study())
+    path = tmp_path / "run.json"
+    with pytest.raises(Stopped):
+        learn(study(), stop_at_the_second, Execution(checkpoint=path))
+    assert len({row[0] for row in json.loads(path.read_text())["evaluations"]}) == 2
+    with pytest.raises(ga.StateError, match="feed nominal"):
+        learn(study("command"), execution=Execution(checkpoint=path, resume=True))
+    resumed = learn(study(), execution=Execution(2, "threads", path, resume=True))
+    assert resumed.history.to_csv() == whole.history.to_csv()
