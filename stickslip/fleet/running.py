@@ -101,7 +101,8 @@ def _together(
     try:
         while waiting or running:
             while waiting and len(running) < at_once:
-                running[submit(waiting[0])] = waiting.popleft()
+                drive = waiting.popleft()
+                running[submit(drive)] = drive
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 drive, outcome = running.pop(future), _received(future)
                 if outcome is None:
