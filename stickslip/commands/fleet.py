@@ -13,7 +13,7 @@ from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
 from stickslip.execution import Execution
-from stickslip.fleet import Drive, Fleet, fleet_table, read_fleet, study
+from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import write_fleet
 from stickslip.results import claim_folder
@@ -63,7 +63,9 @@ def run(options: argparse.Namespace) -> int:
             progress.stage(f"{done}: {drive.name} {outcome.reason or 'learned'}")
 
         progress.stage(f"learning {len(drives)} drives")
-        fleet = study(drives, options.out, seed=options.seed, execution=execution, on_done=tell)
+        fleet = learn_fleet(
+            drives, options.out, seed=options.seed, execution=execution, on_done=tell
+        )
     table = fleet_table(fleet)
     write_fleet(fleet, table, options.out)
     _print_drives(fleet)

@@ -5,8 +5,8 @@ one table and one figure. The truth of variants is joined to what was learned, a
 """
 
 from stickslip.fleet.drive import Drive, LogSource, Variant
-from stickslip.fleet.study import Fleet, study
+from stickslip.fleet.study import Fleet, learn_fleet
 from stickslip.fleet.summary import fleet_table
 from stickslip.fleet.table import read_fleet
 
-__all__ = ["Drive", "Fleet", "LogSource", "Variant", "fleet_table", "read_fleet", "study"]
+__all__ = ["Drive", "Fleet", "LogSource", "Variant", "fleet_table", "learn_fleet", "read_fleet"]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from stickslip.measurement import Array
 from stickslip.report.style import (
@@ -18,6 +19,7 @@ from stickslip.report.style import (
     LINE,
     PAGE,
     RESOLUTION,
+    THIN,
     WITH,
     WITHOUT,
     house_style,
@@ -25,12 +27,21 @@ from stickslip.report.style import (
 )
 
 LOOKS = {
-    "well known": (WITH, WITH),
-    "weakly known": (WITHOUT, WITHOUT),
-    "not visible": (GREY, "white"),
+    "not visible": (GREY, "white", THIN),
+    "weakly known": (WITHOUT, WITHOUT, LINE),
+    "well known": (WITH, WITH, LINE),
 }
-"""Colour of the line and of the inside of the dot."""
+"""Colour of the line and of the inside of the dot, and width of the line [pt]."""
+NUMBERS = ("value", "low", "high", "truth")
 SYMBOLS = {"sigma_0": r"\sigma_0", "sigma_1": r"\sigma_1"}
+SCALES = {
+    ("v_s", "m/s"): (1e3, "mm/s"),
+    ("v_s", "rad/s"): (1e3, "mrad/s"),
+    ("sigma_0", "N/m"): (1e-6, "N/µm"),
+    ("sigma_0", "N.m/rad"): (1e-3, "N m/mrad"),
+    ("sigma_1", "N.s/m"): (1e-3, "N s/mm"),
+}
+"""Factors to units in which numbers are short; other units stay."""
 COLUMNS = 4
 PITCH = 4.2
 """From one drive's line to the next, where there is room [mm]."""
@@ -61,16 +72,21 @@ def draw_fleet(table: pd.DataFrame) -> dict[str, bytes]:
 def _figure(table: pd.DataFrame) -> Figure:
     names = list(dict.fromkeys(table["name"]))
     learned = table[table["parameter"].notna()]
-    panels = list(learned.groupby(["parameter", "unit"], sort=False))
+    panels: list[tuple[Any, pd.DataFrame]] = list(
+        learned.groupby(["parameter", "unit"], sort=False)
+    )
     rows = -(-len(panels) // COLUMNS)
     height = min(max(PITCH * len(names), 12.0), LONGEST / rows)
     figure = new_figure(PAGE, 12.0 + rows * (height + 17.0))
     first: Axes | None = None
-    for k, ((parameter, unit), of_it) in enumerate(panels):
+    for k, (key, of_it) in enumerate(panels):
+        parameter, unit = key
         axes = figure.add_subplot(rows, COLUMNS, k + 1, sharey=first)
         first = first or axes
-        _draw(axes, of_it, np.array([names.index(name) for name in of_it["name"]]))
-        axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit.replace('.', ' ')}]")
+        scale, unit = SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
+        scaled = of_it.assign(**{name: scale * of_it[name].astype(float) for name in NUMBERS})
+        _draw(axes, scaled, np.array([names.index(name) for name in of_it["name"]]))
+        axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")
         axes.tick_params(axis="y", labelleft=k % COLUMNS == 0, length=0)
     if first is not None:
         _name_drives(first, names, set(table["name"][table["parameter"].isna()]))
@@ -84,8 +100,9 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     low, high = _range(table)
     if low > 0.0 and high > DECADES * low:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.xaxis.set_major_formatter(LogFormatter())
+        few = high > 30.0 * low
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
         low, high = low / (high / low) ** ROOM, high * (high / low) ** ROOM
     else:
@@ -94,10 +111,10 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
         axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_xlim(low, high)
     axes.grid(axis="y")
-    for visible, (colour, inside) in LOOKS.items():
+    for visible, (colour, inside, width) in LOOKS.items():
         of = (table["visible"] == visible).to_numpy()
         ends = table["low"].to_numpy(float)[of], table["high"].to_numpy(float)[of]
-        axes.hlines(line[of], *ends, color=colour, lw=LINE)
+        axes.hlines(line[of], *ends, color=colour, lw=width)
         axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
     axes.plot(truth, line, "|", color=INK, ms=8.0, mew=0.8, zorder=1)
 
@@ -123,8 +140,8 @@ def _name_drives(axes: Axes, names: list[str], failed: set[str]) -> None:
 
 def _legend(table: pd.DataFrame) -> list[Line2D]:
     handles = [
-        Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=LINE, label=visible)
-        for visible, (colour, inside) in LOOKS.items()
+        Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=width, label=visible)
+        for visible, (colour, inside, width) in reversed(LOOKS.items())
         if (table["visible"] == visible).any()
     ]
     if table["truth"].notna().any():

@@ -38,7 +38,7 @@ class Fleet:
     kept: int
 
 
-def study(
+def learn_fleet(
     drives: Sequence[Drive],
     folder: Path,
     *,

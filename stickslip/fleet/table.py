@@ -35,8 +35,8 @@ def read_fleet(path: Path) -> list[Drive]:
     names = [cell.strip() for cell in header]
     for name in names:
         if name not in COLUMNS:
-            expected = f"expected {', '.join(COLUMNS)}"
-            raise UsageError(f"{path}: no column '{name}'{suggestion(name, COLUMNS)}; {expected}")
+            expected = f"expected {', '.join(COLUMNS)}, got '{name}'{suggestion(name, COLUMNS)}"
+            raise UsageError(f"{path}: row 1: {expected}")
         if names.count(name) > 1:
             raise UsageError(f"{path}: column '{name}' is there twice")
     if "name" not in names or not {"log", "set"} & set(names):
