@@ -12,8 +12,7 @@ import numpy as np
 import models
 from cosim.control import Axis, ControlError, VelocityLoop, close_velocity_loop
 from stickslip.errors import HarmfulError, RecordingError
-from stickslip.estimation import Estimation, Task, candidate_fmus, learn
-from stickslip.estimation.learn import JudgeName
+from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import estimation_document
 from stickslip.loop import build_fmus
@@ -68,6 +67,7 @@ def learn_from_log(
     judge: JudgeName = "auto",
     seed: int = 0,
     seeds: int = 1,
+    search: Search | None = None,
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> LogLearning:
@@ -91,6 +91,7 @@ def learn_from_log(
             judge=judge,
             seed=seed,
             seeds=seeds,
+            search=search or Search(),
         )
         estimation = learn(task, on_stage)
     return LogLearning(reading, findings, estimation, _loop(reading, estimation), seed)

@@ -16,7 +16,8 @@ import pandas as pd
 import cosim
 from cosim.control import LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.attribution import attribute
-from stickslip.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.estimation import Estimation, Search, Task, candidate_fmus, learn
+from stickslip.execution import Execution
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.loop import build_fmus, paper_loop
 from stickslip.parameters import LUGRE, PAPER, UNITS
@@ -107,7 +108,7 @@ def record_drive(rig: Rig) -> tuple[Recording, VelocityLoop]:
 
 
 def reproduce_from_recording(
-    options: Options, fmus: Path, progress: Progress
+    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
 ) -> RecordReproduction:
     """Run the whole; FMUs are built into the folder ``fmus``, which must stay.
 
@@ -124,7 +125,9 @@ def reproduce_from_recording(
     progress.stage("recording the drive")
     recording, recording_loop = record_drive(rig)
     with candidate_fmus() as candidates:
-        task = Task(candidates, recording, gains_of(recording_loop), seed=options.seed)
+        how = Search(options.preset, execution=execution or Execution())
+        gains = gains_of(recording_loop)
+        task = Task(candidates, recording, gains, search=how, seed=options.seed)
         estimation = learn(task, progress.stage, progress.generation)
     progress.stage("validating")
     compensator, known = compensator_of(estimation), estimation.known

@@ -5,17 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 import cosim
 import models
+from cosim.control import VelocityLoop
 from stickslip.default_input import pack_input
 from stickslip.errors import UsageError
 from stickslip.learned import learned_document
 from stickslip.report import write_report
-from stickslip.reproduction import Reproduction
+from stickslip.reproduction import Options, Reproduction
 from stickslip.setup import VALIDATION
 from toolchain import write_whole
 
@@ -49,29 +53,36 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     OSError
         When a file cannot be written.
     """
+    with staged(folder) as desk:
+        write_table(reproduction.table2(), desk / "table2.csv")
+        write_table(reproduction.validation.table(), desk / "table4.csv")
+        write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
+        write_json(learned_document(reproduction), desk / "learned.json")
+        models.build_fmu("compensator", desk, start=reproduction.learned.values)
+        write_loop(reproduction.system, reproduction.identification.loop, desk / "loop.ssp")
+        write_report(reproduction, desk)
+        write_json(manifest(reproduction.options, desk), desk / "manifest.json")
+
+
+@contextmanager
+def staged(folder: Path) -> Iterator[Path]:
+    """Give a folder to write in; at the end of the block its files move, when all are whole."""
     with tempfile.TemporaryDirectory(dir=folder, prefix=".writing-") as staging:
         desk = Path(staging)
-        _write_table(reproduction.table2(), desk / "table2.csv")
-        _write_table(reproduction.validation.table(), desk / "table4.csv")
-        _write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
-        _write_json(learned_document(reproduction), desk / "learned.json")
-        models.build_fmu("compensator", desk, start=reproduction.learned.values)
-        _write_loop(reproduction, desk / "loop.ssp")
-        write_report(reproduction, desk)
-        _write_json(_manifest(reproduction, desk), desk / "manifest.json")
+        yield desk
         for path in desk.iterdir():
             path.replace(folder / path.name)
 
 
-def _manifest(reproduction: Reproduction, folder: Path) -> dict[str, object]:
+def manifest(options: Options, folder: Path, **command: object) -> dict[str, object]:
     """Return what was run and the hashes of the files in a folder."""
-    options = reproduction.options
     return {
         "command": {
             "set": {f"drive.{name}": value for name, value in options.truth.items()},
             "seed": options.seed,
             "preset": options.preset,
             "feed": options.feed,
+            **command,
         },
         "sha256": {
             path.name: hashlib.sha256(path.read_bytes()).hexdigest()
@@ -80,19 +91,24 @@ def _manifest(reproduction: Reproduction, folder: Path) -> dict[str, object]:
     }
 
 
-def _write_table(table: pd.DataFrame, path: Path) -> None:
+def write_table(table: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV, whole."""
     write_whole(path, table.to_csv(index=False, lineterminator="\n"))
 
 
-def _write_json(content: object, path: Path) -> None:
+def write_json(content: object, path: Path) -> None:
+    """Write plain data as JSON, whole."""
     write_whole(path, json.dumps(content, indent=2) + "\n")
 
 
-def _write_loop(reproduction: Reproduction, path: Path) -> None:
+def write_loop(system: cosim.System, loop: VelocityLoop, path: Path) -> None:
     """Write the loop of Fig. 2a with the trapezoid as the input that it runs with."""
-    run = reproduction.validation.compensated
-    step = reproduction.identification.loop.T_s
-    experiment = cosim.DefaultExperiment(start=0.0, stop=float(run.t[-1]), step=step)
-    cosim.write_ssp(reproduction.system, path, experiment)
     corners = VALIDATION.corners()
-    pack_input(path, pd.DataFrame({"time": corners, "v_cmd": VALIDATION.sample(corners)}))
+    t = np.arange(round((corners[-1] + VALIDATION.begin) / loop.T_s) + 1) * loop.T_s
+    stop = float(t[-1])
+    experiment = cosim.DefaultExperiment(start=0.0, stop=stop, step=loop.T_s)
+    cosim.write_ssp(system, path, experiment)
+    table = pd.DataFrame({"time": corners, "v_cmd": VALIDATION.sample(corners)})
+    if loop.m_ff:
+        table = pd.DataFrame({"time": t, **loop.commands(VALIDATION.sample(np.asarray(t)))})
+    pack_input(path, table)

@@ -6,14 +6,20 @@ import argparse
 import math
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from stickslip.commands.execution import (
+    add_algorithm_option,
+    add_execution_options,
+    execution_of,
+    forget,
+)
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.estimation import Estimation
-from stickslip.estimation.learn import JudgeName
+from stickslip.estimation import Estimation, JudgeName, Search
 from stickslip.log_learning import learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
 from stickslip.recording import Finding
@@ -57,6 +63,8 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--force", action="store_true", help="write a compensator even if it does harm"
     )
+    add_algorithm_option(parser)
+    add_execution_options(parser)
     add_log_options(parser)
     parser.set_defaults(run=run)
 
@@ -72,8 +80,11 @@ def run(options: argparse.Namespace) -> None:
     if options.check:
         _print_findings(read_and_check(options.log, description)[1])
         return
+    execution = execution_of(options, (options.out or Path()) / "learning.checkpoint.json")
     if options.out:
         claim_folder(options.out)
+    elif options.checkpoint is None:
+        execution = replace(execution, checkpoint=None)
     with TerminalProgress(sys.stderr) as progress:
         learned = learn_from_log(
             options.log,
@@ -81,10 +92,12 @@ def run(options: argparse.Namespace) -> None:
             judge=JUDGES[options.judge],
             seed=options.seed,
             seeds=options.seeds,
+            search=Search(options.algorithm, execution=execution),
             on_findings=_print_findings,
             on_stage=progress.stage,
         )
         print_estimation(learned.estimation)
+        forget(execution, options)
         if options.out:
             progress.stage("writing the results")
             for warning in write_learned(learned, options.out, force=options.force):
@@ -100,6 +113,8 @@ def _print_findings(findings: Iterable[Finding]) -> None:
 def print_estimation(estimation: Estimation) -> None:
     """Print judge, parameters with intervals, and relative errors."""
     print(f"\njudged by the {estimation.judge}: {estimation.reason}")
+    for remark in estimation.remarks:
+        print(f"note: {remark}")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

@@ -33,7 +33,7 @@ class TerminalProgress:
                 file=self._stream,
             )
         self._bar.update(algorithm.generation - self._bar.n)
-        self._bar.set_postfix_str(f"best cost {algorithm.best.cost:.3g} m2/s2", refresh=False)
+        self._bar.set_postfix_str(f"best cost {algorithm.best.cost:.3g}", refresh=False)
 
     def __enter__(self) -> Self:
         return self

@@ -15,12 +15,17 @@ from stickslip.commands.execution import (
     execution_of,
     forget,
 )
+from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
+from stickslip.execution import Execution
 from stickslip.loop import FEEDS
+from stickslip.record_mode import reproduce_from_recording
+from stickslip.record_results import write_record_results
 from stickslip.reproduction import Options, drive_truth, reproduce
 from stickslip.results import claim_folder, write_results
+from stickslip.validation import Validation
 
 
 def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
@@ -31,9 +36,10 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("--out", type=Path, default=Path("results/paper"), metavar="DIR")
     parser.add_argument(
         "--mode",
-        choices=["drive"],
+        choices=["drive", "record"],
         default="drive",
-        help="drive: each candidate runs on the drive FMU, as in the paper",
+        help="drive: each candidate runs on the drive FMU, as in the paper; record: all is learned "
+        "from one recording of 20 s",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the algorithm")
     add_algorithm_option(parser, "--preset")
@@ -46,6 +52,29 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     )
     add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
     parser.set_defaults(run=run)
+
+
+def _drive(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Validation:
+    reproduction = reproduce(options, fmus, progress, execution)
+    progress.stage("writing the report")
+    write_results(reproduction, out)
+    return reproduction.validation
+
+
+def _record(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Validation:
+    reproduction = reproduce_from_recording(options, fmus, progress, execution)
+    print_estimation(reproduction.estimation)
+    print()
+    progress.stage("writing the report")
+    write_record_results(reproduction, out)
+    return reproduction.validation
+
+
+MODES = {"drive": _drive, "record": _record}
 
 
 def run(options: argparse.Namespace) -> None:
@@ -65,9 +94,7 @@ def run(options: argparse.Namespace) -> None:
         tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
-        reproduction = reproduce(chosen, Path(fmus), progress, execution)
-        progress.stage("writing the report")
-        write_results(reproduction, options.out)
+        validation = MODES[options.mode](chosen, Path(fmus), progress, execution, options.out)
         forget(execution, options)
-    print_table4(reproduction.validation.table())
+    print_table4(validation.table())
     print(f"all results in {options.out}; begin with report.html")

@@ -2,6 +2,8 @@
 
 from stickslip.estimation.bench import candidate_fmus
 from stickslip.estimation.certainty import Certainty
-from stickslip.estimation.learn import Estimation, Task, learn
+from stickslip.estimation.estimation import Estimation, JudgeName, Task
+from stickslip.estimation.learn import learn
+from stickslip.estimation.search import Search
 
-__all__ = ["Certainty", "Estimation", "Task", "candidate_fmus", "learn"]
+__all__ = ["Certainty", "Estimation", "JudgeName", "Search", "Task", "candidate_fmus", "learn"]

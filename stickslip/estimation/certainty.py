@@ -29,15 +29,15 @@ LOOSE = 0.5
 """Standard error of a coordinate beyond which it stays where it is while others are profiled."""
 
 REMEDY = {
-    "F_s": "slow reversals, 0.1 to 5 mm/s",
-    "v_s": "slow reversals, 0.1 to 5 mm/s",
-    "sigma_0": "presliding moves of a few micrometres",
-    "sigma_1": "quick presliding moves of a few micrometres",
+    "F_s": "slow reversals",
+    "v_s": "slow reversals",
+    "sigma_0": "presliding moves",
+    "sigma_1": "quick presliding moves",
     "F_c": "constant speeds in both directions",
     "b": "constant speeds over the whole range",
     "m": "quick ramps of velocity",
 }
-"""Which experiment shows a parameter; ``stickslip plan --show NAME`` writes it."""
+"""Which experiment shows a parameter."""
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,18 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
     relative = factor * error / abs(value) if value else np.inf
     if _mute(name, fitted) or relative > WEAKLY:
         visible = NOT_VISIBLE
-        said = f"not visible in this experiment; {REMEDY[name]} would show it"
+        said = f"not visible in this experiment; {_remedy(name)}"
     elif relative > WELL:
         visible = "weakly known"
-        said = f"weakly known, +-{100 * relative:.2g} %; {REMEDY[name]} would show it better"
+        said = f"weakly known, +-{100 * relative:.2g} %; {_remedy(name)}"
     else:
         visible = "well known"
         said = f"well known, +-{100 * relative:.2g} %"
     return Certainty(value, error, low, high, visible, said)
+
+
+def _remedy(name: str) -> str:
+    return f"{REMEDY[name]} show it: stickslip plan --show {name}"
 
 
 def _mute(name: str, fitted: Fit) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from stickslip.estimation.controller_check import ControllerCheck
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.known_loop import KnownLoop
 from stickslip.estimation.motion import measured_force, position_of
+from stickslip.estimation.scaling import Scale
 from stickslip.estimation.unknowns import Values
 from stickslip.measurement import Array
 from stickslip.recording import Recording
@@ -53,6 +54,17 @@ class Figures:
             "velocity": self.velocity,
             "closed_loop_force": self.closed_loop_force,
         }
+
+    def scaled(self, scale: Scale) -> Figures:
+        """Return the signals in other units; relative errors stay."""
+        simulated = None if self.simulated is None else self.simulated * scale.length
+        return replace(
+            self,
+            shown=self.shown * scale.force,
+            implied=self.implied * scale.force,
+            simulated=simulated,
+            velocity_recorded=self.velocity_recorded * scale.length,
+        )
 
 
 def figures(

@@ -65,7 +65,7 @@ class KnownLoop:
             system,
             step=recording.T_s,
             stop=(len(recording.t) - 1) * recording.T_s,
-            record=("candidate.x", "candidate.x_enc", "controller.u"),
+            record=("candidate.x", "candidate.x_enc", "candidate.F_m", "controller.u"),
         )
         self._simulation = self.specification.prepare()
 

@@ -7,32 +7,30 @@ whitened, and corrected by replicas of the experiment -> certainty.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 import ga
-from stickslip.errors import UsageError
-from stickslip.estimation.certainty import NOT_VISIBLE, Certainty, certainty, profiles
-from stickslip.estimation.controller_check import ControllerCheck, check_controller
-from stickslip.estimation.figures import Figures, figures
+from stickslip.estimation.certainty import NOT_VISIBLE, certainty, profiles
+from stickslip.estimation.choice import choose
+from stickslip.estimation.controller_check import check_controller
+from stickslip.estimation.estimation import Estimation, Task, restored
+from stickslip.estimation.figures import figures
 from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.estimation.inverse import InverseModel
+from stickslip.estimation.motion import position_of
 from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.replica import RUNS, Corrected, correct
-from stickslip.estimation.search import SETTINGS, search, with_linear
+from stickslip.estimation.scaling import Scale, scale_of
+from stickslip.estimation.search import Search, search, with_linear
+from stickslip.estimation.stand_in import coarse, correct_inverse
 from stickslip.estimation.start import Start, begin
 from stickslip.estimation.unknowns import LEVEL, SOUGHT, Values
 from stickslip.measurement import Array
 from stickslip.recording import Recording
 
-JudgeName = Literal["auto", "output error", "inverse model"]
-AGREES = 0.01
-"""Relative error of the commanded force up to which a controller counts as known."""
 MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
 WHITENINGS = 2
@@ -42,74 +40,10 @@ DOUBT = 0.12
 """Share of the bias taken off that stays as doubt."""
 
 
-@dataclass(frozen=True)
-class Task:
-    """What to learn from.
-
-    Attributes
-    ----------
-    fmus : folder of the FMUs
-    gains : of the controller FMU by name; None when the controller is not known
-    judge : how candidates are judged; ``auto`` takes what the recording allows
-    seed : of the genetic algorithm
-    seeds : how many searches, each with a seed of its own
-    delay : of the force beyond the log, where it is known [s]: a start for the fit
-    """
-
-    fmus: Path
-    recording: Recording
-    gains: Mapping[str, float] | None = None
-    judge: JudgeName = "auto"
-    settings: ga.Settings = SETTINGS
-    seed: int = 0
-    seeds: int = 1
-
-
-@dataclass(frozen=True)
-class Estimation:
-    """What was learned.
-
-    Attributes
-    ----------
-    judge, reason : how candidates were judged in the end, and why
-    fit : with coordinates, residual and covariance
-    known : certainty by name: LuGre's five, m and b
-    F_0, delay : constant force against the motor [N]; of the force [s]
-    profiles : see ``certainty.profiles``
-    searches : a row for each seed: seed, evaluations, cost, LuGre's five after the local fit
-    algorithm : the search that led to the result
-    figures : how near the model comes to the recording
-    controller : the check of the controller; None when it is not known
-    model_error : residual of the loop over what encoder and noise explain; NaN without the loop
-    """
-
-    recording: Recording
-    judge: str
-    reason: str
-    start: Start
-    fit: Fit
-    known: dict[str, Certainty]
-    F_0: float
-    delay: float
-    profiles: pd.DataFrame
-    searches: pd.DataFrame
-    algorithm: ga.GeneticAlgorithm
-    figures: Figures
-    controller: ControllerCheck | None
-    model_error: float
-    gains: Mapping[str, float] | None = field(default=None)
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """All values by name, in SI units."""
-        return self.fit.parameters
-
-
 def learn(
     task: Task,
     on_stage: Callable[[str], object] = lambda _: None,
-    on_generation: Callable[[ga.GeneticAlgorithm], object] | None = None,
-    executor: Executor | None = None,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> Estimation:
     """Learn the parameters of the drive that made a recording.
 
@@ -122,18 +56,40 @@ def learn(
     ga.NothingLearned
         When no candidate could be run.
     """
+    scale = _scale(task.recording)
+    gains = None if task.gains is None else scale.values(task.gains)
+    scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
+    estimation = _learn(scaled, on_stage, on_generation)
+    return restored(estimation, scale)
+
+
+def _scale(recording: Recording) -> Scale:
+    velocity = np.diff(position_of(recording)) / recording.T_s
+    forces = (recording.force, recording.friction, recording.force_command)
+    force = next((signal for signal in forces if signal is not None), None)
+    if force is None:  # the controller's gains will tell
+        return Scale()
+    return scale_of(force, velocity)
+
+
+def _learn(
+    task: Task,
+    on_stage: Callable[[str], object],
+    on_generation: Callable[[ga.Optimiser], object] | None,
+) -> Estimation:
     recording, check = task.recording, None
     if task.gains is not None:
         on_stage("checking the controller")
         check = check_controller(task.fmus, recording, task.gains)
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
-            task = replace(task, recording=recording)
+    recording, remarks = _against_motion(recording)
+    task = replace(task, recording=recording)
     with InverseModel(task.fmus, recording) as inverse:
         start = begin(inverse, recording)
         on_stage("searching")
-        found, rows, algorithm = _search(task, inverse, start, on_generation, executor)
-        judge, reason = _choose(task, check)
+        found, rows, algorithm = _search(task, inverse, start, on_generation)
+        judge, reason = choose(task, check)
         corrected = None
         if judge == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
@@ -151,9 +107,9 @@ def learn(
             errors, table = _known_loop(task, task.gains, corrected)
             best, degrees = corrected.fit, RUNS - 1
         else:
-            best, degrees = found, BLOCKS - len(found.q)
-            errors = found.errors()
-            table = profiles(found, inverse.residual, errors)
+            best, errors = _inverse_model(task, inverse, found)
+            degrees = BLOCKS - len(found.q)
+            table = profiles(best, inverse.residual, errors)
         shown = figures(task.fmus, recording, inverse, best.parameters, task.gains, check)
     names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
     known = {name: certainty(name, best, errors, degrees) for name in names}
@@ -164,8 +120,8 @@ def learn(
         start,
         best,
         known,
-        best.parameters["F_0"],
-        best.parameters["delay"],
+        best.parameters,
+        errors,
         table,
         rows,
         algorithm,
@@ -173,6 +129,7 @@ def learn(
         check,
         model_error,
         task.gains,
+        remarks,
     )
 
 
@@ -180,13 +137,12 @@ def _search(
     task: Task,
     inverse: InverseModel,
     start: Start,
-    on_generation: Callable[[ga.GeneticAlgorithm], object] | None,
-    executor: Executor | None,
-) -> tuple[Fit, pd.DataFrame, ga.GeneticAlgorithm]:
+    on_generation: Callable[[ga.Optimiser], object] | None,
+) -> tuple[Fit, pd.DataFrame, ga.Optimiser]:
     """Search with each seed, finish each locally, and return the best with a table of all."""
     fits, algorithms, rows = [], [], []
     for seed in range(task.seed, task.seed + task.seeds):
-        algorithm = search(inverse, start, seed, task.settings, executor, on_generation)
+        algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
         found = fit(inverse, start.unknowns, start.unknowns.coordinates(values))
         fits.append(found)
@@ -199,8 +155,34 @@ def _search(
                 **{name: found.parameters[name] for name in SOUGHT},
             }
         )
+    if task.seeds > 1:
+        for seed in range(task.seed, task.seed + task.seeds):
+            own = _of_seed(task, seed).execution.checkpoint
+            if own is not None:
+                own.unlink(missing_ok=True)
     best = int(np.argmin([found.noise for found in fits]))
     return _without_stribeck(inverse, fits[best]), pd.DataFrame(rows), algorithms[best]
+
+
+def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Turn a measured friction that drives the motion, by the sign of its work."""
+    if recording.force is not None or recording.friction is None:
+        return recording, ()
+    position = position_of(recording)
+    work = float(recording.friction[1:] @ np.diff(position))
+    if work >= 0.0:
+        return recording, ()
+    turned = replace(recording, friction=-recording.friction)
+    return turned, ("the friction logged does work on the motion: its sign was turned",)
+
+
+def _of_seed(task: Task, seed: int) -> Search:
+    """Return how to search; each of several seeds has a checkpoint of its own."""
+    path = task.search.execution.checkpoint
+    if path is None or task.seeds == 1:
+        return task.search
+    own = path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
+    return replace(task.search, execution=replace(task.search.execution, checkpoint=own))
 
 
 def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
@@ -219,32 +201,6 @@ def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
     return flat if flat.noise < WORTH * found.noise else found
 
 
-def _choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
-    """Return the judge and why."""
-    loop, inverse = OutputError.name, InverseModel.name
-    if task.judge == loop and check is None:
-        raise UsageError(
-            "the output error needs the controller that made the log: give its gains, "
-            "or judge by the inverse model"
-        )
-    if task.judge != "auto":
-        return task.judge, "asked for"
-    if task.recording.friction is not None and task.recording.force is None:
-        return inverse, "friction itself was measured"
-    if check is None:
-        return inverse, "the controller is not known, so the loop cannot be run again"
-    if np.isnan(check.error):
-        return loop, "the controller is known and no force was logged"
-    if check.error > AGREES:
-        return inverse, (
-            f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
-            "the one logged, so the loop is not known well enough to run it again"
-        )
-    return loop, (
-        f"the controller is known and commands the logged force within {100 * check.error:.2g} %"
-    )
-
-
 def _output_error(task: Task, gains: Mapping[str, float], start: Start, found: Fit) -> Corrected:
     """Fit the loop from the inverse model's values on: plain, then whitened, then corrected."""
     unknowns = start.unknowns
@@ -258,6 +214,15 @@ def _output_error(task: Task, gains: Mapping[str, float], start: Start, found: F
             judge.whiten(fitted.parameters)
             fitted = fit(judge, unknowns, fitted.q)
         return correct(judge, fitted, task.fmus, task.recording, gains, task.seed)
+
+
+def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
+    """Return the fit without its bias, and standard errors by name [SI]."""
+    if inverse.measures_friction or task.gains is not None or not coarse(inverse, task.recording):
+        return found, found.errors()
+    best, bias = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
+    doubt = np.outer(bias, bias) * DOUBT**2
+    return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
 
 
 def _known_loop(

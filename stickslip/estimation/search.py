@@ -1,19 +1,23 @@
-"""The genetic algorithm over LuGre's five, judged by the recording."""
+"""The global search over LuGre's five, judged by the recording."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
-from concurrent.futures import Executor
+from dataclasses import dataclass, field
 
 import numpy as np
 
 import ga
 from stickslip.estimation.inverse import ImpliedCost, InverseModel
 from stickslip.estimation.start import Start
+from stickslip.execution import Execution
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE, UNITS
 
-SETTINGS = ga.Settings(population=12, generations=25, near_share=0.3, near_spread=0.15)
+EVALUATIONS = 300
+"""The local fit that follows needs the valley only."""
+PATIENCE = 100
 
 
 def genes(start: Start) -> list[ga.Gene]:
@@ -24,14 +28,29 @@ def genes(start: Start) -> list[ga.Gene]:
     return [ga.Gene(name, low[name], high[name], start.line[name], UNITS[name]) for name in LUGRE]
 
 
+@dataclass(frozen=True)
+class Search:
+    """How to search.
+
+    Attributes
+    ----------
+    algorithm : one of ``ga.ALGORITHMS``
+    evaluations : at most
+    execution : where candidates run, and the checkpoint
+    """
+
+    algorithm: str = "default"
+    evaluations: int = EVALUATIONS
+    execution: Execution = field(default_factory=Execution)
+
+
 def search(
     model: InverseModel,
     start: Start,
     seed: int,
-    settings: ga.Settings = SETTINGS,
-    executor: Executor | None = None,
-    on_generation: Callable[[ga.GeneticAlgorithm], object] | None = None,
-) -> ga.GeneticAlgorithm:
+    how: Search,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
+) -> ga.Optimiser:
     """Let candidates imply a force, and keep those that come near the recorded one.
 
     m, b and F_0 follow from each candidate by least squares.
@@ -40,13 +59,36 @@ def search(
     ------
     ga.NothingLearned
         When no candidate could be run.
+    ga.StateError
+        When the checkpoint is of another run, or is there and not to be resumed.
+    ga.Interrupted
+        At Ctrl-C.
     """
-    algorithm = ga.GeneticAlgorithm(genes(start), settings, seed, ga.AtLeast("F_s", "F_c"))
+    problem = ga.Problem(genes(start), ga.AtLeast("F_s", "F_c"))
+    limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
+    algorithm = ga.optimiser(how.algorithm, problem, limits, seed)
     names = [f"compensator.{name}" for name in LUGRE]
     cost = ImpliedCost.of(model, start.line["delay"])
-    with ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate:
-        ga.learn(algorithm, evaluate, executor, on_generation)
+    with (
+        ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
+        how.execution.opened() as executor,
+    ):
+        ga.learn(
+            algorithm,
+            evaluate,
+            executor,
+            on_generation,
+            checkpoint=how.execution.checkpoint,
+            resume=how.execution.resume,
+            about=fingerprint(model),
+        )
     return algorithm
+
+
+def fingerprint(model: InverseModel) -> str:
+    """Return what tells one recording from another."""
+    content = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
+    return hashlib.sha256(content).hexdigest()
 
 
 def with_linear(model: InverseModel, start: Start, lugre: Array) -> dict[str, float]:

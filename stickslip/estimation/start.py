@@ -49,7 +49,8 @@ def begin(model: InverseModel, recording: Recording) -> Start:
     if F_c <= 0.0 or (m <= 0.0 and not model.measures_friction):
         raise IdentificationError(
             f"{recording.source}: F = m a + b v + F_c sign(v) gives m = {m:.3g} kg and F_c = "
-            f"{F_c:.3g} N; expected both above 0: check the signs and units of force and position"
+            f"{F_c:.3g} N; expected both above 0: check signs and units of force and position "
+            "(--scale force=-1 turns a sign)"
         )
     way = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]

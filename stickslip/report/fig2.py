@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from cosim.control import VelocityLoop
+from stickslip.loop import Feed
 from stickslip.report.diagram import RADIUS, Block, Sheet
 from stickslip.report.quantity import number
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
@@ -19,17 +20,21 @@ ESTIMATE = r"difference, low-pass $\tau_f$"
 
 def draw(reproduction: Reproduction) -> Figure:
     """Draw the loops with the numbers of this design."""
+    loop = reproduction.identification.loop
+    return draw_loops(loop, reproduction.truth, reproduction.options.feed)
+
+
+def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], feed: Feed) -> Figure:
+    """Draw a loop around a drive whose parameters are ``truth``."""
     figure = new_figure(PAGE, HEIGHT, free=True)
     sheet = Sheet(figure)
-    loop = reproduction.identification.loop
-    _compensated(sheet, reproduction)
+    _compensated(sheet, truth, feed)
     _nominal(sheet, loop)
     _step(figure, loop)
     return figure
 
 
-def _compensated(sheet: Sheet, reproduction: Reproduction) -> None:
-    truth = reproduction.truth
+def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
     low, middle, high = 60.0, 78.0, 110.0
     sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
 
@@ -74,7 +79,7 @@ def _compensated(sheet: Sheet, reproduction: Reproduction) -> None:
     )
     branch = (8.0, middle)
     sheet.arrow(branch, (branch[0], high), nominal.left)
-    if reproduction.options.feed == "nominal":
+    if feed == "nominal":
         sheet.arrow(nominal.right, compensator.left)
         sheet.text((51, high + 2.8), r"$v_r$")
     else:

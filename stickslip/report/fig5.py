@@ -7,13 +7,27 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+import ga
 from stickslip.report.style import COLUMN, GREY, INK, THICK, WITH, WITHOUT, new_figure
 from stickslip.reproduction import Reproduction
 
 
 def draw(reproduction: Reproduction) -> Figure:
     """Draw best and mean cost, with the identified and the final parameters marked."""
-    algorithm = reproduction.algorithm
+    final = reproduction.learned.cost, _final(reproduction)
+    return draw_course(reproduction.algorithm, r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]", final)
+
+
+def draw_course(
+    algorithm: ga.Optimiser, cost: str, final: tuple[float, str] | None = None
+) -> Figure:
+    """Draw best and mean cost of an algorithm.
+
+    Parameters
+    ----------
+    cost : what it is, with its unit
+    final : a cost after the last generation, and what it is of
+    """
     line = algorithm.convergence()
     generation = line["generation"].to_numpy(dtype=float)
     evaluations = line["evaluations"].to_numpy(dtype=float)
@@ -32,17 +46,11 @@ def draw(reproduction: Reproduction) -> Figure:
     axes.step(generation, best, where="post", color=WITH, lw=THICK, label="best so far")
     marks: Any = {"mec": INK, "ls": "none", "clip_on": False, "zorder": 5}
     axes.plot(generation[0], identified, "o", mfc="white", label="identified parameters", **marks)
-    axes.plot(
-        generation[-1],
-        reproduction.learned.cost,
-        "D",
-        mfc=GREY,
-        label=_final(reproduction),
-        **marks,
-    )
+    if final is not None:
+        axes.plot(generation[-1], final[0], "D", mfc=GREY, label=final[1], **marks)
     axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
     axes.set_xlabel("Generation [1]")
-    axes.set_ylabel(r"Cost $\sum (v - v_r)^2$ [m$^2$/s$^2$]")
+    axes.set_ylabel(f"Cost {cost}")
     figure.legend(loc="outside lower center", ncols=2)
 
     # After the first generation each one adds as many evaluations.

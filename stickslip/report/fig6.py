@@ -30,7 +30,11 @@ SHOWN = (-0.02, 0.15)
 
 def draw(reproduction: Reproduction) -> Figure:
     """Draw command, velocities and their errors."""
-    validation = reproduction.validation
+    return draw_tracking(reproduction.validation)
+
+
+def draw_tracking(validation: Validation) -> Figure:
+    """Draw those of a validation."""
     figure = new_figure(PAGE, 140.0)
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 0.9, 1.1))
     _whole(figure.add_subplot(grid[0, :]), validation)

@@ -33,10 +33,10 @@ class Picture:
     width: float
 
     @classmethod
-    def of(cls, draw: Drawing, reproduction: Reproduction) -> Picture:
-        """Draw a figure in the house style."""
+    def of(cls, draw: Callable[..., Figure], *subjects: object) -> Picture:
+        """Draw a figure of its subjects in the house style."""
         with house_style():
-            figure = draw(reproduction)
+            figure = draw(*subjects)
             _settle(figure)
             png, svg = io.BytesIO(), io.BytesIO()
             figure.savefig(png, format="png", dpi=RESOLUTION, metadata={"Software": None})

@@ -1,0 +1,129 @@
+"""What is asked of an estimation, and what it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import pandas as pd
+
+import ga
+from stickslip.estimation.certainty import Certainty
+from stickslip.estimation.controller_check import ControllerCheck
+from stickslip.estimation.figures import Figures
+from stickslip.estimation.fit import Fit
+from stickslip.estimation.scaling import Scale
+from stickslip.estimation.search import Search
+from stickslip.estimation.start import Start
+from stickslip.estimation.unknowns import SOUGHT
+from stickslip.recording import Recording
+
+JudgeName = Literal["auto", "output error", "inverse model"]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to learn from.
+
+    Attributes
+    ----------
+    fmus : folder of the FMUs
+    gains : of the controller FMU by name; None when the controller is not known
+    judge : how candidates are judged; ``auto`` takes what the recording allows
+    search : which algorithm, where it runs
+    seed : of the search
+    seeds : how many searches, each with a seed of its own
+    """
+
+    fmus: Path
+    recording: Recording
+    gains: Mapping[str, float] | None = None
+    judge: JudgeName = "auto"
+    search: Search = field(default_factory=Search)
+    seed: int = 0
+    seeds: int = 1
+
+
+@dataclass(frozen=True)
+class Estimation:
+    """What was learned.
+
+    Attributes
+    ----------
+    judge, reason : how candidates were judged in the end, and why
+    fit : with coordinates, residual and covariance
+    known : certainty by name: LuGre's five, m and b
+    parameters, errors : all values by name and their standard errors, SI
+    profiles : see ``certainty.profiles``
+    searches : a row for each seed: seed, evaluations, cost, LuGre's five after the local fit
+    algorithm : the search that led to the result
+    figures : how near the model comes to the recording
+    controller : the check of the controller; None when it is not known
+    remarks : what was done to the recording
+    model_error : residual of the loop over what encoder and noise explain; NaN without the loop
+    """
+
+    recording: Recording
+    judge: str
+    reason: str
+    start: Start
+    fit: Fit
+    known: dict[str, Certainty]
+    parameters: dict[str, float]
+    errors: dict[str, float]
+    profiles: pd.DataFrame
+    searches: pd.DataFrame
+    algorithm: ga.Optimiser
+    figures: Figures
+    controller: ControllerCheck | None
+    model_error: float
+    gains: Mapping[str, float] | None = None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def F_0(self) -> float:  # noqa: N802 - the symbol
+        """Constant force against the motor [N]."""
+        return self.parameters["F_0"]
+
+    @property
+    def delay(self) -> float:
+        """Of the force, beyond the log's own [s]."""
+        return self.parameters["delay"]
+
+
+def restored(estimation: Estimation, scale: Scale) -> Estimation:
+    """Return what was learned of a scaled recording in SI units; ``fit`` stays scaled."""
+    if scale == Scale():
+        return estimation
+    known = {
+        name: replace(
+            one,
+            value=one.value / scale.of(name),
+            standard_error=one.standard_error / scale.of(name),
+            low=one.low / scale.of(name),
+            high=one.high / scale.of(name),
+        )
+        for name, one in estimation.known.items()
+    }
+    profile, searches = estimation.profiles.copy(), estimation.searches.copy()
+    profile["value"] /= profile["parameter"].map(scale.of)
+    for name in SOUGHT:
+        searches[name] /= scale.of(name)
+    searches["cost"] /= scale.force**2
+    back = Scale(1.0 / scale.force, 1.0 / scale.length)
+    check = estimation.controller
+    return replace(
+        estimation,
+        recording=back.recording(estimation.recording),
+        start=replace(estimation.start, line=scale.restored(estimation.start.line)),
+        known=known,
+        parameters=scale.restored(estimation.parameters),
+        errors=scale.restored(estimation.errors),
+        profiles=profile,
+        searches=searches,
+        figures=estimation.figures.scaled(back),
+        controller=check and replace(check, force=check.force / scale.force),
+        gains=None if estimation.gains is None else scale.restored(estimation.gains),
+    )
