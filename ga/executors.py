@@ -6,10 +6,13 @@ A worker that dies takes no result with it: its candidates are evaluated again, 
 
 from __future__ import annotations
 
+import logging
+import math
 import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -26,6 +29,10 @@ T = TypeVar("T")
 
 PARTS = 1
 """Tasks for each Dask worker in a generation; a task costs it a millisecond or two."""
+
+
+RECOUNT = 5.0
+"""How long the number of Dask workers is believed [s]."""
 
 
 @contextmanager
@@ -131,11 +138,14 @@ class DaskWorkers(Executor):
     def __init__(self, client: Any) -> None:
         self._client = client
         self._executor = client.get_executor(pure=False)
+        self._counted, self._workers = -math.inf, 1
 
     @property
     def parts(self) -> int:
-        """Into how many tasks a generation is divided."""
-        return max(1, PARTS * len(self._client.ncores()))
+        """Into how many tasks a generation is divided; workers are counted again now and then."""
+        if time.monotonic() > self._counted + RECOUNT:
+            self._counted, self._workers = time.monotonic(), len(self._client.ncores())
+        return max(1, PARTS * self._workers)
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run a function on one of the workers."""
@@ -158,10 +168,14 @@ def _dask(where: str, workers: int) -> Iterator[DaskWorkers]:
     with ExitStack() as stack:
         scheduler = where
         if where == "local":
-            scheduler = stack.enter_context(
-                distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None
+            with _without_interrupts():
+                cluster = distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=":0",
+                    silence_logs=logging.ERROR,
                 )
-            )
+            scheduler = stack.enter_context(cluster)
         client = stack.enter_context(distributed.Client(scheduler))
         yield stack.enter_context(DaskWorkers(client))

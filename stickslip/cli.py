@@ -18,6 +18,7 @@ from stickslip.commands import (
     check,
     design,
     export,
+    fleet,
     identify,
     learn,
     plan,
@@ -27,7 +28,19 @@ from stickslip.commands import (
 )
 from stickslip.errors import StickslipError
 
-COMMANDS = (reproduce, build, simulate, check, design, plan, identify, learn, validate, export)
+COMMANDS = (
+    reproduce,
+    build,
+    simulate,
+    check,
+    design,
+    plan,
+    identify,
+    learn,
+    fleet,
+    validate,
+    export,
+)
 EXPECTED = (
     StickslipError,
     cosim.CosimError,

@@ -23,10 +23,10 @@ def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None
     )
 
 
-def add_execution_options(parser: argparse.ArgumentParser) -> None:
-    """Declare where candidates run, and the checkpoint."""
+def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
+    """Declare where work is done."""
     parser.add_argument(
-        "--workers", type=int, default=1, metavar="N", help="candidates run side by side"
+        "--workers", type=int, default=1, metavar="N", help=f"{what} run side by side"
     )
     place = parser.add_mutually_exclusive_group()
     place.add_argument(
@@ -40,6 +40,11 @@ def add_execution_options(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here",
     )
+
+
+def add_execution_options(parser: argparse.ArgumentParser) -> None:
+    """Declare where candidates run, and the checkpoint."""
+    add_worker_options(parser, "candidates")
     parser.add_argument(
         "--checkpoint",
         type=Path,

@@ -1,6 +1,5 @@
 """Every way to stop, and what is said then."""
 
-import numpy as np
 import pytest
 from problems import GENES, quadratic
 
@@ -58,7 +57,8 @@ def test_a_collapsed_population_is_at_rest():
     optimiser = ga.GeneticAlgorithm(GENES, settings, 1, limits=ga.Limits(evaluations=10_000))
     why = ga.learn(optimiser, quadratic).stopped
     assert "collapsed" in why
-    assert np.ptp(optimiser.history["a"].to_numpy()[-8:]) < 1e-6
+    assert optimiser.best.cost < 1e-20
+    assert optimiser.evaluations < 1000
 
 
 @pytest.mark.parametrize("field", ["generations", "evaluations", "seconds", "patience", "target"])

@@ -1,0 +1,109 @@
+"""What a worker does with one drive, from its recording to the text of its learned.json."""
+
+from __future__ import annotations
+
+import json
+import signal
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing import parent_process
+from types import FrameType
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from cosim.control import ControlError, VelocityLoop, design_velocity_loop
+from stickslip.errors import StickslipError
+from stickslip.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.fleet.drive import Drive, LogSource
+from stickslip.learned import estimation_document
+from stickslip.log_learning import learn_from_log
+from stickslip.record_mode import gains_of, record_drive
+from stickslip.recording import Description, check_recording, load_description
+from stickslip.rig import rig_of
+from stickslip.setup import LOOP, Datasheet
+
+OnStage = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a drive; plain data, so that it travels.
+
+    Attributes
+    ----------
+    learned : content of learned.json; empty when the drive failed
+    reason : why it failed; else empty
+    """
+
+    learned: str = ""
+    reason: str = ""
+
+
+def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
+    """Learn one drive. Whatever goes wrong is an outcome, too, and costs no other drive.
+
+    The result does not depend on where this runs: sums of products are formed by one thread here,
+    because their last digits depend on how many share the work.
+    """
+    _leave_when_told()
+    threadpool_limits(limits=1, user_api="blas")
+    try:
+        document = _document(drive, seed, on_stage or _ignore)
+    except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
+        return Outcome(reason=_reason(drive, error))
+    return Outcome(learned=json.dumps(document))
+
+
+def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
+    """Return the content of learned.json, with what the checks found."""
+    if isinstance(drive.source, LogSource):
+        config = drive.source.config
+        description = load_description(config) if config else Description()
+        learned = learn_from_log(drive.source.log, description, seed=seed, on_stage=on_stage)
+        estimation, loop, findings = learned.estimation, learned.loop, learned.findings
+    else:
+        with rig_of(drive.source.changes) as rig:
+            recording, recording_loop = record_drive(rig)
+        findings = check_recording(recording)
+        with candidate_fmus() as fmus:
+            task = Task(fmus, recording, gains_of(recording_loop), seed=seed)
+            estimation = learn(task, on_stage, on_generation=lambda _: on_stage("searching"))
+        loop = _designed(estimation)
+    document = estimation_document(estimation, loop, seed)
+    return document | {"findings": [str(finding) for finding in findings]}
+
+
+def _designed(estimation: Estimation) -> VelocityLoop | None:
+    """Return the paper's velocity loop around a learned axis, None where there can be none."""
+    known = estimation.known
+    axis = Datasheet().axis(known["m"].value, max(known["b"].value, 0.0))
+    try:
+        return design_velocity_loop(axis, LOOP)
+    except ControlError:
+        return None
+
+
+def _reason(drive: Drive, error: Exception) -> str:
+    """Return one line, with paths as the table has them."""
+    text = " ".join(str(error).split())
+    if isinstance(drive.source, LogSource):
+        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
+            text = text.replace(str(path), drive.row[column]) if path else text
+    expected = isinstance(error, StickslipError)
+    return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
+
+
+def _leave_when_told() -> None:
+    """In a process that was made for such jobs, let SIGTERM unwind them, so nothing is left."""
+    if parent_process() is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _leave)
+
+
+def _leave(number: int, _: FrameType | None) -> None:
+    raise SystemExit(128 + number)
+
+
+def _ignore(_: str) -> None:
+    pass

@@ -1,0 +1,139 @@
+"""A fleet study in its folder: what is kept there, and what is still to be learned."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import UsageError
+from stickslip.execution import Execution
+from stickslip.fleet.drive import Drive, LogSource
+from stickslip.fleet.job import Outcome, learn_drive
+from stickslip.fleet.running import Job, run_jobs
+from stickslip.learned import versions
+from toolchain import write_whole
+
+TABLE = "fleet.csv"
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """What became of all drives.
+
+    Attributes
+    ----------
+    drives : in the order of the table
+    learned : content of learned.json by name
+    reasons : why a drive failed, by name
+    kept : how many were not learned again
+    """
+
+    drives: Sequence[Drive]
+    learned: dict[str, dict[str, Any]]
+    reasons: dict[str, str]
+    kept: int
+
+
+def learn_fleet(
+    drives: Sequence[Drive],
+    folder: Path,
+    *,
+    seed: int = 0,
+    execution: Execution | None = None,
+    on_done: Callable[[Drive, Outcome], object] = lambda _, __: None,
+    job: Job = learn_drive,
+) -> Fleet:
+    """Learn all drives; each learned.json is in the folder as soon as it is known.
+
+    Parameters
+    ----------
+    seed : the same for each drive
+    execution : where, and whether to go on from what is in the folder
+    on_done : told of each drive when it is learned, or has failed
+
+    Raises
+    ------
+    UsageError
+        When the folder holds a study that did not end and is not to be resumed.
+    KeyboardInterrupt
+        At Ctrl-C; says what is kept.
+    """
+    execution = execution or Execution()
+    if not execution.resume and not (folder / TABLE).exists():
+        for drive in drives:
+            if (path := learned_path(folder, drive)).exists():
+                raise UsageError(
+                    f"{path}: an earlier study did not end; go on with --resume, or choose "
+                    "another folder with --out"
+                )
+    origins = {drive.name: _origin(drive) for drive in drives}
+    learned: dict[str, dict[str, Any]] = {}
+    reasons: dict[str, str] = {}
+    if execution.resume:
+        for drive in drives:
+            document = _kept(learned_path(folder, drive), origins[drive.name], seed)
+            if document is not None:
+                learned[drive.name] = document
+    kept = len(learned)
+
+    def take(drive: Drive, outcome: Outcome) -> None:
+        path = learned_path(folder, drive)
+        if outcome.learned:
+            document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, json.dumps(document, indent=2) + "\n")
+            learned[drive.name] = document
+        else:
+            path.unlink(missing_ok=True)  # of an earlier study
+            reasons[drive.name] = outcome.reason
+        on_done(drive, outcome)
+
+    (folder / TABLE).unlink(missing_ok=True)
+    left = [drive for drive in drives if drive.name not in learned]
+    try:
+        run_jobs(job, left, seed, execution.where, execution.workers, take)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; {len(learned)} of {len(drives)} drives are learned and kept in "
+            f"{folder}; go on with --resume"
+        ) from None
+    return Fleet(drives, learned, reasons, kept)
+
+
+def learned_path(folder: Path, drive: Drive) -> Path:
+    """Return where a drive's learned.json is."""
+    return folder / "drives" / drive.name / "learned.json"
+
+
+def _origin(drive: Drive) -> dict[str, Any]:
+    """Return what a result is the result of, beside seed and versions: row and files."""
+    files: dict[str, str | None] = {}
+    if isinstance(drive.source, LogSource):
+        for column, path in (("log", drive.source.log), ("config", drive.source.config)):
+            if path is not None:
+                files[column] = _hash(path)
+    return {"row": dict(drive.row), "sha256": files}
+
+
+def _hash(path: Path) -> str | None:
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return None  # the drive will fail, and say why
+
+
+def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | None:
+    """Return an earlier result, if it is the one that would be learned now."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    expected = {"fleet": origin, "seed": seed, "versions": versions()}
+    if not isinstance(document, dict) or not expected.items() <= document.items():
+        return None
+    return document

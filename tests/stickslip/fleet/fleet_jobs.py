@@ -1,0 +1,51 @@
+"""Jobs that stand for learning: quick, and misbehaving where a drive's name says so."""
+
+import json
+import os
+import signal
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from stickslip.fleet.job import Outcome
+from stickslip.learned import versions
+
+
+def quick(drive, seed, _=None):
+    """Learn one parameter that depends on nothing but the drive."""
+    value = 1.0 / (seed + len(drive.name))
+    known = {"value": value, "unit": "N", "standard_error": 0.01, "low": value - 0.02}
+    known |= {"high": value + 0.02, "visible": "well known", "sentence": "well known"}
+    document = {"parameters": {"F_c": known}, "judge": "none", "seed": seed, "versions": versions()}
+    return Outcome(json.dumps(document))
+
+
+@dataclass(frozen=True)
+class Deadly:
+    """As `quick`, but the process dies of drives called ``kills``, and once of ``kills_once``."""
+
+    parent: int
+    once: Path
+
+    def __call__(self, drive, seed, _=None):
+        time.sleep(0.05)
+        if drive.name == "kills" or (drive.name == "kills_once" and self.once.exists()):
+            self.once.unlink(missing_ok=True)
+            assert os.getpid() != self.parent
+            os.kill(os.getpid(), signal.SIGKILL)
+        return quick(drive, seed)
+
+
+@dataclass(frozen=True)
+class Counting:
+    """As `quick`, writing down whom it learns; Ctrl-C comes when it is one drive's turn."""
+
+    diary: Path
+    interrupted_at: str = ""
+
+    def __call__(self, drive, seed, _=None):
+        if drive.name == self.interrupted_at:
+            raise KeyboardInterrupt
+        with self.diary.open("a", encoding="utf-8") as diary:
+            print(drive.name, file=diary)
+        return quick(drive, seed)

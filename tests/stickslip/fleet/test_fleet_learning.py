@@ -1,0 +1,63 @@
+"""A true learning of a short log, the same bytes wherever it runs."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+from stickslip.plan import LINEAR, plan
+
+SHORT = replace(LINEAR, duration=2.0)
+
+
+def files(folder):
+    return {
+        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, capsys):
+    table = tmp_path / "table.csv"
+    table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
+    where = {
+        "here": ["--workers", "1"],
+        "processes": ["--workers", "2", "--pool", "processes"],
+        "dask": ["--cluster", cluster],
+    }
+    for name, options in where.items():
+        assert main(["fleet", str(table), "--out", str(tmp_path / name), *options]) == 1
+        out, error = capsys.readouterr()
+        assert "missing  failed: none.csv: cannot be read" in out
+        assert error.count("\n") == 1
+        assert "1 of 2 drives failed" in error
+    results = files(tmp_path / "here")
+    assert {path.name for path in results} == {
+        "fleet.csv",
+        "fleet.json",
+        "fleet.png",
+        "fleet.svg",
+        "learned.json",
+    }
+    assert files(tmp_path / "processes") == results
+    assert files(tmp_path / "dask") == results
+    rows = pd.read_csv(tmp_path / "here" / "fleet.csv").set_index(["name", "parameter"])
+    assert rows["value"]["good", "m"] == pytest.approx(8.0, rel=0.02)
+    assert rows["value"]["good", "F_c"] == pytest.approx(4.0, rel=0.05)
+    assert rows["low"]["good", "m"] < rows["value"]["good", "m"] < rows["high"]["good", "m"]
+    assert rows["unit"]["good", "F_c"] == "N"
+    assert rows.loc["missing"]["reason"].item().startswith("none.csv: cannot be read")
+
+
+def test_a_variant_is_recorded_and_its_truth_joined(tmp_path, monkeypatch):
+    monkeypatch.setattr("stickslip.record_mode.plan", lambda: plan(SHORT))
+    table = tmp_path / "table.csv"
+    table.write_text("name,set\nheavy,drive.m=9\n")
+    assert main(["fleet", str(table), "--out", str(tmp_path / "out")]) == 0
+    rows = pd.read_csv(tmp_path / "out" / "fleet.csv").set_index("parameter")
+    assert rows["truth"]["m"] == 9.0
+    assert rows["value"]["m"] == pytest.approx(9.0, rel=1e-3)
+    assert rows["value"]["m"] != 9.0
+    assert set(rows["judge"]) == {"output error"}
+    learned = (tmp_path / "out" / "drives" / "heavy" / "learned.json").read_text()
+    assert "truth" not in learned

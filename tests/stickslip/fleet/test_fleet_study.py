@@ -1,0 +1,90 @@
+"""A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
+
+import os
+
+import pytest
+from fleet_jobs import Counting, Deadly, quick
+
+from stickslip.errors import UsageError
+from stickslip.execution import Execution
+from stickslip.fleet import fleet_table, learn_fleet
+from stickslip.fleet.running import DIED
+from stickslip.fleet.writing import write_fleet
+
+
+def files(folder):
+    return {
+        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+def written(folder, *arguments, **options):
+    fleet = learn_fleet(*arguments, folder, **options)
+    write_fleet(fleet, fleet_table(fleet), folder)
+    return fleet
+
+
+def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
+    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, "processes")
+    fleet = learn_fleet(drives("a", "kills", "b"), tmp_path / "out", execution=execution, job=job)
+    assert fleet.reasons == {"kills": DIED}
+    alone = learn_fleet(drives("a", "b"), tmp_path / "alone", job=quick)
+    assert fleet.learned == alone.learned
+
+
+def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path):
+    (tmp_path / "once").touch()
+    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, cluster)
+    names = ("a", "kills_once", "b")
+    fleet = learn_fleet(drives(*names), tmp_path / "out", execution=execution, job=job)
+    assert not (tmp_path / "once").exists()
+    assert fleet.learned == learn_fleet(drives(*names), tmp_path / "alone", job=quick).learned
+
+
+@pytest.mark.parametrize("where", ["serial", "threads"])
+def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, tmp_path):
+    fleet = drives("a", "b", "c", "d")
+    out, diary = tmp_path / "out", tmp_path / "diary"
+    execution = Execution(1 if where == "serial" else 2)
+    with pytest.raises(KeyboardInterrupt, match=r"interrupted; . of 4 drives.*--resume"):
+        learn_fleet(fleet, out, execution=execution, job=Counting(diary, "c"))
+    kept = sorted(path.parent.name for path in out.rglob("learned.json"))
+    assert kept
+    with pytest.raises(UsageError, match=r"an earlier study did not end; go on with --resume"):
+        learn_fleet(fleet, out, job=quick)
+    diary.unlink()
+    resumed = Execution(execution.workers, resume=True)
+    assert written(out, fleet, execution=resumed, job=Counting(diary)).kept == len(kept)
+    assert sorted(diary.read_text().split() + kept) == ["a", "b", "c", "d"]
+    written(tmp_path / "whole", fleet, job=quick)
+    assert files(out) == files(tmp_path / "whole")
+
+
+def test_what_changed_is_learned_again(drives, tmp_path, monkeypatch):
+    out, diary, log = tmp_path / "out", tmp_path / "diary", tmp_path / "none.csv"
+    resume = Execution(resume=True)
+
+    def learned_again(*names, seed=0):
+        diary.write_text("")
+        written(out, drives(*names), seed=seed, execution=resume, job=Counting(diary))
+        return diary.read_text().split()
+
+    assert learned_again("a", "b") == ["a", "b"]
+    assert learned_again("a", "b", "c") == ["c"]
+    log.write_text("another log")
+    assert learned_again("c", "a") == ["c", "a"]
+    assert learned_again("c", "a") == []
+    assert learned_again("a", seed=1) == ["a"]
+    monkeypatch.setattr("stickslip.fleet.study.versions", lambda: {"stickslip": "another"})
+    assert learned_again("a", seed=1) == ["a"]
+
+
+def test_a_damaged_result_is_learned_again(drives, tmp_path):
+    out, diary = tmp_path / "out", tmp_path / "diary"
+    learn_fleet(drives("a", "b"), out, job=quick)
+    path = out / "drives" / "a" / "learned.json"
+    whole = path.read_bytes()
+    path.write_bytes(whole[:100])
+    learn_fleet(drives("a", "b"), out, execution=Execution(resume=True), job=Counting(diary))
+    assert diary.read_text().split() == ["a"]
+    assert path.read_bytes() == whole
