@@ -78,7 +78,9 @@ def _friction(both: Axes, magnitude: Axes, estimation: Estimation, shown: Parts)
     top = float(np.max(np.abs(v)))
     speed = np.geomspace(1e-4 * top, top, 300)
     curve = stribeck(estimation, np.concatenate([-speed[::-1], speed]))
-    highest = max(np.max(np.abs(curve)), np.quantile(np.abs(friction[steady]), 0.999))
+    highest = max(
+        np.max(np.abs(curve)), np.quantile(np.abs(friction[steady]), 0.999) if steady.any() else 0.0
+    )
     v_scale, scale = velocity_scale(motion, v), force_scale(motion, curve)
     few = spread(len(v), POINTS)
     clouds = (

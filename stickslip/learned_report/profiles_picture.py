@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -56,16 +55,15 @@ def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
     scale = Scale.of(fitted, unit(unit_of(name, rotary=motion == "rotary")))
     if name == "v_s":
         scale = parameter_scale(name, fitted, motion)
-    curve = estimation.profiles.query("parameter == @name")
-    value, deviance = (curve[column].to_numpy(dtype=float) for column in ("value", "deviance"))
-    near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)
-    value, deviance = value[near], deviance[near]
-    low, high = (np.clip(end, value[0], value[-1]) for end in (known.low, known.high))
+    value, deviance = _curve(estimation, name)
+    drawn = _resolved(deviance)
+    ends = (value[0], value[-1]) if drawn else (fitted / FARTHEST, fitted * FARTHEST)
+    low, high = (np.clip(end, *ends) for end in (known.low, known.high))
     axes.axvspan(scale.factor * low, scale.factor * high, color=SHADE, lw=0)
     axes.axhline(LINE_95, color=GREY, lw=0.8, ls=(0, (4, 2)))
     axes.axvline(scale.factor * fitted, color=WITHOUT, lw=0.8)
     axes.set_ylim(-0.3, TOP)
-    if _resolved(curve):
+    if drawn:
         axes.plot(*_smooth(scale.factor * value, deviance, scale.factor * fitted), color=WITH)
         axes.plot(scale.factor * value, deviance, "o", color=WITH, ms=3.0)
     else:
@@ -81,21 +79,25 @@ def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
 
 def unresolved(estimation: Estimation) -> list[str]:
     """Return the parameters whose profile is too steep to be one."""
-    table = estimation.profiles
-    return [name for name in LUGRE if not _resolved(table.query("parameter == @name"))]
+    return [name for name in LUGRE if not _resolved(_curve(estimation, name)[1])]
 
 
-def _resolved(curve: pd.DataFrame) -> bool:
-    """Tell whether a curve is near 1 at one standard error, so that the others did follow.
+def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
+    """Return values and deviances of one parameter, without what is too far away to draw."""
+    fitted = estimation.known[name].value
+    rows = estimation.profiles[estimation.profiles["parameter"] == name]
+    value, deviance = (rows[column].to_numpy(dtype=float) for column in ("value", "deviance"))
+    near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)
+    return value[near], deviance[near]
 
-    Parameters
-    ----------
-    curve : value, deviance of one parameter
-    """
-    deviance = curve["deviance"].to_numpy(dtype=float)
+
+def _resolved(deviance: Array) -> bool:
+    """Tell whether a profile is near 1 at one standard error, so that the others did follow."""
+    if len(deviance) < 3:
+        return False
     fitted = int(np.argmin(deviance))
-    beside = deviance[[k for k in (fitted - 1, fitted + 1) if 0 <= k < len(deviance)]]
-    return bool(np.any(beside < LINE_95))
+    beside = [deviance[k] for k in (fitted - 1, fitted + 1) if 0 <= k < len(deviance)]
+    return bool(min(beside) < LINE_95)
 
 
 def _smooth(value: Array, deviance: Array, fitted: float) -> tuple[Array, Array]:

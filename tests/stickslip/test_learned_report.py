@@ -16,13 +16,14 @@ from stickslip.estimation.figures import Figures
 from stickslip.estimation.fit import Fit
 from stickslip.estimation.start import Start
 from stickslip.estimation.unknowns import NAMES, Unknowns
-from stickslip.learned_report import PICTURES, section_judge, write_estimation_report
+from stickslip.learned_report import PICTURES, section_judge, section_known, write_estimation_report
 from stickslip.learned_report.scales import Scale
 from stickslip.learned_report.thinning import thinned
 from stickslip.parameters import LUGRE, PAPER
 from stickslip.recording import Finding, Recording
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
+from stickslip.report.style import house_style
 
 FINDINGS = (
     Finding("note", "it moves", "84 % of the time"),
@@ -213,6 +214,24 @@ def test_searches_of_several_seeds_are_listed():
     assert "Spread over seeds" in said
     assert "0.0123" in said
     assert "504 candidates in 2 searches" in said
+
+
+def test_pictures_bear_an_estimation_that_knows_nothing():
+    """No sample slides far enough, and no profile has points near the fitted value."""
+    estimation = made(n=2000)
+    known = {
+        name: replace(one, standard_error=np.inf, low=0.0, high=np.inf, visible="not visible")
+        for name, one in estimation.known.items()
+    }
+    far = estimation.profiles.assign(value=[1e9 * k for k in range(len(estimation.profiles))])
+    blind = replace(
+        estimation, known=known, profiles=far, parameters={**VALUES, "sigma_0": 1e-3},
+        errors=dict.fromkeys(VALUES, np.inf),
+    )  # fmt: skip
+    with house_style():
+        for name in ("force", "profiles"):
+            PICTURES[name](blind).draw_without_rendering()
+    assert "≈ 6" in section_known.write(blind)
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():
