@@ -102,7 +102,10 @@ def learn_one(drives: str, seed: int) -> pd.DataFrame:
         estimation = learn(Task(fmus, recording, gains_of(loop), seed=seed))
     seconds = time.perf_counter() - begin
     return pd.DataFrame(_rows(truth, estimation.known)).assign(
-        seed=seed, judge=estimation.judge, seconds=round(seconds, 1)
+        seed=seed,
+        judge=estimation.judge,
+        reason=estimation.reason,
+        seconds=round(seconds, 1),
     )
 
 

@@ -7,6 +7,7 @@ import io
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from stickslip.report.quantity import MEANINGS
 from stickslip.report.style import (
@@ -20,8 +21,8 @@ from stickslip.report.style import (
     new_figure,
 )
 
-CLIPPED = 6.0
-"""Median half-widths up to which errors are drawn."""
+EVEN = 3.0
+"""Median half-widths up to which the axis is linear; beyond it is logarithmic."""
 
 
 def draw(table: pd.DataFrame) -> bytes:
@@ -45,12 +46,17 @@ def _panel(axes: Axes, rows: pd.DataFrame, name: str) -> None:
         100.0 * (rows[column].to_numpy() / truth - 1.0) for column in ("low", "value", "high")
     )
     k, holds = np.arange(1, len(rows) + 1), rows["holds"].to_numpy(dtype=bool)
-    limit = CLIPPED * float(np.median(0.5 * (high - low)))
+    even = EVEN * float(np.median(0.5 * (high - low)))
+    limit = max(even, 1.2 * float(np.max(np.abs([low, high]))))
     axes.axhline(0.0, color=GREY, lw=THIN)
     for part, colour in ((holds, WITH), (~holds, WITHOUT)):
         axes.vlines(k[part], low[part], high[part], color=colour, lw=1.2)
         axes.plot(k[part], value[part], "o", ms=2.0, color=colour)
+    axes.set_yscale("symlog", linthresh=even, linscale=2.0)
     axes.set_ylim(-limit, limit)
+    axes.set_yticks([-limit / 1.2, -even / EVEN, 0.0, even / EVEN, limit / 1.2])
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.2g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
     axes.set_xlim(0.0, len(rows) + 1.0)
     axes.xaxis.get_major_locator().set_params(integer=True)
     said = MEANINGS[name]
