@@ -27,6 +27,7 @@ from stickslip.learned_report import (
 )
 from stickslip.learned_report.parameter_table import parameter_table
 from stickslip.recording import Finding
+from stickslip.report.markup import Html
 from stickslip.report.picture import Picture
 from stickslip.report.sheet import sheet
 from toolchain import write_whole
@@ -43,7 +44,10 @@ PICTURES: dict[str, Callable[[Estimation], Figure]] = {
 
 
 def write_estimation_report(
-    estimation: Estimation, findings: Sequence[Finding], folder: Path
+    estimation: Estimation,
+    findings: Sequence[Finding],
+    folder: Path,
+    further: Sequence[Html] = (),
 ) -> list[Path]:
     """Write parameters.csv, every picture as PNG and SVG, and report.html, which holds them.
 
@@ -53,6 +57,7 @@ def write_estimation_report(
     ----------
     estimation : what was learned
     findings : of reading and checking the log
+    further : sections that follow the first
     folder : is made if it is absent; files of the same names are replaced, each as a whole
 
     Returns
@@ -73,6 +78,7 @@ def write_estimation_report(
     beside = [path.name for path in folder.iterdir()]
     sections = (
         section_known.write(estimation),
+        *further,
         section_judge.write(estimation),
         section_log.write(estimation, findings, pictures),
         section_fit.write(estimation, pictures),
