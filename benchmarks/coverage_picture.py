@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from stickslip.report.quantity import MEANINGS
+from stickslip.report.quantity import MEANINGS, number
 from stickslip.report.style import (
     GREY,
     PAGE,
@@ -54,8 +54,8 @@ def _panel(axes: Axes, rows: pd.DataFrame, name: str) -> None:
         axes.plot(k[part], value[part], "o", ms=2.0, color=colour)
     axes.set_yscale("symlog", linthresh=even, linscale=2.0)
     axes.set_ylim(-limit, limit)
-    axes.set_yticks([-limit / 1.2, -even / EVEN, 0.0, even / EVEN, limit / 1.2])
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.2g}"))
+    axes.set_yticks([-limit / 1.2, -0.6 * even, 0.0, 0.6 * even, limit / 1.2])
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x, 2)))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_xlim(0.0, len(rows) + 1.0)
     axes.xaxis.get_major_locator().set_params(integer=True)
