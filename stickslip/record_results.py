@@ -127,10 +127,10 @@ def _loops(reproduction: RecordReproduction, drawn: Mapping[str, Picture]) -> Ht
 
 def _write_recording(recording: Recording, path: Path) -> None:
     table = {
-        "time_s": recording.t,
-        "position_m": recording.position,
-        "force_N": recording.force,
-        "velocity_command_m/s": recording.velocity_command,
+        "time [s]": recording.t,
+        "position [m]": recording.position,
+        "force [N]": recording.force,
+        "velocity_command [m/s]": recording.velocity_command,
     }
     write_table(pd.DataFrame(table), path)
 
@@ -144,10 +144,10 @@ def _description(reproduction: RecordReproduction) -> str:
         f"encoder_step = {reproduction.estimation.recording.encoder_step!r}",
         "",
         "[columns]",
-        'time = { name = "time_s", unit = "s" }',
-        'position = { name = "position_m", unit = "m" }',
-        'force = { name = "force_N", unit = "N" }',
-        'velocity_command = { name = "velocity_command_m/s", unit = "m/s" }',
+        'time = { name = "time", unit = "s" }',
+        'position = { name = "position", unit = "m" }',
+        'force = { name = "force", unit = "N" }',
+        'velocity_command = { name = "velocity_command", unit = "m/s" }',
         "",
         "[controller]",
         'kind = "PI"',
