@@ -5,8 +5,9 @@ from pathlib import Path
 
 from benchmarks import candidate, container, description, firmware, many_runs, workers
 from benchmarks.coupling import report
+from benchmarks.learning import speed
 
-BENCHMARKS = (report, candidate, container, workers, description, many_runs, firmware)
+BENCHMARKS = (report, candidate, container, workers, description, many_runs, firmware, speed)
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:

@@ -15,6 +15,7 @@ from stickslip.errors import HarmfulError, RecordingError
 from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import estimation_document
+from stickslip.learned_report import write_estimation_report
 from stickslip.loop import build_fmus
 from stickslip.parameters import LUGRE
 from stickslip.recording import Description, Finding, Reading, check_recording, read_recording
@@ -98,7 +99,7 @@ def learn_from_log(
 
 
 def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) -> list[str]:
-    """Write learned.json and, unless it would do harm, compensator.fmu; return warnings.
+    """Write learned.json, report and, if it does no harm, compensator.fmu; return warnings.
 
     Raises
     ------
@@ -112,6 +113,7 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         models.build_fmu("compensator", folder, start=learned.compensator)
     else:
         (folder / "compensator.fmu").unlink(missing_ok=True)
+    write_estimation_report(learned.estimation, learned.findings, folder)
     return warnings
 
 

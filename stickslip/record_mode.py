@@ -102,7 +102,7 @@ def record_drive(rig: Rig) -> tuple[Recording, VelocityLoop]:
         log.F_m,
         velocity_command=v_cmd,
         encoder_step=datasheet.encoder_step,
-        source="recording of the drive",
+        source="drive.fmu",
     )
     return recording, loop
 

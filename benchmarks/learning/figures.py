@@ -16,7 +16,7 @@ def race(path: Path, problems: dict[str, dict[str, np.ndarray]]) -> None:
     figure, all_axes = plt.subplots(
         1, len(problems), figsize=(6.5 * len(problems), 5), layout="constrained", squeeze=False
     )
-    titles = {"measured": "Encoder of 0.4 um", "smooth": "Without encoder and DAC steps"}
+    titles = {"measured": "Encoder of 0.4 µm", "smooth": "Without encoder and DAC steps"}
     for axes, (kind, curves) in zip(all_axes[0], problems.items(), strict=True):
         others = iter(OTHERS)
         for name, costs in curves.items():

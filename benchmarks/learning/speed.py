@@ -38,7 +38,7 @@ def measure(folder: Path, evaluations: int = 100) -> dict[str, float]:
         sealed = cosim.write_fmu(specification.system, folder / "loop.fmu", step=specification.step)
         theirs = _fmpy(sealed, command, specification.step)
     return {
-        "seconds per evaluation, learning": float(np.median(ours)),
+        "ms per evaluation, learning": 1e3 * float(np.median(ours)),
         "learning / fused C loop of the same candidates": float(np.median(ratios)),
         "runs of FMUs alone / fused C loop": float(np.median(kernels)),
         "FMPy's simulate_fmu of the loop in one FMU / learning": theirs / float(np.median(ours)),

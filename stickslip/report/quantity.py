@@ -40,9 +40,9 @@ def number(value: float, digits: int = 4) -> str:
     if value == 0.0:
         return "0"
     exponent = math.floor(math.log10(abs(value)))
-    if not -4 <= exponent <= 6:
+    if _exponent(value):
         mantissa = number(round(value / 10.0**exponent, digits - 1), digits)
-        return f"{mantissa}{SPACE}×{SPACE}10{_superscript(exponent)}"
+        return f"{mantissa}{_power(exponent)}"
     decimals = digits - 1 - exponent
     text = _fixed(value, decimals)
     return text.rstrip("0").rstrip(".") if "." in text else text
@@ -61,9 +61,35 @@ def with_error(value: float, error: float) -> str:
     return f"{_fixed(value, decimals)}{SPACE}±{SPACE}{_fixed(error, decimals)}"
 
 
+def estimated(value: float, error: float) -> str:
+    """Return what ``with_error`` does, with a power of ten for very large and very small values."""
+    size = abs(value)
+    exponent = _exponent(max(size, error) if math.isfinite(error) else size)
+    if not exponent:
+        return with_error(value, error)
+    scale = 10.0**exponent
+    return f"({with_error(value / scale, error / scale)}){_power(exponent)}"
+
+
+def interval(low: float, high: float) -> str:
+    """Return both ends of an interval, e.g. ``5.9969 … 6.0000``.
+
+    Both to the second digit of its half-width, or to three digits where it spans a factor of 10.
+    """
+    if not (0.0 < high - low < math.inf):
+        return "–"
+    if low > 0.0 and high > 10.0 * low:
+        return f"{number(low, 3)} … {number(high, 3)}"
+    exponent = _exponent(max(abs(low), abs(high)))
+    low, high = low / 10.0**exponent, high / 10.0**exponent
+    decimals = 1 - math.floor(math.log10(0.5 * (high - low)))
+    ends = f"{_fixed(low, decimals)} … {_fixed(high, decimals)}"
+    return f"({ends}){_power(exponent)}" if exponent else ends
+
+
 def unit(text: str) -> str:
-    """Return a unit of the FMUs (``N.s/m``) as it is printed (``N s/m``)."""
-    return "" if text == "1" else text.replace(".", "\u00a0")
+    """Return a unit of the FMUs (``N.s/m``, ``kg.m2``) as it is printed (``N s/m``, ``kg m²``)."""
+    return "" if text == "1" else text.replace(".", "\u00a0").replace("m2", "m²")
 
 
 def _fixed(value: float, decimals: int) -> str:
@@ -73,6 +99,18 @@ def _fixed(value: float, decimals: int) -> str:
     if len(whole.lstrip("−")) > 4:
         whole = f"{int(whole.replace('−', '-')):,}".replace(",", SPACE).replace("-", "−")
     return whole + point + rest
+
+
+def _exponent(value: float) -> int:
+    """Return the power of ten to write apart: 0 but for very large and very small values."""
+    if value == 0.0 or not math.isfinite(value):
+        return 0
+    exponent = math.floor(math.log10(abs(value)))
+    return 0 if -4 <= exponent <= 6 else exponent
+
+
+def _power(exponent: int) -> str:
+    return f"{SPACE}×{SPACE}10{_superscript(exponent)}"
 
 
 def _superscript(exponent: int) -> str:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 
-from stickslip.report.markup import Html, element, join, paragraph, table
+from stickslip.report.markup import Html, element, join, paragraph
 from stickslip.report.picture import Picture
+from stickslip.report.versions import made_with
 from stickslip.reproduction import Reproduction
-
-PACKAGES = ("stickslip", "numpy", "scipy", "control", "pandas", "fmpy", "ziglang", "matplotlib")
 
 
 def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
@@ -30,7 +27,6 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
             "stickslip check compensator.fmu",
         )
     )
-    versions = [(name, _version(name)) for name in PACKAGES]
     return element(
         "section",
         element("h2", "Using the results"),
@@ -38,17 +34,5 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         element("ul", join(items, "\n")),
         paragraph("Run the loop, run it with another parameter, and check the FMU:"),
         element("pre", element("code", commands)),
-        table(
-            ("Package", "Version"),
-            [("Python", platform.python_version()), *versions],
-            "Made with",
-            (0, 1),
-        ),
+        made_with(),
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"

@@ -12,11 +12,17 @@ from stickslip.report.section_result import METRICS
 from stickslip.report.shown import figure
 from stickslip.reproduction import Reproduction
 from stickslip.setup import REGION, VALIDATION
+from stickslip.validation import Validation
 
 
 def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
     """Return the section on validation."""
-    frame = reproduction.validation.table()
+    return describe(reproduction.validation, pictures["fig6_tracking"])
+
+
+def describe(validation: Validation, tracking: Picture) -> Html:
+    """Return it for any validation; ``tracking`` is Fig. 6."""
+    frame = validation.table()
     rows = [
         (
             join([f"Motion {row['region']}, ", METRICS[row["metric"]]]),
@@ -54,7 +60,7 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
             f"four measured errors lie within {percent(off)} of the paper’s."
         ),
         figure(
-            pictures["fig6_tracking"],
+            tracking,
             "Velocity and velocity error at motion start and reversal, without and with "
             "compensation",
             join(

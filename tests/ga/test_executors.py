@@ -13,8 +13,8 @@ from ga.judging import DIED
 GENERATIONS = 4
 
 
-def history(cost, executor=None, algorithm="default"):
-    optimiser = ga.optimiser(algorithm, ga.Problem(GENES), ga.Limits(generations=GENERATIONS))
+def history(cost, executor=None):
+    optimiser = ga.optimiser("default", ga.Problem(GENES), ga.Limits(generations=GENERATIONS))
     ga.learn(optimiser, cost, executor)
     return optimiser.history
 
@@ -47,12 +47,11 @@ def apart(request):
     return request.getfixturevalue(request.param)
 
 
-@pytest.mark.parametrize("algorithm", ["default", "cma"])
-def test_serial_threads_processes_and_dask_agree_bit_for_bit(apart, algorithm):
-    serial = history(sometimes_fails, algorithm=algorithm).to_csv()
+def test_serial_threads_processes_and_dask_agree_bit_for_bit(apart):
+    serial = history(sometimes_fails).to_csv()
     with ga.executor("threads", 2) as threads:
-        assert history(sometimes_fails, threads, algorithm).to_csv() == serial
-    assert history(sometimes_fails, apart, algorithm).to_csv() == serial
+        assert history(sometimes_fails, threads).to_csv() == serial
+    assert history(sometimes_fails, apart).to_csv() == serial
 
 
 def test_a_worker_that_dies_takes_no_result_with_it(apart, tmp_path):

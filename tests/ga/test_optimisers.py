@@ -91,7 +91,7 @@ def test_where_each_run_differs_repeating_the_elite_finds_the_better_candidate()
         return quadratic(best.values), best.cost
 
     once, again = [
-        np.median([true_cost_of_best(noisy, seed) for seed in range(20)], axis=0)
+        np.median([true_cost_of_best(noisy, seed) for seed in range(12)], axis=0)
         for noisy in (False, True)
     ]
     assert again[0] < once[0]

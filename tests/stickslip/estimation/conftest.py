@@ -1,0 +1,31 @@
+"""One recording of the paper's drive, learned from once."""
+
+import pytest
+
+from stickslip.estimation import candidate_fmus
+from stickslip.record_mode import reproduce_from_recording
+from stickslip.reproduction import Options
+
+STAGES = []
+
+
+class Quiet:
+    def stage(self, name):
+        STAGES.append(name)
+
+    def generation(self, algorithm):
+        pass
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory):
+    """The record mode on a drive that differs from Table 2, with noise."""
+    truth = {"m": 8.0, "F_c": 4.5, "F_s": 7.0, "sigma_0": 3e5, "v_s": 8e-4, "noise": 1.0}
+    fmus = tmp_path_factory.mktemp("fmus")
+    return reproduce_from_recording(Options(truth=truth), fmus, Quiet())
+
+
+@pytest.fixture(scope="session")
+def candidates():
+    with candidate_fmus() as folder:
+        yield folder

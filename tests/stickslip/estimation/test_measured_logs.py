@@ -1,0 +1,56 @@
+"""Measured logs: the published figures of EMPS, and a tribometer's hysteresis."""
+
+from pathlib import Path
+
+import pytest
+
+from stickslip.commands.learn import print_estimation
+from stickslip.log_learning import learn_from_log
+from stickslip.recording import load_description
+
+ROOT = Path(__file__).resolve().parents[3]
+DATA = ROOT.parent / "shared" / "data"
+EXAMPLES = ROOT / "examples" / "logs"
+
+
+def learned(folder, name, example):
+    path = DATA / folder / name
+    if not path.exists():
+        pytest.skip(f"{path} is not here")
+    return learn_from_log(path, load_description(EXAMPLES / example))
+
+
+@pytest.fixture(scope="module")
+def emps():
+    return learned("emps", "DATA_EMPS.mat", "emps.toml")
+
+
+def test_emps_is_explained_better_than_by_the_published_model(emps):
+    assert emps.estimation.figures.force_unfiltered < 0.0408
+    assert emps.estimation.figures.position <= 0.000138
+
+
+def test_emps_gives_the_published_parameters(emps):
+    """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
+    known = emps.estimation.known
+    assert known["m"].value == pytest.approx(95.1089, rel=0.01)
+    assert known["b"].value == pytest.approx(203.5034, rel=0.02)
+    assert known["F_c"].value == pytest.approx(20.3935, rel=0.01)
+    assert pytest.approx(-3.1648, rel=0.01) == emps.estimation.F_0
+
+
+def test_emps_shows_no_presliding_and_says_so(emps, capsys):
+    for name in ("F_s", "v_s", "sigma_0", "sigma_1"):
+        assert emps.estimation.known[name].visible == "not visible"
+    print_estimation(emps.estimation)
+    said = capsys.readouterr().out
+    assert said.count("not visible in this experiment") == 4
+    assert "stickslip plan --show sigma_0" in said
+
+
+def test_the_hysteresis_of_a_tribometer():
+    estimation = learned("tribometer", "test_data_2.txt", "tribometer.toml").estimation
+    assert estimation.judge == "inverse model"
+    assert estimation.figures.force < 0.2
+    assert estimation.known["sigma_0"].visible != "not visible"
+    assert "sign was turned" in estimation.remarks[0]

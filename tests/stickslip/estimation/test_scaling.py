@@ -1,0 +1,42 @@
+"""A drive in other units is the same drive."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip.estimation.scaling import Scale, scale_of
+from stickslip.recording import Recording
+
+
+def test_equations_hold_in_scaled_units():
+    rng = np.random.default_rng(0)
+    a, v = rng.standard_normal((2, 50))
+    values = {"m": 2e-4, "b": 1e-4, "F_c": 0.02}
+    force = values["m"] * a + values["b"] * v + values["F_c"] * np.sign(v)
+    scale = Scale(1000.0, 0.01)
+    scaled = scale.values(values)
+    again = (
+        scaled["m"] * a * scale.length + scaled["b"] * v * scale.length + scaled["F_c"] * np.sign(v)
+    )
+    np.testing.assert_allclose(again, force * scale.force, rtol=1e-12)
+    assert scale.restored(scaled) == pytest.approx(values)
+
+
+def test_common_drives_are_left_alone_and_others_brought_near():
+    assert scale_of(np.full(9, 30.0), np.full(9, 0.04)) == Scale()
+    scale = scale_of(np.full(9, 0.02), np.full(9, 60.0))
+    assert scale.force * 0.02 == pytest.approx(10.0, rel=3.0)
+    assert 1e-2 < scale.length * 60.0 < 0.2
+    assert np.log10(scale.force) % 1.0 == 0.0
+
+
+def test_a_recording_is_scaled_and_back():
+    t = np.arange(5.0)
+    recording = Recording(t, position=t, force=2 * t, velocity_command=3 * t, encoder_step=0.1)
+    there = Scale(10.0, 100.0).recording(recording)
+    assert there.encoder_step == pytest.approx(10.0)
+    back = Scale(0.1, 0.01).recording(there)
+    np.testing.assert_allclose(back.force, recording.force)
+    np.testing.assert_allclose(back.velocity_command, recording.velocity_command)
+    assert replace(back, position=None).friction is None

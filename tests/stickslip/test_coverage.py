@@ -1,0 +1,36 @@
+"""The benchmark that counts how often intervals hold the truth."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.coverage import _rows, drive
+from benchmarks.coverage_picture import draw
+from stickslip.estimation import Certainty
+from stickslip.parameters import PAPER
+
+
+@pytest.mark.parametrize(("low", "high", "holds"), [(5.9, 6.1, True), (6.0, 6.1, False)])
+def test_an_interval_holds_the_truth_or_not(low, high, holds):
+    known = {"F_c": Certainty(0.5 * (low + high), 0.05, low, high, "well known", "")}
+    (row,) = _rows(PAPER, known)
+    assert row["holds"] is holds
+    assert row["truth"] == PAPER["F_c"]
+
+
+def test_varied_drives_differ_but_for_the_same_seed():
+    drives = [drive("varied", seed) for seed in range(50)]
+    assert drive("same", 3) == PAPER
+    assert drives[7] == drive("varied", 7)
+    for name in ("m", "F_c", "F_s", "sigma_0", "sigma_1"):
+        assert len({one[name] for one in drives}) == len(drives)
+    assert all(one["F_s"] > one["F_c"] > 0.0 for one in drives)
+
+
+def test_the_picture_can_be_drawn_of_one_recording_and_of_many():
+    rows = pd.DataFrame(
+        {"parameter": "F_c", "truth": 6.0, "low": 5.9, "value": 6.0, "high": 6.1, "holds": True},
+        index=range(40),
+    ).assign(holds=np.arange(40) > 0)
+    for table in (rows[:1], rows):
+        assert draw(table).startswith(b"\x89PNG")

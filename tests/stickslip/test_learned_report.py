@@ -1,0 +1,281 @@
+"""The report on one recording: for linear and rotary drives, and where friction was measured."""
+
+import re
+from dataclasses import replace
+from html import unescape
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ga
+from stickslip.estimation import Certainty, Estimation
+from stickslip.estimation.controller_check import ControllerCheck
+from stickslip.estimation.figures import Figures
+from stickslip.estimation.fit import Fit
+from stickslip.estimation.start import Start
+from stickslip.estimation.unknowns import NAMES, Unknowns
+from stickslip.learned_report import PICTURES, section_judge, section_known, write_estimation_report
+from stickslip.learned_report.scales import Scale
+from stickslip.learned_report.thinning import thinned
+from stickslip.parameters import LUGRE, PAPER
+from stickslip.recording import Finding, Recording
+from stickslip.report.picture import Picture
+from stickslip.report.quantity import estimated, interval
+from stickslip.report.style import house_style
+
+FINDINGS = (
+    Finding("note", "it moves", "84 % of the time"),
+    Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),
+)
+KINDS = ("loop", "rotary", "friction")
+VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4}
+
+
+def certainty(name, visible="well known"):
+    value = VALUES[name]
+    error = 0.01 * value
+    said = f"{visible}, +-2 %, said of {name}"
+    return Certainty(value, error, value - 2 * error, value + 2 * error, visible, said)
+
+
+def profile(name, steepness=1.0):
+    points = np.arange(-3.0, 4.0)
+    values = VALUES[name] * np.exp(0.01 * points)
+    return pd.DataFrame({"parameter": name, "value": values, "deviance": steepness * points**2})
+
+
+def algorithm():
+    genes = [ga.Gene(name, 0.1 * PAPER[name], 10 * PAPER[name], PAPER[name]) for name in LUGRE]
+    learning = ga.GeneticAlgorithm(genes, ga.Settings(population=4, generations=1), seed=0)
+    learning.tell(np.arange(float(len(learning.ask()))))
+    return learning
+
+
+def made(kind="loop", n=30_000):
+    """An estimation of a sine, in which F_s is not visible and sigma_1's profile is too steep."""
+    t = np.arange(n) * 5e-4
+    x = 0.02 * np.sin(2.0 * t)
+    v = 0.04 * np.cos(2.0 * t)
+    force = 6.0 * np.sign(v) + 0.3
+    noise = np.random.default_rng(1).normal(0.0, 0.1, n)
+    measured = {"friction": force + noise} if kind == "friction" else {"force": force + noise}
+    recording = Recording(
+        t, x, velocity_command=v, encoder_step=4e-7,
+        motion="rotary" if kind == "rotary" else "linear", source="a & b.csv", **measured,
+    )  # fmt: skip
+    free = np.full(len(NAMES), np.inf)
+    unknowns = Unknowns(100.0, 6.0, 5e-4, np.zeros(9), free, -free, free)
+    fit = Fit(
+        unknowns, unknowns.coordinates(VALUES), noise, np.zeros((n, 9)), 1e-4 * np.eye(9), 0.01
+    )
+    simulated = None if kind == "friction" else x + 3e-7
+    nan = float("nan")
+    loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
+    names = LUGRE if kind == "friction" else PAPER
+    known = {name: certainty(name) for name in names}
+    known["F_s"] = certainty("F_s", "not visible")
+    return Estimation(
+        recording=recording,
+        judge="inverse model" if kind == "friction" else "output error",
+        reason="for a reason < others",
+        start=Start(VALUES, unknowns),
+        fit=fit,
+        known=known,
+        parameters=VALUES,
+        errors={name: 0.01 * value for name, value in VALUES.items()},
+        profiles=pd.concat([profile(name, 100.0 if name == "sigma_1" else 1.0) for name in LUGRE]),
+        searches=pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **PAPER}]),
+        algorithm=algorithm(),
+        figures=Figures(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
+        controller=None if simulated is None else ControllerCheck(force, 6e-4, 1),
+        model_error=0.6,
+        remarks=("the sign was turned",),
+    )
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def written(request, tmp_path_factory):
+    """The kind, its estimation, and a folder with its report."""
+    folder = tmp_path_factory.mktemp("report") / request.param
+    folder.mkdir()
+    (folder / "learned.json").write_text("{}")
+    estimation = made(request.param)
+    files = write_estimation_report(estimation, FINDINGS, folder)
+    assert {path.name for path in folder.iterdir()} == {f.name for f in files} | {"learned.json"}
+    return request.param, estimation, folder
+
+
+def words(folder):
+    """The page's text, without style and markup."""
+    page = (folder / "report.html").read_text(encoding="utf-8").split("</style>")[1]
+    return unescape(re.sub("<[^>]*>", "", page)).replace("\u00a0", " ")
+
+
+def drawn(folder, name):
+    """The words of a picture, which its SVG file keeps as comments beside their outlines."""
+    svg = (folder / f"{name}.svg").read_text(encoding="utf-8")
+    ElementTree.fromstring(svg)  # noqa: S314 - our own file
+    return " ".join(re.findall("<!-- (.*?) -->", svg))
+
+
+def test_every_parameter_appears_with_interval_unit_and_sentence(written):
+    kind, estimation, folder = written
+    table, said = pd.read_csv(folder / "parameters.csv").set_index("parameter"), words(folder)
+    assert list(table.index) == list(estimation.known)
+    for name, known in estimation.known.items():
+        row = table.loc[name]
+        assert [row.value, row.standard_error] == [known.value, known.standard_error]
+        assert (row.low, row.high, row.sentence) == (known.low, known.high, known.sentence)
+        assert known.sentence.replace("+-", "±") in said
+        scale = 1e3 if name == "v_s" else 1.0
+        assert interval(scale * known.low, scale * known.high).replace("\u00a0", " ") in said
+    assert table.unit["F_c"] == ("N.m" if kind == "rotary" else "N")
+    assert ("kg m²" in said) == (kind == "rotary")
+    assert ("mrad/s" if kind == "rotary" else "mm/s") in said
+
+
+def test_the_page_names_judge_reason_and_errors(written):
+    kind, estimation, folder = written
+    said = words(folder)
+    assert f"Judged by the {estimation.judge}: {estimation.reason}." in said
+    assert "12.3 %" in said
+    assert ("0.015 %" in said) == (kind != "friction")
+    assert "nan" not in said.lower()
+
+
+def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
+    kind, _, folder = written
+    said = words(folder)
+    assert re.search(r"Not visible: Fs\.", said)
+    assert re.search(r"Well known: [^.]*Fs", said) is None
+    assert "≈ 9" in said
+    motion = " --motion rotary" if kind == "rotary" else ""
+    assert f"stickslip plan --show F_s{motion}" in said
+
+
+def test_findings_stand_on_the_page_warnings_first(written):
+    said = words(written[2])
+    for finding in FINDINGS:
+        assert finding.what in said
+        assert finding.figure in said
+        assert finding.advice in said
+    assert "the sign was turned" in said
+    assert said.index(FINDINGS[1].what) < said.index(FINDINGS[0].what)
+
+
+def test_the_page_names_only_files_that_are_there(written):
+    said = words(written[2])
+    assert "learned.json:" in said
+    assert "compensator.fmu:" not in said
+
+
+def test_the_page_holds_its_pictures_and_needs_nothing_else(written):
+    page = (written[2] / "report.html").read_text(encoding="utf-8")
+    sources = re.findall(r'(?:src|href)="([^"]*)"', page)
+    assert len(sources) == len(PICTURES)
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
+    assert len(page) < 1_500_000
+
+
+def test_pictures_show_units_of_the_drive(written):
+    kind, _, folder = written
+    force, length = ("N m", "mrad") if kind == "rotary" else ("N", "mm")
+    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in PICTURES}
+    assert f"[{length}]" in texts["recording"]
+    assert f"[{force}]" in texts["recording"]
+    assert f"[{force}]" in texts["force"]
+    assert "relative error 12.3 %" in texts["force"].replace("\u00a0", " ")
+    assert ("Hysteresis" in texts["force"]) == (kind == "friction")
+    assert ("one step of the encoder" in texts["residual"]) == (kind != "friction")
+    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in PICTURES)
+
+
+def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
+    texts, said = drawn(written[2], "profiles"), words(written[2])
+    assert texts.count("profile not resolved") == 1
+    assert "Not drawn for σ1" in said
+
+
+@pytest.mark.parametrize("written", ["loop"], indirect=True)
+@pytest.mark.parametrize("name", ["force", "profiles"])
+def test_the_same_estimation_gives_the_same_bytes(written, name):
+    kind, _, folder = written
+    again = Picture.of(PICTURES[name], made(kind))
+    assert (folder / f"{name}.svg").read_bytes() == again.svg
+    assert (folder / f"{name}.png").read_bytes() == again.png
+
+
+def test_searches_of_several_seeds_are_listed():
+    estimation = made("friction", n=2000)
+    rows = pd.concat([estimation.searches, estimation.searches.assign(seed=7, cost=0.0123)])
+    said = section_judge.write(replace(estimation, searches=rows))
+    assert "Spread over seeds" in said
+    assert "0.0123" in said
+    assert "504 candidates in 2 searches" in said
+
+
+def test_pictures_bear_an_estimation_that_knows_nothing():
+    """No sample slides far enough, and no profile has points near the fitted value."""
+    estimation = made(n=2000)
+    known = {
+        name: replace(one, standard_error=np.inf, low=0.0, high=np.inf, visible="not visible")
+        for name, one in estimation.known.items()
+    }
+    far = estimation.profiles.assign(value=[1e9 * k for k in range(len(estimation.profiles))])
+    blind = replace(
+        estimation, known=known, profiles=far, parameters={**VALUES, "sigma_0": 1e-3},
+        errors=dict.fromkeys(VALUES, np.inf),
+    )  # fmt: skip
+    with house_style():
+        for name in ("force", "profiles"):
+            PICTURES[name](blind).draw_without_rendering()
+    assert "≈ 6" in section_known.write(blind)
+
+
+def test_a_thinned_signal_keeps_its_extremes_and_its_order():
+    t = np.arange(100_000) * 1e-3
+    signal = np.random.default_rng(2).normal(size=len(t))
+    signal[777], signal[55_555] = 9.0, -9.0
+    fewer, shown = thinned(t, signal, columns=50)
+    assert len(fewer) <= 100
+    assert (shown.min(), shown.max()) == (-9.0, 9.0)
+    assert np.all(np.diff(fewer) > 0.0)
+    assert np.array_equal(np.interp(fewer, t, signal), shown)
+
+
+@pytest.mark.parametrize("exponent", range(-8, 6))
+def test_a_prefix_leaves_the_value_as_it_is(exponent):
+    size = 4.2 * 10.0**exponent
+    scale = Scale.of(size, "N")
+    prefix = {"k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}[scale.unit.removesuffix("N")]
+    assert scale.factor * prefix == pytest.approx(1.0)
+    assert 1.0 <= scale.factor * size < 1000.0
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [
+        (5.996885, 6.000049, "5.9969 … 6.0000"),
+        (391117.5, 391968.7, "391 120 … 391 970"),
+        (-0.2, 0.3, "−0.20 … 0.30"),
+        (4230.0, 1.34e9, "4230 … 1.34 × 10⁹"),
+        (1.2e-5, 1.4e-5, "(1.20 … 1.40) × 10⁻⁵"),
+        (1.0, float("inf"), "–"),
+    ],
+)
+def test_intervals_have_as_many_digits_as_their_width_allows(low, high, said):
+    assert interval(low, high).replace("\u00a0", " ") == said
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "said"),
+    [
+        (5.99669, 0.00154, "5.9967 ± 0.0015"),
+        (3.21e-5, 1.2e-7, "(3.210 ± 0.012) × 10⁻⁵"),
+        (-1e-9, 0.016, "−0.000 ± 0.016"),
+    ],
+)
+def test_small_values_get_a_power_of_ten(value, error, said):
+    assert estimated(value, error).replace("\u00a0", " ") == said
