@@ -27,6 +27,8 @@ POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 2
 LOOSE = 0.5
 """Standard error of a coordinate beyond which it stays where it is while others are profiled."""
+AT_BOUND = 1e-6
+"""A coordinate so near to a bound stays there, too."""
 
 REMEDY = {
     "F_s": "slow reversals",
@@ -130,6 +132,7 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
     u = fitted.unknowns
     inverse = inverse_information(fitted.jacobian, fitted.noise, u)
     loose = np.sqrt(np.diag(inverse)) > LOOSE
+    loose |= np.minimum(fitted.q - u.lower, u.upper - fitted.q) < AT_BOUND
     jacobian = np.where(loose, 0.0, fitted.jacobian)
     frozen = inverse_information(jacobian, fitted.noise, u)
     frozen[loose], frozen[:, loose] = 0.0, 0.0
@@ -144,25 +147,29 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
         direction = np.zeros(len(NAMES))
         direction[NAMES.index(name)] = 1.0
         direction[1] = 1.0 if name in ("F_s", "F_c") else 0.0
-        free = inverse if loose[NAMES.index(name)] else frozen
-        plain = float(np.sqrt(direction @ free @ direction))
+        index = NAMES.index(name)
+        held = bool(loose[index])  # itself alone, as the others do not depend on it
+        plain = float(np.sqrt(direction @ (inverse if held else frozen) @ direction))
         relative = max(errors[name] / fitted.parameters[name], 1e-12)
         rows.append((name, fitted.parameters[name], 0.0))
         for point in POINTS:
             wanted = float(direction @ fitted.q) + point * relative
             q = fitted.q.copy()
+            if held:
+                q[index] = np.clip(q[index] + point * relative, u.lower[index], u.upper[index])
             losses = []
             for _ in range(PASSES + 1):
                 rest = residual(u.values(q))
                 gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
-                step = -free @ gradient
-                missing = wanted - direction @ (q + step)
-                step += free @ direction * missing / plain**2
+                step = -frozen @ gradient
+                if not held:
+                    missing = wanted - direction @ (q + step)
+                    step += frozen @ direction * missing / plain**2
                 q = np.clip(q + step, u.lower, u.upper)
                 losses.append(loss(residual(u.values(q)), q))
             # In the units of the standard error, which knows of correlation.
             scale = (plain / relative) ** 2
-            held = fitted.parameters[name] * float(np.exp(point * relative))
-            rows.append((name, held, max((min(losses) - least) * scale, 0.0)))
+            value = fitted.parameters[name] * float(np.exp(point * relative))
+            rows.append((name, value, max((min(losses) - least) * scale, 0.0)))
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
     return table.sort_values(["parameter", "value"], ignore_index=True)

@@ -11,9 +11,11 @@ import numpy as np
 import cosim
 from stickslip.estimation.known_loop import NO_LIMIT
 from stickslip.estimation.motion import position_of
-from stickslip.measurement import Array
+from stickslip.measurement import Array, smoothed
 from stickslip.recording import Recording
 
+SHARE = 1.0 / 50.0
+"""Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
 
 
@@ -24,8 +26,8 @@ class ControllerCheck:
     Attributes
     ----------
     force : (n,) that it commands, each value held from its sample on [N]
-    error : root mean square of logged without commanded force, relative to the logged one; NaN
-        where no force was logged
+    error : root mean square of logged without commanded force, relative to the logged one, both
+        low-passed; NaN where no force was logged
     shift : samples by which the log shows a command late
     """
 
@@ -56,9 +58,13 @@ def check_controller(
     if recording.force is None:
         return ControllerCheck(commanded, float("nan"), 0)
     n = len(commanded) - max(SHIFTS)
-    size = float(np.linalg.norm(recording.force)) or 1.0
+
+    def slow(force: Array) -> Array:
+        return smoothed(force, recording.T_s, SHARE / recording.T_s)
+
+    size = float(np.linalg.norm(slow(recording.force))) or 1.0
     errors = [
-        float(np.linalg.norm(recording.force[shift : shift + n] - commanded[:n])) / size
+        float(np.linalg.norm(slow(recording.force[shift : shift + n] - commanded[:n]))) / size
         for shift in SHIFTS
     ]
     best = int(np.argmin(errors))
