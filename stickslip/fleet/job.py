@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from cosim.control import ControlError, VelocityLoop, design_velocity_loop
 from stickslip.errors import StickslipError
 from stickslip.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.learned import estimation_document
 from stickslip.log_learning import learn_from_log
@@ -76,11 +77,12 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
 
 
 def _designed(estimation: Estimation) -> VelocityLoop | None:
-    """Return the paper's velocity loop around a learned axis, None where there can be none."""
-    known = estimation.known
-    axis = Datasheet().axis(known["m"].value, max(known["b"].value, 0.0))
+    """Return the loop that record mode designs around a learned axis, None if there can be none."""
+    known, sheet = estimation.known, Datasheet()
+    axis = sheet.axis(known["m"].value, max(known["b"].value, 0.0))
     try:
-        return design_velocity_loop(axis, LOOP)
+        plain = design_velocity_loop(axis, LOOP)
+        return with_inertia(with_velocity_filter(plain, sheet, known["F_c"].value))
     except ControlError:
         return None
 

@@ -42,7 +42,7 @@ def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, ca
     assert files(tmp_path / "processes") == results
     assert files(tmp_path / "dask") == results
     rows = pd.read_csv(tmp_path / "here" / "fleet.csv").set_index(["name", "parameter"])
-    assert rows["value"]["good", "m"] == pytest.approx(8.0, rel=0.02)
+    assert rows["value"]["good", "m"] == pytest.approx(8.0, rel=0.05)  # 2 s at 1 kHz
     assert rows["value"]["good", "F_c"] == pytest.approx(4.0, rel=0.05)
     assert rows["low"]["good", "m"] < rows["value"]["good", "m"] < rows["high"]["good", "m"]
     assert rows["unit"]["good", "F_c"] == "N"
