@@ -8,6 +8,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from threadpoolctl import threadpool_limits
+
 import cosim
 import ga
 import models
@@ -57,7 +59,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
     options = _parser().parse_args(arguments)
     try:
-        status = options.run(options)
+        # One thread, so that results do not depend on how many the linear algebra would take.
+        with threadpool_limits(limits=1, user_api="blas"):
+            status = options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -130,5 +130,7 @@ class ImpliedCost:
         """Judge the recorded ``compensator.F_f``."""
         friction = smoothed(result["compensator.F_f"], self.T_s, self.cutoff)
         rest = self.target - friction
-        rest -= self.basis @ (self.basis.T @ rest)
-        return float(rest @ rest)
+        # No linear algebra: its sums depend on its threads, in which workers differ.
+        for direction in self.basis.T:
+            rest = rest - direction * np.sum(direction * rest)
+        return float(np.sum(rest * rest))

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 import ga
 from stickslip.estimation.certainty import NOT_VISIBLE, certainty, profiles
@@ -59,7 +60,9 @@ def learn(
     scale = _scale(task.recording)
     gains = None if task.gains is None else scale.values(task.gains)
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
-    estimation = _learn(scaled, on_stage, on_generation)
+    # Sums that are split over threads round differently, and a search makes more of that.
+    with threadpool_limits(limits=1, user_api="blas"):
+        estimation = _learn(scaled, on_stage, on_generation)
     return restored(estimation, scale)
 
 
