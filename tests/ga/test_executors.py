@@ -28,6 +28,7 @@ def processes():
 @pytest.fixture(scope="module")
 def cluster():
     dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")  # its defaults would go with ours, if they came after
     with (
         dask.config.set(
             {
