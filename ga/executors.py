@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -96,6 +97,10 @@ class Processes(Executor):
                 self._pool = self._made()
                 return self._pool.submit(fn, *args, **kwargs)
 
+    def packed(self, function: object) -> bytes:
+        """Return a function as bytes that a process unpickles."""
+        return pickle.dumps(function)
+
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes."""
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
@@ -151,6 +156,11 @@ class DaskWorkers(Executor):
         """Run a function on one of the workers."""
         future: Future[T] = self._executor.submit(fn, *args, **kwargs)
         return future
+
+    def packed(self, function: object) -> bytes:
+        """Return a function as bytes that a worker unpickles, even one of a notebook."""
+        content: bytes = import_module("cloudpickle").dumps(function)
+        return content
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Let go of the workers, which go on without us."""

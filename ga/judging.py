@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,11 +50,13 @@ def judge_all(
     """
     if executor is None:
         return judge(evaluate, population, begins)
+    packed = getattr(executor, "packed", None)
+    sent: Evaluate | Packed = evaluate if packed is None else Packed(packed(evaluate))
     parts = np.array_split(
         population, min(getattr(executor, "parts", len(population)), len(population))
     )
     futures = [
-        executor.submit(judge, evaluate, part, begins and index == 0)
+        executor.submit(judge, sent, part, begins and index == 0)
         for index, part in enumerate(parts)
     ]
     try:
@@ -63,13 +67,37 @@ def judge_all(
         for future in futures:
             future.cancel()
     return [
-        _judge_alone(evaluate, row, executor, begins and index == 0) if outcome is None else outcome
+        _judge_alone(sent, row, executor, begins and index == 0) if outcome is None else outcome
         for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
     ]
 
 
-def judge(evaluate: Evaluate, rows: Array, begins: bool) -> list[Outcome]:
+@dataclass(frozen=True)
+class Packed:
+    """A cost on its way to another process, where it is unpacked once and not for each task.
+
+    Attributes
+    ----------
+    content : of `pickle`; unpacking a system of FMUs takes as long as running a candidate
+    """
+
+    content: bytes
+
+    def unpacked(self) -> Evaluate:
+        """Return the cost, which stays for the next task."""
+        if self.content not in _unpacked:
+            _unpacked.clear()
+            _unpacked[self.content] = pickle.loads(self.content)  # noqa: S301 - of our own making
+        return _unpacked[self.content]
+
+
+_unpacked: dict[bytes, Evaluate] = {}
+
+
+def judge(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> list[Outcome]:
     """Return cost and reason of rows (n, k), one after the other; runs where the worker is."""
+    if isinstance(evaluate, Packed):
+        evaluate = evaluate.unpacked()
     return [_judge_one(evaluate, row, begins and index == 0) for index, row in enumerate(rows)]
 
 
@@ -86,7 +114,9 @@ def _judge_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
         return float("inf"), f"{type(error).__name__}: {error}"
 
 
-def _judge_alone(evaluate: Evaluate, row: Array, executor: Executor, begins: bool) -> Outcome:
+def _judge_alone(
+    evaluate: Evaluate | Packed, row: Array, executor: Executor, begins: bool
+) -> Outcome:
     for _ in range(ALONE):
         future = executor.submit(judge, evaluate, row[np.newaxis], begins)
         outcomes = _received(future)
