@@ -15,8 +15,10 @@ from stickslip.refinement import refine
 from stickslip.setup import LOOP, TRAINING
 
 SOURCES = Path(stickslip.__file__).parent
-BLIND = sorted((SOURCES / "identification").glob("*.py")) + [
-    SOURCES / name for name in ("learning.py", "refinement.py", "rig.py")
+BLIND = [
+    *sorted((SOURCES / "identification").glob("*.py")),
+    *sorted((SOURCES / "estimation").glob("*.py")),
+    *(SOURCES / name for name in ("learning.py", "refinement.py", "rig.py")),
 ]
 SETTINGS = ga.Settings(generations=3)
 
@@ -75,7 +77,7 @@ def test_only_measurements_are_recorded_and_no_parameter_of_the_drive_is_set(mak
         assert not [name for name in specification.system.parameters if name.startswith("drive.")]
 
 
-@pytest.mark.parametrize("source", BLIND, ids=lambda path: path.name)
+@pytest.mark.parametrize("source", BLIND, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_their_sources_name_no_truth(source):
     named = set(re.findall(r"drive\.(\w+)", source.read_text(encoding="utf-8")))
     assert named <= {"x_enc", "F_m", "u", "fmu"}
