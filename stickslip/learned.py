@@ -81,6 +81,7 @@ def estimation_document(
         },
         "evaluations": int(estimation.searches["evaluations"].sum()),
         "seed": seed,
+        "spread_over_searches": estimation.spread(),
     }
     if loop is not None:
         document |= {

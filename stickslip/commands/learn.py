@@ -123,6 +123,11 @@ def print_estimation(estimation: Estimation) -> None:
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} of the force, beyond the log's own")
+    if len(estimation.searches) > 1:
+        said = ", ".join(
+            f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()
+        )
+        print(f"spread over {len(estimation.searches)} searches: {said}")
     for name, value in estimation.figures.errors().items():
         if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 import pandas as pd
 
 import ga
@@ -81,6 +82,15 @@ class Estimation:
     model_error: float
     gains: Mapping[str, float] | None = None
     remarks: tuple[str, ...] = ()
+
+    def spread(self) -> dict[str, float]:
+        """Return the largest relative difference between searches by parameter; 0 for one search.
+
+        It is of the fits that finish the searches, by the inverse model: what differs there shows
+        valleys beside each other, where standard errors know of one only.
+        """
+        values = self.searches[list(SOUGHT)]
+        return {name: float(np.ptp(values[name]) / values[name].abs().max()) for name in self.known}
 
     @property
     def F_0(self) -> float:  # noqa: N802 - the symbol
