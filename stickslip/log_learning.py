@@ -127,8 +127,8 @@ def _guarded(learned: LogLearning) -> tuple[list[str], bool]:
     ]
     if learned.loop is None:
         said.append(
-            "no velocity loop is known, so whether the compensator helps is not checked; give the "
-            "controller's gains"
+            "no stable velocity loop is known, so whether the compensator helps is unchecked; give "
+            "the gains of a controller of velocity, or a cascade"
         )
         return said, True
     with candidate_fmus() as fmus:

@@ -192,9 +192,10 @@ def close_velocity_loop(
         When the closed loop is unstable, or the filter has another sample period.
     """
     # I+ = I + T_s K_i e,  u = K_p e + I+
-    controller = control.ss(
-        1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, name="controller", inputs="e", outputs="u_pi"
-    )
+    names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
+    controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
+    if K_i == 0.0:  # no integrator, whose pole would stay at 1
+        controller = control.ss([], [], [], K_p, T_s, **names)
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
     plant, estimator = plant_and_estimator(axis, T_s, tau_f, velocity_filter)
     told = [] if velocity_filter is None else known_force(velocity_filter)

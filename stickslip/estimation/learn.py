@@ -148,6 +148,7 @@ def _search(
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
         found = fit(inverse, start.unknowns, start.unknowns.coordinates(values))
+        found = _without_stribeck(inverse, found)
         fits.append(found)
         algorithms.append(algorithm)
         rows.append(
@@ -164,7 +165,7 @@ def _search(
             if own is not None:
                 own.unlink(missing_ok=True)
     best = int(np.argmin([found.noise for found in fits]))
-    return _without_stribeck(inverse, fits[best]), pd.DataFrame(rows), algorithms[best]
+    return fits[best], pd.DataFrame(rows), algorithms[best]
 
 
 def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:

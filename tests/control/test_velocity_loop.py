@@ -208,3 +208,10 @@ def test_specification_out_of_range(change, message):
 def test_axis_out_of_range(change, message):
     with pytest.raises(ControlError, match=message):
         dataclasses.replace(Axis(5.557, 6.6135), **change)
+
+
+def test_a_proportional_loop_leaves_what_friction_takes():
+    """Without an integrator a standing command v_cmd ends at K_p / (K_p + b) of it."""
+    loop = close_velocity_loop(Axis(5.0, 100.0), 1e-3, 0.0, 400.0, 0.0)
+    _, velocity = loop.step_response(0.5)
+    assert velocity[-1] == pytest.approx(400.0 / 500.0, rel=1e-6)
