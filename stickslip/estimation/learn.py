@@ -34,6 +34,8 @@ from stickslip.recording import Recording
 
 MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
+CURVE = ("F_s", "F_c", "v_s")
+STEEPER = 0.5
 WHITENINGS = 2
 WORTH = 1.1
 """By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
@@ -147,8 +149,7 @@ def _search(
     for seed in range(task.seed, task.seed + task.seeds):
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
-        found = fit(inverse, start.unknowns, start.unknowns.coordinates(values))
-        found = _without_stribeck(inverse, found)
+        found = _without_stribeck(inverse, _best_fit(inverse, start, values))
         fits.append(found)
         algorithms.append(algorithm)
         rows.append(
@@ -178,6 +179,18 @@ def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
         return recording, ()
     turned = replace(recording, friction=-recording.friction)
     return turned, ("the friction logged does work on the motion: its sign was turned",)
+
+
+def _best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
+    """Fit from where a search ended, and from a usual Stribeck curve there; return the better.
+
+    A curve that falls over the whole range of speeds, with friction that rises in place of it, is a
+    valley of its own, where searches end now and then.
+    """
+    usual = {**values, **{name: start.line[name] for name in ("m", "b", "F_0", *CURVE)}}
+    usual["v_s"] *= STEEPER
+    fits = [fit(inverse, start.unknowns, start.unknowns.coordinates(at)) for at in (values, usual)]
+    return min(fits, key=lambda found: found.noise)
 
 
 def _of_seed(task: Task, seed: int) -> Search:

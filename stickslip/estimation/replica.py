@@ -71,7 +71,6 @@ def correct(
     unknowns, step = fitted.unknowns, recording.encoder_step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
-    found = _rms(judge.raw(fitted.parameters)[judge.used])
     at = fitted
     with KnownLoop(fmus, recording, gains, encoder=True) as loop:
         for _ in range(ROUNDS):
@@ -82,6 +81,7 @@ def correct(
             at = linearised(judge, unknowns, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
     expected = max(_rms(raw[judge.used]) for raw in raws)
+    found = _rms(judge.raw(at.parameters)[judge.used])
     mean = judge.white(raws.mean(axis=0))
     corrected = replace(at, covariance=spread)
     bias = fitted.q - at.q
