@@ -90,11 +90,11 @@ def _learn(
             recording = replace(recording, force=check.force)
     recording, remarks = _against_motion(recording)
     task = replace(task, recording=recording)
+    judge, reason = choose(task, check)
     with InverseModel(task.fmus, recording) as inverse:
         start = begin(inverse, recording)
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
-        judge, reason = choose(task, check)
         corrected = None
         if judge == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")

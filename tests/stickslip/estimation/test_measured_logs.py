@@ -4,8 +4,11 @@ from pathlib import Path
 
 import pytest
 
+import cosim
 from stickslip.commands.learn import print_estimation
-from stickslip.log_learning import learn_from_log
+from stickslip.errors import HarmfulError
+from stickslip.learned import read_learned
+from stickslip.log_learning import learn_from_log, write_learned
 from stickslip.recording import load_description
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -46,6 +49,29 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     said = capsys.readouterr().out
     assert said.count("not visible in this experiment") == 4
     assert "stickslip plan --show sigma_0" in said
+
+
+def test_what_was_learned_is_written_and_read(emps, tmp_path):
+    warnings = write_learned(emps, tmp_path)
+    assert read_learned(tmp_path / "learned.json") == pytest.approx(emps.compensator)
+    assert sum("the compensator's value is a guess" in warning for warning in warnings) == 4
+    assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
+        emps.compensator["F_c"]
+    )
+    assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path, monkeypatch):
+    def refuse(_):
+        raise HarmfulError("it makes the error worse")
+
+    monkeypatch.setattr("stickslip.log_learning.refuse_worse", refuse)
+    (tmp_path / "compensator.fmu").write_text("an older one")
+    warnings = write_learned(emps, tmp_path)
+    assert not (tmp_path / "compensator.fmu").exists()
+    assert "compensator.fmu is not written: it makes the error worse" in warnings
+    write_learned(emps, tmp_path, force=True)
+    assert (tmp_path / "compensator.fmu").exists()
 
 
 def test_the_hysteresis_of_a_tribometer():
