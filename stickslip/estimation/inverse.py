@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
 import cosim
+from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import SmoothMotion, measured_force, position_of, smooth_motion
 from stickslip.estimation.unknowns import Values
 from stickslip.measurement import Array, smoothed
@@ -37,7 +36,7 @@ def implied_friction(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
     )
 
 
-class InverseModel:
+class InverseModel(Closing):
     """Judges values by the force that they imply.
 
     Parameters
@@ -90,17 +89,6 @@ class InverseModel:
     def close(self) -> None:
         """Free the FMU."""
         self._simulation.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
 import cosim
+from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import position_of
 from stickslip.estimation.unknowns import SOUGHT, Values
 from stickslip.measurement import Array
@@ -23,7 +22,7 @@ SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
 NO_LIMIT = 1e9  # [N]
 
 
-class KnownLoop:
+class KnownLoop(Closing):
     """The experiment of a recording, to be run again.
 
     Parameters
@@ -86,17 +85,6 @@ class KnownLoop:
     def close(self) -> None:
         """Free the FMUs."""
         self._simulation.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def candidate(values: Values) -> dict[str, float]:

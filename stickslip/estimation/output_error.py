@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
+from stickslip.estimation.closing import Closing
 from stickslip.estimation.known_loop import KnownLoop
 from stickslip.estimation.motion import position_of
 from stickslip.estimation.unknowns import Values
@@ -22,7 +21,7 @@ BURN_IN = 0.005
 """Share of the recording at its begin that does not count: the controller's state is unknown."""
 
 
-class OutputError:
+class OutputError(Closing):
     """Judges values by the position that follows from the recorded command.
 
     Residuals can be whitened: the encoder's errors went around the loop, and what is left of them
@@ -60,17 +59,6 @@ class OutputError:
     def close(self) -> None:
         """Free the FMUs."""
         self.loop.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def predictor_error(signal: Array, order: int) -> Array:
