@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -131,9 +132,9 @@ def _guarded(learned: LogLearning) -> tuple[list[str], bool]:
             "the gains of a controller of velocity, or a cascade"
         )
         return said, True
-    with candidate_fmus() as fmus:
-        build_fmus(fmus, {})
-        trial = _trial(learned, learned.loop, fmus)
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        build_fmus(Path(folder), {})
+        trial = _trial(learned, learned.loop, Path(folder))
         errors = {
             name: learned.estimation.known[name].standard_error
             for name in LUGRE

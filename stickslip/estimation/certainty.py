@@ -24,7 +24,7 @@ NOT_VISIBLE = "not visible"
 MUTE = 0.5
 """Share of what was expected beforehand that may be left of the doubt, if a recording speaks."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
-PASSES = 2
+PASSES = 3
 LOOSE = 0.5
 """Standard error of a coordinate beyond which it stays where it is while others are profiled."""
 AT_BOUND = 1e-6
@@ -108,7 +108,7 @@ def _mute(name: str, fitted: Fit) -> bool:
             fitted.q[index] - fitted.unknowns.lower[index],
             fitted.unknowns.upper[index] - fitted.q[index],
         )
-        < 1e-6
+        < AT_BOUND
     )
     return bool(at_bound) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
 
@@ -116,8 +116,9 @@ def _mute(name: str, fitted: Fit) -> bool:
 def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -> pd.DataFrame:
     """Return the profile likelihoods of LuGre's five.
 
-    Each point holds one parameter and lets the others follow by two Gauss steps with the Jacobian
-    of the fit; where that is not enough the curve lies above the true profile.
+    Each point holds one parameter and lets the others follow by three Gauss steps with the Jacobian
+    of the fit; where that is not enough the curve lies above the true profile. Where a bound keeps
+    the parameter from a value there is no point.
 
     Parameters
     ----------
@@ -158,7 +159,7 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
             if held:
                 q[index] = np.clip(q[index] + point * relative, u.lower[index], u.upper[index])
             losses = []
-            for _ in range(PASSES + 1):
+            for _ in range(PASSES):
                 rest = residual(u.values(q))
                 gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
                 step = -frozen @ gradient
@@ -167,6 +168,8 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
                     step += frozen @ direction * missing / plain**2
                 q = np.clip(q + step, u.lower, u.upper)
                 losses.append(loss(residual(u.values(q)), q))
+            if abs(float(direction @ q) - wanted) > AT_BOUND + 1e-3 * abs(point) * relative:
+                continue
             # In the units of the standard error, which knows of correlation.
             scale = (plain / relative) ** 2
             value = fitted.parameters[name] * float(np.exp(point * relative))

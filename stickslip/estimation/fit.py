@@ -23,11 +23,10 @@ class Judge(Protocol):
     """Compares values with a recording."""
 
     name: str
-    unit: str
     used: slice
 
     def residual(self, values: Values) -> Array:
-        """Return what values leave unexplained (k,), in `unit`."""
+        """Return what values leave unexplained (k,)."""
 
 
 @dataclass(frozen=True)

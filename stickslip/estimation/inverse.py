@@ -47,8 +47,6 @@ class InverseModel(Closing):
     """
 
     name = "inverse model"
-    unit = "N"
-    drawn = "force"
 
     def __init__(self, fmus: Path, recording: Recording, cutoff: float | None = None) -> None:
         self.T_s = recording.T_s

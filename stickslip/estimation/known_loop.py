@@ -78,10 +78,6 @@ class KnownLoop(Closing):
         parameters = {**candidate(values), **(further or {})}
         return self._simulation.run(parameters, {**self._inputs, "F_ff": -values["F_0"]})
 
-    def inputs(self, F_0: float) -> dict[str, Array | float]:
-        """Return the inputs of the system, for a constant force against the motor [N]."""
-        return {**self._inputs, "F_ff": -F_0}
-
     def close(self) -> None:
         """Free the FMUs."""
         self._simulation.close()

@@ -29,8 +29,6 @@ class OutputError(Closing):
     """
 
     name = "output error"
-    unit = "m"
-    drawn = "position"
 
     def __init__(self, fmus: Path, recording: Recording, gains: Mapping[str, float]) -> None:
         self.t = recording.t

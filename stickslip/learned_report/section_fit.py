@@ -90,6 +90,6 @@ def _profiles(estimation: Estimation) -> Html:
         [
             f"{said} Not drawn for ",
             listed,
-            ": the others could not follow, so the curve would be too steep.",
+            ": a bound, or that the others could not follow, leaves no curve.",
         ]
     )

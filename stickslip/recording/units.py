@@ -54,9 +54,6 @@ QUANTITIES: dict[Motion, dict[str, str]] = {
 
 _CASE_COUNTS = frozenset({"force", "torque", "current", "voltage"})
 
-NEED_SCALE = frozenset({"current", "voltage", "number"})
-"""Quantities that say nothing without a scale."""
-
 
 @dataclass(frozen=True)
 class Unit:

@@ -151,11 +151,11 @@ def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, ca
     expected = pd.read_csv(results / "table4.csv")
     assert same["with"].to_numpy() == pytest.approx(expected["with"].to_numpy(), rel=1e-12)
     assert (
-        main(["validate", "--parameters", learned, "--out", str(tmp_path), "--set", "drive.F_c=4"])
+        main(["validate", "--parameters", learned, "--out", str(tmp_path), "--set", "drive.F_c=3"])
         == 0
     )
     other = pd.read_csv(tmp_path / "table4.csv")
-    assert (other["with"] > 2 * expected["with"]).all()  # the wrong friction is compensated
+    assert (other["with"] > 3 * expected["with"]).all()  # the wrong friction is compensated
     assert "E_rms" in capsys.readouterr().out
 
 
