@@ -1,0 +1,50 @@
+"""Whatever is fed ends in one line that says what is wrong; nothing stays behind."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+import warnings
+from pathlib import Path
+
+import pytest
+
+from benchmarks.hostile import CASES, GROUPS, Case
+from stickslip.cli import main
+
+
+def litter(*folders: Path) -> set[Path]:
+    """Return what must not grow: temporary files, and half-unpacked archives in the cache."""
+    temporary = Path(tempfile.gettempdir())
+    found = {p for p in temporary.iterdir() if not p.name.startswith("pytest-")}
+    for folder in folders:
+        found |= set(folder.rglob(".*"))
+    return found
+
+
+def test_each_case_has_a_name_of_its_own_and_a_group():
+    assert len({case.name for case in CASES}) == len(CASES)
+    assert {case.group for case in CASES} <= set(GROUPS)
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_a_hostile_input_ends_in_one_line(case: Case, tmp_path, monkeypatch, capfd):
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    monkeypatch.setenv("STICKSLIP_CACHE", str(cache))
+    folder = tmp_path / "fed"
+    folder.mkdir()
+    with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name
+        arguments = [str(argument) for argument in case.make(folder)]
+    monkeypatch.chdir(folder)
+    before, fed = litter(cache), set(folder.rglob("*"))
+    try:
+        status = main(arguments)
+    except SystemExit as usage:
+        status = usage.code
+    said = capfd.readouterr().err.splitlines()
+    assert status in {1, 2}
+    assert len(said) == 1, said
+    assert re.match(r"stickslip: .*" + case.says, said[0]), said
+    assert litter(cache) == before
+    assert set(folder.rglob("*")) == fed
