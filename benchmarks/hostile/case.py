@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 Make = Callable[[Path], Sequence[str | Path]]
-"""Writes files into an empty folder; returns the arguments of ``stickslip`` that they are fed by."""
+"""Writes files into an empty folder; returns the arguments of ``stickslip`` that feed them."""
 
 
 @dataclass(frozen=True)
