@@ -61,10 +61,9 @@ def refuse_odd(path: Path) -> None:
     except (FileNotFoundError, NotADirectoryError):
         return
     if stat.S_ISLNK(mode):
-        said = "is a symbolic link, which is not written through; name the file itself"
-        raise OSError(errno.ELOOP, said, str(path))
+        raise OSError(errno.ELOOP, "is a symbolic link, expected a plain file", str(path))
     if not stat.S_ISREG(mode):
-        said = f"is a {'folder' if stat.S_ISDIR(mode) else 'device'}, expected a file"
+        said = f"is a {'folder' if stat.S_ISDIR(mode) else 'device'}, expected a plain file"
         raise OSError(errno.EISDIR, said, str(path))
 
 
