@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import stat
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from stickslip.errors import UsageError
-from toolchain import is_at, lock
+from toolchain import is_at, lock, refuse_odd
 
 OURS = ".stickslip-"
 """How the names begin of what is ours alone in a folder, and there only while it is written."""
@@ -99,9 +98,7 @@ def _lock(folder: Path, path: Path) -> IO[str]:
 
 def _open(path: Path) -> IO[str]:
     """Open the file of the lock, which may be there from a process that was killed."""
-    with suppress(FileNotFoundError):
-        if not stat.S_ISREG(path.lstat().st_mode):  # no stranger's link or pipe is opened
-            raise FileExistsError(17, f"{path.name} is no plain file, delete it", str(path))
+    refuse_odd(path)
     return path.open("a+", encoding="utf-8")
 
 
