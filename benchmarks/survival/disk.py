@@ -12,9 +12,12 @@ from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
+import numpy as np
+
 from benchmarks.survival.faults import fault, full, once
 from benchmarks.survival.sets import Files, holds, plain, write
 from stickslip.errors import ResultsError, UsageError
+from stickslip.result_folder import verify
 
 EXPECTED = (OSError, ResultsError, UsageError)
 
@@ -92,9 +95,7 @@ def fill_for_real(disk: Path, old: Files, new: Files, times: int) -> Counter[str
 
 
 def remove_at_random(folder: Path, new: Files, times: int, seed: int = 0) -> Counter[str]:
-    """Delete the folder while it is written; a whole set or a complaint follows."""
-    import numpy as np
-
+    """Delete the folder while it is written: no half set is taken for a whole one."""
     rng = np.random.default_rng(seed)
     outcomes: Counter[str] = Counter()
     for _ in range(times):
@@ -108,10 +109,15 @@ def remove_at_random(folder: Path, new: Files, times: int, seed: int = 0) -> Cou
         except EXPECTED:
             written = False
         remover.join()
-        if written and folder.exists() and plain(folder):
-            holds(folder, (new,))
-            outcomes["a whole set"] += 1
+        if not written:
+            outcomes["said in one line"] += 1
+        elif not plain(folder):
+            outcomes["removed when it was written"] += 1
+        elif any(said != "missing" for said in verify(folder).faults.values()):
+            raise RuntimeError(f"{folder}: {verify(folder)}")
+        elif verify(folder).faults:
+            outcomes["being removed when it was written; verify names what is missing"] += 1
         else:
-            outcomes["removed afterwards" if written else "said in one line"] += 1
+            outcomes["a whole set"] += 1
         shutil.rmtree(folder, ignore_errors=True)
     return outcomes

@@ -28,6 +28,7 @@ from stickslip.result_folder.manifest import MANIFEST, Manifest, hash_of
 from toolchain import refuse_odd, sync_folder, write_whole
 
 READY = f"{OURS}ready"
+REMOVED = "was removed while results were written; run again"
 
 
 @contextmanager
@@ -60,7 +61,7 @@ def staged(
             token.touch()
             yield desk
             if not token.exists():
-                raise ResultsError(f"{folder}: was removed while results were written; run again")
+                raise ResultsError(f"{folder}: {REMOVED}")
             token.unlink()
             _commit(desk, folder, command, without)
             gone = [folder / name for name in without if not (folder / READY / name).exists()]
@@ -127,6 +128,8 @@ def _move_in(folder: Path) -> None:
             sync_folder(place)
         shutil.rmtree(ready)
         sync_folder(folder)
+        if not all((folder / name).exists() for name in names):
+            raise ResultsError(f"{folder}: {REMOVED}")
     except OSError as error:
         raise ResultsError(
             f"{folder}: new results are complete but not all in place ({error.filename}: "
