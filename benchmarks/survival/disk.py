@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import threading
+import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -98,9 +99,12 @@ def remove_at_random(folder: Path, new: Files, times: int, seed: int = 0) -> Cou
     """Delete the folder while it is written: no half set is taken for a whole one."""
     rng = np.random.default_rng(seed)
     outcomes: Counter[str] = Counter()
+    begin = time.perf_counter()
+    write(new, folder)
+    duration = time.perf_counter() - begin
     for _ in range(times):
         remover = threading.Timer(
-            rng.uniform(0.0, 0.15), shutil.rmtree, (folder,), {"ignore_errors": True}
+            rng.uniform(0.0, 1.2 * duration), shutil.rmtree, (folder,), {"ignore_errors": True}
         )
         remover.start()
         try:
