@@ -12,6 +12,7 @@ from typing import Any
 from cosim import kernel
 from cosim.errors import FmuError
 from cosim.fmu import Fmu
+from cosim.kernel import marks
 from cosim.variables import SETTERS
 
 # On Windows, also look beside the binary for the libraries it brings along:
@@ -35,6 +36,7 @@ class Library:
 
     def __init__(self, fmu: Fmu) -> None:
         self._fmu = fmu
+        marks.note(fmu.path.name, "loading its binary")
         self._library = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
         self.calls: list[int] = []

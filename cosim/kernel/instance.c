@@ -1,4 +1,5 @@
 #include "kernel.h"
+#include "mark.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,14 +41,17 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
 
 void instantiate(Component *c, const char *name, const char *token, const char *resources) {
     Log *log = c->log;
+    MARK_FIRST(c);
     c->used = 0;
     log->severity = 0;
     log->message[0] = '\0';
     if (c->version == 2) {
+        MARK(c, "fmi2Instantiate");
         log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, log};
         c->instance = c->call.fmi2.Instantiate(name, fmi2CoSimulation, token, resources,
                                                &log->callbacks, fmi2False, fmi2False);
     } else {
+        MARK(c, "fmi3InstantiateCoSimulation");
         c->instance = c->call.fmi3.InstantiateCoSimulation(
             name, token, resources, false, false, false, false, NULL, 0, log, log_fmi3, NULL);
     }
@@ -56,8 +60,10 @@ void instantiate(Component *c, const char *name, const char *token, const char *
 void release(Component *c) {
     if (c->instance) {
         if (c->version == 2) {
+            MARK(c, "fmi2FreeInstance");
             c->call.fmi2.FreeInstance(c->instance);
         } else {
+            MARK(c, "fmi3FreeInstance");
             c->call.fmi3.FreeInstance(c->instance);
         }
     }

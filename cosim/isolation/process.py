@@ -1,0 +1,214 @@
+"""The child as its parent sees it: started, asked, watched, ended."""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty
+from typing import IO, TYPE_CHECKING, NoReturn
+
+from cosim import kernel
+from cosim.errors import FmuCrashed
+from cosim.isolation.answers import Answers, HeardAnswers, Reply, send
+from cosim.isolation.parcel import pack
+from cosim.isolation.settings import Isolation
+from cosim.isolation.shared import Made
+from cosim.isolation.verdict import Death, crashed
+
+if TYPE_CHECKING:
+    from cosim.specification import Specification
+
+MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
+_LOOK = 0.05  # s between two looks at the mark
+_GRACE = 2.0  # s that a child has to die in peace
+_START = Path(__file__).with_name("start.py")
+
+
+class Process:
+    """A child that prepares a simulation and runs it.
+
+    Parameters
+    ----------
+    order : names of the components as they step
+    n : numbers that a result may have
+    """
+
+    def __init__(
+        self, specification: Specification, limits: Isolation, order: Sequence[str], n: int
+    ) -> None:
+        self._system, self._order, self._limits = specification.system, order, limits
+        self._parent = os.getpid()
+        self._printed, self._tail = 0, b""
+        library = kernel.built(marked=True)
+        parcel = pack(specification, kernel=str(library), memory=limits.memory)
+        made = Made(n)
+        self.shared = made.shared
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", str(_START), made.name, str(made.size)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                pass_fds=made.files,
+                start_new_session=True,
+                env=_environment(),
+            )
+        finally:
+            made.close_files()
+        pipes = self._process.stdin, self._process.stdout, self._process.stderr
+        self._requests, replies, printed = (pipe for pipe in pipes if pipe)
+        self._answers = (HeardAnswers if sys.platform == "win32" else Answers)(replies)
+        self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
+        self._drain.start()
+        self._send(parcel)
+
+    def ask(
+        self,
+        what: str,
+        progress: Callable[[float], object] | None = None,
+        slack: float = 0.0,
+        **arguments: object,
+    ) -> Reply:
+        """Let the child do something and return its answer.
+
+        Parameters
+        ----------
+        progress : is called with the time reached (s) now and then
+        slack : s that a step may take beyond the patience for it
+
+        Raises
+        ------
+        FmuCrashed
+            When it died of it, or had to be ended; it is gone then.
+        """
+        if progress:
+            arguments["progress"] = True
+        self._send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
+        while True:
+            reply = self._wait(self._limits.patience + slack)
+            if "progress" not in reply:
+                break
+            if progress:
+                progress(reply["progress"])
+        if reply.get("error") == "MemoryError":
+            self._die(Death(f"took more than the {self._limits.memory:g} MB it may"))
+        return reply
+
+    def end(self) -> None:
+        """End the child with all that it started; once is enough, and a forked process may not."""
+        if self._parent != os.getpid() or self._process.returncode is not None:
+            return
+        self._kill()
+        self._process.wait()
+        self._let_go()
+
+    def leave(self) -> None:
+        """Let a child that was told to close end by itself.
+
+        Raises
+        ------
+        FmuCrashed
+            When it does not, or not well.
+        """
+        try:
+            status = self._process.wait(self._limits.timeout or self._limits.patience)
+        except subprocess.TimeoutExpired:
+            self._die(self._hung(self._limits.timeout or self._limits.patience))
+        self._kill()
+        self._let_go()
+        if status:
+            raise self._crashed(Death.of(status, self._said()))
+
+    def _send(self, message: bytes) -> None:
+        with suppress(OSError):  # it is dead, which is noticed on waiting for its answer
+            send(self._requests.fileno(), message)
+
+    def _wait(self, patience: float) -> Reply:
+        """Return the next answer."""
+        limit = self._limits.timeout or math.inf
+        waited = still = 0.0
+        seen = self._mark()
+        while True:
+            try:
+                reply = self._answers.get(timeout=_LOOK)
+            except Empty:
+                waited += _LOOK  # not by the clock, which goes on while all of us are suspended
+                now = self._mark()
+                still = still + _LOOK if now == seen else 0.0
+                seen = now
+                if still >= min(patience, limit):
+                    self._die(self._hung(min(patience, limit)))
+                if waited >= limit:
+                    self._die(Death(f"was reached when the {limit:g} s for the run were over"))
+                continue
+            if reply is None:
+                self._die(None)
+            return reply
+
+    def _mark(self) -> tuple[object, ...]:
+        """Return what must change as long as all is well: the time, or before it runs, the call."""
+        mark = self.shared.mark
+        return (mark.t,) if math.isfinite(mark.t) else (mark.component, mark.call)
+
+    def _hung(self, seconds: float) -> Death:
+        return Death(f"did not return within {seconds:g} s")
+
+    def _die(self, death: Death | None) -> NoReturn:
+        """Raise what is to be said; where nobody knows yet, the exit status tells."""
+        status = None
+        if death is None:
+            with suppress(subprocess.TimeoutExpired):
+                status = self._process.wait(_GRACE)
+        self._kill()
+        self._process.wait()
+        self._let_go()
+        if self._printed > MOST_TEXT:
+            death = Death(f"printed more than {MOST_TEXT / 1e6:.0f} MB")
+        raise self._crashed(death or Death.of(status, self._said()))
+
+    def _crashed(self, death: Death) -> FmuCrashed:
+        return crashed(self.shared.mark, self._system, self._order, death)
+
+    def _said(self) -> str:
+        lines = self._tail.decode(errors="replace").split("\n")
+        text = next((line for line in reversed(lines) if line.strip()), "")
+        return "".join(c if c.isprintable() else " " for c in text).strip()[:200]
+
+    def _kill(self) -> None:
+        if sys.platform == "win32":
+            self._process.kill()
+        else:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+
+    def _let_go(self) -> None:
+        self._drain.join(_GRACE)
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            if pipe:
+                pipe.close()
+
+    def _take(self, pipe: IO[bytes]) -> None:
+        """Take what FMUs print; keep the end of it, and end those that print without end."""
+        with suppress(OSError, ValueError):
+            while part := pipe.read(2**16):
+                self._printed += len(part)
+                self._tail = (self._tail + part)[-2000:]
+                if self._printed > MOST_TEXT:
+                    self._kill()
+
+
+def _environment() -> dict[str, str]:
+    """Return ours, with the way to our modules, and without threads that nobody needs."""
+    return os.environ | {
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
