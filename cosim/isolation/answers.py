@@ -15,6 +15,9 @@ from typing import IO, Any
 HEAD = struct.Struct("<Q")
 """Before each message: its length."""
 
+LOST = 113
+"""Exit status of a child that cannot reach its parent."""
+
 _LONGEST = 2**20  # bytes of an answer
 
 Reply = dict[str, Any]

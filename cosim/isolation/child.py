@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import pickle
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from cosim import kernel
-from cosim.isolation.answers import HEAD, read, send
+from cosim.isolation.answers import HEAD, LOST, read, send
 from cosim.isolation.shared import Shared
 from cosim.kernel import marks
 from cosim.result import Array, Result
@@ -35,16 +36,18 @@ def main(name: str, size: int) -> None:
         try:
             send(replies, json.dumps(what).encode())
         except OSError:  # an FMU has closed it
-            os._exit(1)
+            os._exit(LOST)
 
     order = _receive(requests)
     marks.use(shared.mark, Path(order["kernel"]))
     _limit(order["memory"])
+    reply()
     served = _Served(order["specification"], shared, reply)
     what = ""
     while what != "close":
         what, arguments = _receive(requests)
         served.do(what, arguments)
+    _unload()
 
 
 class _Served:
@@ -115,6 +118,13 @@ class _Served:
         numbers[len(numbers) - len(result.time) :] = result.time
 
 
+def _unload() -> NoReturn:
+    """Let the libraries end, as at the end of any process, but keep all that they may still use."""
+    if sys.platform != "win32":
+        ctypes.CDLL(None).exit(0)
+    os._exit(0)
+
+
 def _take_pipes() -> tuple[int, int]:
     """Return requests and replies, at places of their own; what FMUs print goes elsewhere."""
     pipes = os.dup(0), os.dup(1)
@@ -131,7 +141,7 @@ def _receive(requests: int) -> Any:
         (length,) = HEAD.unpack(read(requests, HEAD.size))
         return pickle.loads(read(requests, length))  # noqa: S301 - our parent's
     except (OSError, struct.error):  # an FMU has closed the pipe, or the parent is gone
-        _end()
+        os._exit(LOST)
 
 
 def _watch(requests: int) -> None:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark
+_START_UP = 60.0  # s that Python may take to start
 _GRACE = 2.0  # s that a child has to die in peace
 _START = Path(__file__).with_name("start.py")
 
@@ -70,6 +71,7 @@ class Process:
         self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
         self._drain.start()
         self._send(parcel)
+        self._wait(_START_UP, math.inf)
 
     def ask(
         self,
@@ -94,7 +96,7 @@ class Process:
             arguments["progress"] = True
         self._send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         while True:
-            reply = self._wait(self._limits.patience + slack)
+            reply = self._wait(self._limits.patience + slack, self._limits.timeout or math.inf)
             if "progress" not in reply:
                 break
             if progress:
@@ -132,23 +134,24 @@ class Process:
         with suppress(OSError):  # it is dead, which is noticed on waiting for its answer
             send(self._requests.fileno(), message)
 
-    def _wait(self, patience: float) -> Reply:
-        """Return the next answer."""
-        limit = self._limits.timeout or math.inf
+    def _wait(self, patience: float, limit: float) -> Reply:
+        """Return the next answer; nothing may stand still, or take in all, longer than that (s)."""
         waited = still = 0.0
         seen = self._mark()
         while True:
             try:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
+                if self._process.poll() is not None:  # what it has started still holds the pipe
+                    self._die(None)
                 waited += _LOOK  # not by the clock, which goes on while all of us are suspended
                 now = self._mark()
                 still = still + _LOOK if now == seen else 0.0
                 seen = now
-                if still >= min(patience, limit):
+                if still >= patience or (waited >= limit and still > 0.5 * limit):
                     self._die(self._hung(min(patience, limit)))
                 if waited >= limit:
-                    self._die(Death(f"was reached when the {limit:g} s for the run were over"))
+                    self._die(Death(f"was going on when the {limit:g} s for all were over"))
                 continue
             if reply is None:
                 self._die(None)

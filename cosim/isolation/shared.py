@@ -15,6 +15,7 @@ import numpy as np
 from cosim.kernel.marks import Mark
 from cosim.result import Array
 
+_SHRINK, _FUTURE_WRITE = 0x2, 0x10  # seals of Linux: to make it shorter, to write by calls
 _BEGIN = 4096  # bytes before the results; the mark lies there
 
 
@@ -41,6 +42,7 @@ class Shared:
         if sys.platform == "win32":
             return cls(mmap.mmap(-1, size, tagname=name))
         memory = mmap.mmap(int(name), size)
+        _seal(int(name), _FUTURE_WRITE)
         os.close(int(name))
         if hasattr(mmap, "MADV_DONTFORK"):
             memory.madvise(mmap.MADV_DONTFORK)
@@ -87,10 +89,15 @@ def _file(size: int) -> int:
         with tempfile.TemporaryFile() as file:
             file.truncate(size)
             return os.dup(file.fileno())
-    import fcntl
-
     place = os.memfd_create("stickslip", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     os.ftruncate(place, size)
-    with suppress(AttributeError, OSError):
-        fcntl.fcntl(place, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK)
+    _seal(place, _SHRINK)
     return place
+
+
+def _seal(file: int, seal: int) -> None:
+    """Forbid something for good, where the system can do that."""
+    import fcntl
+
+    with suppress(AttributeError, OSError):
+        fcntl.fcntl(file, fcntl.F_ADD_SEALS, seal)

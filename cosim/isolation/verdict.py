@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from cosim import kernel
 from cosim.errors import FmuCrashed
+from cosim.isolation.answers import LOST
 from cosim.isolation.shared import Mark
 
 if TYPE_CHECKING:
@@ -36,7 +37,9 @@ class Death:
     def of(cls, status: int | None, said: str) -> Death:
         """Return what an exit status says; None stands for a child that had to be ended."""
         if status is None:
-            return cls("cut the connection to the process that started it", said)
+            return cls("or a call before it wrote into files that are not its own", said)
+        if status == LOST:
+            return cls("or a call before it closed files that are not its own", said)
         if status < 0:
             return cls(f"died of {_signal_name(-status)}", said)
         return cls(f"ended its process with status {status}", said)
@@ -50,7 +53,7 @@ def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> F
     mark : the call it was in
     order : names of the components as they step
     """
-    call = mark.call.decode(errors="replace") or "a call"
+    call = mark.call.decode(errors="replace") or "its process"
     place = _place(mark, len(order))
     name = mark.name.decode(errors="replace") if place is None else order[place]
     if name in system.components:
