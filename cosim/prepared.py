@@ -125,6 +125,7 @@ class Prepared:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
         if self._ready:
             return
+        given = {slot.instance for slot in self._slots.values()}
         for name, slot in self._slots.items():
             if not slot.instance:
                 self._coupled.lose(name)
@@ -137,6 +138,13 @@ class Prepared:
                     raise SimulationError(
                         f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
+                if slot.instance in given:
+                    slot.instance = None
+                    raise SimulationError(
+                        f"{name}: {fmu.path.name} gives an instance that it has given before;"
+                        " it can serve one component only"
+                    )
+                given.add(slot.instance)
         self._ready = True
 
     def _failure(self) -> SimulationError:

@@ -153,6 +153,10 @@ static int act(Model *m) {
         pthread_t thread;
         pthread_create(&thread, NULL, chat, m);
     }
+    IF("fail_format") {
+        say(m, 3, "50 %n of it failed %s");
+        return 3;
+    }
     IF("format") { say(m, 3, "50 %n of it failed"); }
     IF("fail") {
         say(m, 3, "I do not want to");

@@ -22,6 +22,9 @@ _LONGEST = 2**20  # bytes of an answer
 
 Reply = dict[str, Any]
 
+NONSENSE: Reply = {"error": "nonsense"}
+"""What stands for an answer that is none."""
+
 
 class Answers:
     """The reading end of a pipe.
@@ -51,12 +54,14 @@ class Answers:
 
     def _read(self) -> Reply | None:
         with suppress(OSError, ValueError, struct.error):
-            (length,) = HEAD.unpack(read(self._pipe.fileno(), HEAD.size))
-            if length <= _LONGEST and isinstance(
-                reply := json.loads(read(self._pipe.fileno(), length)), dict
-            ):
-                return reply
-        return None
+            head = read(self._pipe.fileno(), HEAD.size)
+            if not head:
+                return None
+            (length,) = HEAD.unpack(head)
+            if length <= _LONGEST:
+                reply = json.loads(read(self._pipe.fileno(), length))
+                return reply if isinstance(reply, dict) else NONSENSE
+        return NONSENSE
 
 
 class HeardAnswers(Answers):

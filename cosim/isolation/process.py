@@ -9,7 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty
@@ -17,7 +18,7 @@ from typing import IO, TYPE_CHECKING, NoReturn
 
 from cosim import kernel
 from cosim.errors import FmuCrashed
-from cosim.isolation.answers import Answers, HeardAnswers, Reply, send
+from cosim.isolation.answers import NONSENSE, Answers, HeardAnswers, Reply, send
 from cosim.isolation.parcel import pack
 from cosim.isolation.settings import Isolation
 from cosim.isolation.shared import Made
@@ -30,6 +31,7 @@ MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark
 _START_UP = 60.0  # s that Python may take to start
 _GRACE = 2.0  # s that a child has to die in peace
+_RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
 _START = Path(__file__).with_name("start.py")
 
 
@@ -48,6 +50,7 @@ class Process:
         self._system, self._order, self._limits = specification.system, order, limits
         self._parent = os.getpid()
         self._printed, self._tail = 0, b""
+        self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
         parcel = pack(specification, kernel=str(library), memory=limits.memory)
         made = Made(n)
@@ -76,9 +79,9 @@ class Process:
     def ask(
         self,
         what: str,
+        arguments: Mapping[str, object],
         progress: Callable[[float], object] | None = None,
         slack: float = 0.0,
-        **arguments: object,
     ) -> Reply:
         """Let the child do something and return its answer.
 
@@ -92,8 +95,6 @@ class Process:
         FmuCrashed
             When it died of it, or had to be ended; it is gone then.
         """
-        if progress:
-            arguments["progress"] = True
         self._send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         while True:
             reply = self._wait(self._limits.patience + slack, self._limits.timeout or math.inf)
@@ -101,6 +102,8 @@ class Process:
                 break
             if progress:
                 progress(reply["progress"])
+        if reply is NONSENSE:
+            self._die(Death("or a call before it wrote into files that are not its own"))
         if reply.get("error") == "MemoryError":
             self._die(Death(f"took more than the {self._limits.memory:g} MB it may"))
         return reply
@@ -110,7 +113,7 @@ class Process:
         if self._parent != os.getpid() or self._process.returncode is not None:
             return
         self._kill()
-        self._process.wait()
+        self._ended(_GRACE)
         self._let_go()
 
     def leave(self) -> None:
@@ -121,14 +124,14 @@ class Process:
         FmuCrashed
             When it does not, or not well.
         """
-        try:
-            status = self._process.wait(self._limits.timeout or self._limits.patience)
-        except subprocess.TimeoutExpired:
-            self._die(self._hung(self._limits.timeout or self._limits.patience))
+        patience = self._limits.timeout or self._limits.patience
+        status = self._ended(patience)
+        if status is None:
+            self._die(self._hung(patience))
         self._kill()
         self._let_go()
         if status:
-            raise self._crashed(Death.of(status, self._said()))
+            raise self._crashed(self._verdict(status))
 
     def _send(self, message: bytes) -> None:
         with suppress(OSError):  # it is dead, which is noticed on waiting for its answer
@@ -142,13 +145,13 @@ class Process:
             try:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
-                if self._process.poll() is not None:  # what it has started still holds the pipe
+                if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
                 waited += _LOOK  # not by the clock, which goes on while all of us are suspended
                 now = self._mark()
                 still = still + _LOOK if now == seen else 0.0
                 seen = now
-                if still >= patience or (waited >= limit and still > 0.5 * limit):
+                if still >= patience or (waited >= limit and still):
                     self._die(self._hung(min(patience, limit)))
                 if waited >= limit:
                     self._die(Death(f"was going on when the {limit:g} s for all were over"))
@@ -167,16 +170,44 @@ class Process:
 
     def _die(self, death: Death | None) -> NoReturn:
         """Raise what is to be said; where nobody knows yet, the exit status tells."""
-        status = None
-        if death is None:
-            with suppress(subprocess.TimeoutExpired):
-                status = self._process.wait(_GRACE)
+        status = None if death else self._ended(_GRACE)
         self._kill()
-        self._process.wait()
+        self._ended(_GRACE)
         self._let_go()
         if self._printed > MOST_TEXT:
             death = Death(f"printed more than {MOST_TEXT / 1e6:.0f} MB")
-        raise self._crashed(death or Death.of(status, self._said()))
+        raise self._crashed(death or self._verdict(status))
+
+    def _verdict(self, status: int | None) -> Death:
+        memory = self._limits.memory
+        near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
+        return Death.of(status, self._said(), memory if near else None)
+
+    def _ended(self, timeout: float) -> int | None:
+        """Return the exit status if it ends within a time (s); note the memory that it had."""
+        if sys.platform == "win32":
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout)
+            return self._process.returncode
+        import resource
+
+        end = time.monotonic() + timeout
+        while self._process.returncode is None:
+            try:
+                ended, status, usage = os.wait4(self._process.pid, os.WNOHANG)
+            except ChildProcessError:  # the program takes no interest in its children
+                self._process.returncode = 0
+                break
+            if ended:
+                self._process.returncode = os.waitstatus_to_exitcode(status)
+                self._peak = usage.ru_maxrss / _RUSAGE
+                ours = resource.getrusage(resource.RUSAGE_SELF)
+                self._inherited = ours.ru_maxrss / _RUSAGE  # as Linux counts, until it began
+            elif time.monotonic() >= end:
+                break
+            else:
+                time.sleep(0.002)
+        return self._process.returncode
 
     def _crashed(self, death: Death) -> FmuCrashed:
         return crashed(self.shared.mark, self._system, self._order, death)

@@ -6,7 +6,7 @@ import builtins
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, NoReturn
 from weakref import finalize
 
@@ -16,8 +16,9 @@ import cosim.errors
 from cosim.coupling import Coupling
 from cosim.errors import CosimError, FmuCrashed, SimulationError
 from cosim.experiment import check_tolerance, count_steps
+from cosim.isolation.answers import Reply
 from cosim.isolation.parcel import Tabulated, portable_inputs
-from cosim.isolation.process import Process, Reply
+from cosim.isolation.process import Process
 from cosim.isolation.settings import Isolation
 from cosim.layout import Layout
 from cosim.loops import group
@@ -80,7 +81,7 @@ class IsolatedSimulation(Simulation):
         FmuCrashed
             When an FMU ended the child or did not return; besides what Simulation raises.
         """
-        return self._run(
+        return self._run_there(
             "run", inputs, scenario, until, real_time, progress, parameters=dict(parameters or {})
         )
 
@@ -102,11 +103,11 @@ class IsolatedSimulation(Simulation):
             When an FMU ended the child or did not return; besides what Simulation raises.
         """
         where = str(Path(path).absolute())
-        return self._run("resume", inputs, scenario, until, real_time, progress, path=where)
+        return self._run_there("resume", inputs, scenario, until, real_time, progress, path=where)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
-        self._ask("save", path=str(Path(path).absolute()))
+        self._ask("save", {"path": str(Path(path).absolute())})
         return Path(path)
 
     def close(self) -> None:
@@ -138,7 +139,7 @@ class IsolatedSimulation(Simulation):
             if error is None:
                 raise
 
-    def _run(
+    def _run_there(
         self,
         how: str,
         inputs: Mapping[str, Input] | None,
@@ -150,16 +151,14 @@ class IsolatedSimulation(Simulation):
     ) -> Result:
         self.pace = None
         slack = max(self.spec.step, 1.0) / real_time if real_time and real_time > 0 else 0.0
-        reply = self._ask(
-            how,
-            progress=progress,
-            slack=slack,
-            inputs=portable_inputs(inputs or {}, self.time),
-            scenario=Tabulated.of(scenario, self.time),
-            until=until,
-            real_time=real_time,
-            **more,
-        )
+        arguments = more | {
+            "inputs": portable_inputs(inputs or {}, self.time),
+            "scenario": Tabulated.of(scenario, self.time),
+            "until": until,
+            "real_time": real_time,
+            "progress": progress is not None,
+        }
+        reply = self._ask(how, arguments, progress, slack)
         self._effort = reply["effort"]
         if real_time and reply["pace"]:
             looks, overruns, worst = reply["pace"]
@@ -175,10 +174,16 @@ class IsolatedSimulation(Simulation):
         names, system = self._layout.recorded, self.spec.system
         return Result(time, values, names, system, reply["stopped"], reply["sums"])
 
-    def _ask(self, what: str, **arguments: object) -> Reply:
+    def _ask(
+        self,
+        what: str,
+        arguments: Mapping[str, object] = MappingProxyType({}),
+        progress: Callable[[float], object] | None = None,
+        slack: float = 0.0,
+    ) -> Reply:
         process = self._living()
         try:
-            reply = process.ask(what, **arguments)
+            reply = process.ask(what, dict(arguments), progress, slack)
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise

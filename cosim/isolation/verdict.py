@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from cosim import kernel
 from cosim.errors import FmuCrashed
 from cosim.isolation.answers import LOST
-from cosim.isolation.shared import Mark
+from cosim.kernel.marks import Mark
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -34,14 +34,16 @@ class Death:
     said: str = ""
 
     @classmethod
-    def of(cls, status: int | None, said: str) -> Death:
-        """Return what an exit status says; None stands for a child that had to be ended."""
-        if status is None:
-            return cls("or a call before it wrote into files that are not its own", said)
-        if status == LOST:
+    def of(cls, status: int | None, said: str, memory: float | None = None) -> Death:
+        """Return what an exit status says; None stands for a child that could not be reached.
+
+        ``memory`` (MB) is what it might take where it came near that, else None.
+        """
+        if status is None or status == LOST:
             return cls("or a call before it closed files that are not its own", said)
         if status < 0:
-            return cls(f"died of {_signal_name(-status)}", said)
+            limit = f" (it may take {memory:g} MB of memory)" if memory else ""
+            return cls(f"died of {_signal_name(-status)}{limit}", said)
         return cls(f"ended its process with status {status}", said)
 
 

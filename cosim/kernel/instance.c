@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define FMI2_NAME(call) "fmi2" #call " "
 #define FMI3_NAME(call) "fmi3" #call " "
@@ -17,12 +18,24 @@ static bool graver(Log *log, int status) {
     return true;
 }
 
+/* Whether a format has a %n, which no message needs: it writes into memory. */
+static bool writes(const char *format) {
+    for (const char *p = format; (p = strchr(p, '%')); p += *p != '\0') {
+        p += 1 + strspn(p + 1, "#0- +\'*.123456789$hlLqjzt");
+        if (*p == 'n') {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
                      fmi2String category, fmi2String message, ...) {
     Log *log = environment;
     (void)name;
-    (void)category;
-    if (message && graver(log, (int)status)) {
+    if (message && writes(message)) {
+        log_fmi3(log, (fmi3Status)status, category, message);
+    } else if (message && graver(log, (int)status)) {
         va_list values;
         va_start(values, message);
         vsnprintf(log->message, sizeof log->message, message, values);
