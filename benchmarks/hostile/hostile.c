@@ -16,10 +16,10 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { U, Y, K, FRAGILE, N_REALS };
+enum { U, Y, K, FRAGILE, N_REALS, TIME = 99 };
 
 typedef struct {
-    double real[N_REALS];
+    double real[N_REALS], time;
     const fmi2CallbackFunctions *callbacks;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
@@ -235,6 +235,7 @@ static int step(Model *m, double t, double h) {
         *(volatile int *)8 = 1;
     }
     m->real[Y] += h * m->real[K] * m->real[U];
+    m->time = t + h;
     return status;
 }
 
@@ -250,10 +251,10 @@ static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
 
 static int get(Model *m, const unsigned r[], size_t n, double v[]) {
     for (size_t i = 0; i < n; i++) {
-        if (r[i] >= N_REALS) {
+        if (r[i] >= N_REALS && r[i] != TIME) {
             return 3;
         }
-        v[i] = m->real[r[i]];
+        v[i] = r[i] == TIME ? m->time : m->real[r[i]];
     }
     return call(m, "GetReal");
 }
@@ -261,6 +262,10 @@ static int get(Model *m, const unsigned r[], size_t n, double v[]) {
 /* FMI 2.0 */
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return "2.0"; }
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
+                               const fmi2String names[]) {
+    return (void)c, (void)on, (void)n, (void)names, fmi2OK;
+}
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
                               fmi2Boolean logging) {
@@ -299,6 +304,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last_
 
 /* FMI 3.0 */
 const char *fmi3GetVersion(void) { return "3.0"; }
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String names[]) {
+    return (void)c, (void)on, (void)n, (void)names, fmi3OK;
+}
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
                                          fmi3Boolean visible, fmi3Boolean logging,
                                          fmi3Boolean events, fmi3Boolean early,
