@@ -228,3 +228,8 @@ def test_it_ends_with_its_parent_however_that_ends(hostile, number):
         process.wait(30)
     assert process.returncode != 0
     assert is_gone(child)
+
+
+def test_an_export_does_not_load_what_it_packs(tmp_path, hostile):
+    path = cosim.write_fmu(hostile("load segv"), tmp_path / "packed.fmu", step=0.01)
+    assert path.is_file()
