@@ -1,9 +1,10 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import system
+from benchmarks.hostile import binaries, system
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
+    *binaries.CASES,
     *system.CASES,
 ]
 """All of them, group by group."""
