@@ -58,10 +58,8 @@ def fmpy(arguments: Sequence[str], folder: Path, room: Path) -> Verdict:
     temporary.mkdir()
     command = [sys.executable, "-m", "benchmarks.hostile.fed_to_fmpy", str(path)]
     ended = run(command, folder, temporary, PATIENCE)
-    kind, words = _what_fmpy_did(ended, path.with_suffix(".answer"))
-    if ended.left:
-        words += "; leaves a temporary folder"
-    return Verdict(kind, neutral(words, room))
+    kind, words = _what_fmpy_did(ended, path.with_suffix(".answer"), room)
+    return Verdict(kind, words + "; leaves a temporary folder" * bool(ended.left))
 
 
 def stickslip(arguments: Sequence[str], folder: Path, room: Path, cache: Path) -> Verdict:
@@ -77,20 +75,24 @@ def stickslip(arguments: Sequence[str], folder: Path, room: Path, cache: Path) -
     return Verdict("else", f"status {ended.status}, {len(lines)} lines, left {ended.left}: {said}")
 
 
-def neutral(text: str, room: Path) -> str:
+def neutral(text: str, room: Path, longest: int = LONGEST) -> str:
     """Return one short line without this machine's paths and without what Markdown reads."""
-    text = re.sub(rf"(/private)?{re.escape(str(room))}/(fed|copy)/?", "", text)
-    text = re.sub(rf"(/private)?{re.escape(str(room))}/?", "", text)
-    text = re.sub(r"/[^\s'\"]*/(tmp|site-packages)[^\s'\"/]*/", "", text)
-    text = re.sub(r"(/tmp|/var/folders)/[^\s'\":;,)]*", "TEMPORARY", text)
+    text = re.sub(rf"{re.escape(str(room))}/(fed|copy)/?", "", text)
+    for root in (str(room), tempfile.gettempdir(), sys.prefix, str(Path.home())):
+        text = re.sub(rf"{re.escape(root)}(/[^\s/'\":;,()]+)*/?", _last, text)
     text = re.sub(r"\b[0-9a-f]{32,}\b", "HASH", text)
     text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    if len(text) > LONGEST:
-        text = f"{text[: LONGEST - 4]} ..."
+    text = re.sub(r"(.)\1{20,}", r"\1\1\1...", text)
+    if len(text) > longest:
+        text = f"{text[: longest - 4]} ..."
     return re.sub(r"([\\|`*_<>\[\]])", r"\\\1", text)
 
 
-def _what_fmpy_did(ended: Ended, answer: Path) -> tuple[str, str]:
+def _last(path: re.Match[str]) -> str:
+    return path[0].rstrip("/").rpartition("/")[2]
+
+
+def _what_fmpy_did(ended: Ended, answer: Path, room: Path) -> tuple[str, str]:
     if ended.status is None:
         return "hangs", f"hangs (over {PATIENCE:g} s)"
     if ended.status < 0:
@@ -102,7 +104,7 @@ def _what_fmpy_did(ended: Ended, answer: Path) -> tuple[str, str]:
     if error is None:
         return "runs", "runs, no complaint"
     kind = "own message" if error["meant"] else "Python error"
-    return kind, f"{error['type']}: {error['message'][:80]}"
+    return kind, f"{error['type']}: {neutral(error['message'], room, 80)}"
 
 
 def _job(arguments: Sequence[str], folder: Path) -> dict[str, object] | None:
