@@ -121,6 +121,13 @@ class Variable:
         """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
         return self.type not in FLOATS | NOT_NUMBERS
 
+    @cached_property
+    def is_settable(self) -> bool:
+        """Whether a start value can be given to it."""
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
+
     @property
     def kind(self) -> str:
         """Its type under the name of FMI 3.0; only equal kinds can be connected."""
@@ -184,7 +191,7 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        if not self._has_start:
+        if not self.is_settable:
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
@@ -194,12 +201,6 @@ class Variable:
         if self.dimensions:
             return tuple(self._checked(item, label) for item in self._items(value, label))
         return self._checked(value, label)
-
-    @cached_property
-    def _has_start(self) -> bool:
-        settable = {"parameter", "structuralParameter", "input"}
-        given = self.causality in settable or self.initial in {"exact", "approx"}
-        return given and self.variability != "constant"
 
     def _items(self, value: Any, label: str) -> list[Any]:
         items = value.split() if isinstance(value, str) else value

@@ -15,6 +15,7 @@ import ga
 import models
 import toolchain
 from cosim.control import ControlError
+from cosim.names import printable
 from stickslip.commands import (
     build,
     check,
@@ -53,6 +54,7 @@ EXPECTED = (
     OSError,
 )
 """What a user can cause; everything else is a defect of ours and shows its traceback."""
+_LONGEST = 2000  # characters of a message
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -108,6 +110,7 @@ def _take_debug(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 
 def _line(error: BaseException) -> str:
+    """Return a message as one line, whatever strangers' names in it hold."""
     if isinstance(error, OSError) and error.filename:
-        return f"{error.filename}: {error.strerror}"
-    return str(error)
+        return printable(f"{error.filename}: {error.strerror}", _LONGEST)
+    return printable(str(error), _LONGEST)

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from cosim import Table
+from cosim import SspError, Table, read_tables
+from cosim.archive import unpack
 from toolchain import write_whole
 
 MEMBER = "extra/stickslip/input.csv"
@@ -29,12 +30,11 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
 
 
 def packed_input(package: Path) -> dict[str, Table]:
-    """Return the signals of a package by exposed input; empty when it has none."""
-    with zipfile.ZipFile(package) as archive:
-        if MEMBER not in archive.namelist():
-            return {}
-        table = pd.read_csv(io.BytesIO(archive.read(MEMBER)))
-    return {
-        str(name): Table(table["time"].to_numpy(), table[name].to_numpy())
-        for name in table.columns.drop("time")
-    }
+    """Return the signals of a package by exposed input; empty when it has none.
+
+    Raises
+    ------
+    SspError, SignalError
+    """
+    file = unpack(package, "ssps", SspError) / MEMBER
+    return read_tables(file) if file.is_file() else {}

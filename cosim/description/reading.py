@@ -77,6 +77,7 @@ def read_description(root: Any) -> Description:
         n_indicators=sum(by_name[u.name].size for u in unknowns.get("indicators", ()))
         or whole(indicators, "numberOfEventIndicators", root),
         clocks=read_clocks(elements) if version == 3 else (),
+        outside=tuple(filter(checks.starts_outside, variables)),
     )
 
 

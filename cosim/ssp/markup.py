@@ -10,6 +10,7 @@ from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
+from cosim.document import Malformed, parse_xml
 from cosim.errors import SspError
 from cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
 from cosim.ssp.schema import violation
@@ -28,8 +29,8 @@ def parse(file: Path, part: str) -> Any:
     SspError
     """
     try:
-        root = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
-    except (etree.XMLSyntaxError, OSError) as fault:
+        root = parse_xml(file.read_bytes(), str(file), comments=True)
+    except (Malformed, OSError) as fault:
         raise SspError(f"{file.name}: {fault}{_remedy(str(fault))}") from fault
     check(root, part)
     return root
