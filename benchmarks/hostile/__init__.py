@@ -1,8 +1,13 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
+from benchmarks.hostile import archives, descriptions, xml
 from benchmarks.hostile.case import GROUPS, Case
 
-CASES: list[Case] = []
+CASES: list[Case] = [
+    *archives.CASES,
+    *xml.CASES,
+    *descriptions.CASES,
+]
 """All of them, group by group."""
 
 __all__ = ["CASES", "GROUPS", "Case"]
