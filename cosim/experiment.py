@@ -49,6 +49,10 @@ def count_steps(start: float, stop: float, step: float) -> int:
             f"a step of {step} s makes {exact:.3g} steps of the interval {start} .. {stop} s, at"
             f" most {MAX_STEPS:.0e} are done; choose a larger step or an earlier stop"
         )
+    if 4 * math.ulp(max(abs(start), abs(stop))) > step:
+        raise ExperimentError(
+            f"a step of {step} s is lost in rounding at times of {stop:.9g} s; choose a larger one"
+        )
     n = round(exact)
     if n < 1 or abs(exact - n) > 1e-9 * n:
         raise ExperimentError(

@@ -170,7 +170,13 @@ class System:
         ParameterError
             When there is no such variable, it cannot be set, or not to this value.
         """
-        self.parameters[name] = self.checked(name, value)
+        checked = self.checked(name, value)
+        component, variable = component_of(name), variable_of(name)
+        if isinstance(checked, int) and variable in self.components[component].structural:
+            lengths = {**self.lengths(component), variable: checked}
+            for array in self.components[component].variables.values():
+                array.shaped(lengths)
+        self.parameters[name] = checked
 
     def checked(self, name: str, value: object) -> Value:
         """Return ``value`` as ``set`` would store it.

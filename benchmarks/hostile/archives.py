@@ -10,6 +10,7 @@ from benchmarks.hostile.fmus import DESCRIPTION, members, simulating
 from benchmarks.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 
 _MB = 1024**2
+_UTF8 = 0x800
 
 
 def _beside(group: int, name: str, about: str, says: str, *more: Member) -> Case:
@@ -25,7 +26,8 @@ def _made(group: int, name: str, about: str, says: str, data: Callable[[], bytes
 
 
 def _named(name: str, about: str, says: str, *members: bytes) -> Case:
-    return _beside(1, name, about, says, *(Member(each, b"evil") for each in members))
+    more = (Member(m, b"" if m.endswith(b"/") else b"evil", flags=_UTF8) for m in members)
+    return _beside(1, name, about, says, *more)
 
 
 _NAMES = [
@@ -38,21 +40,21 @@ _NAMES = [
     _named("server", "//server/share/evil", "would leave the folder", b"//server/share/evil"),
     _named("backslash", "..\\evil", "backslash", b"..\\evil"),
     _named("server-backslash", "\\\\server\\evil", "backslash", b"\\\\server\\evil"),
-    _named("nul", "a NUL in the name", "control characters", b"a.txt\0.so"),
+    _named("nul-in-name", "a NUL in the name", "control characters", b"a.txt\0.so"),
     _named("newline", "a newline in the name", "control characters", b"a\nstickslip: all is well"),
     _named("escape", "a terminal's escape sequence", "control characters", b"\x1b[2Ja"),
-    _named("nameless", "no name at all", "empty part", b""),
+    _named("nameless-member", "no name at all", "empty part", b""),
     _named("double-slash", "a//b", "empty part", b"a//b"),
     _named("long-name", "a name of 300 bytes", "path of 300 bytes", b"n" * 300),
-    _named("long-path", "a path of 60,000 bytes", "path of 60", b"/".join([b"n" * 199] * 300)[:-1]),
-    _named("deep", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
+    _named("long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]),
+    _named("deep-folders", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
     _named("twice", "two members of one name", "occurs twice", b"a.txt", b"a.txt"),
     _named("case", "names that differ in case", "occurs twice", b"a.txt", b"A.TXT"),
     _named(
         "accents", "one letter as one and as two", "twice", "\u00e9".encode(), "e\u0301".encode()
     ),
     _named("file-and-folder", "a file that others lie in", "a folder of other", b"a", b"a/b"),
-    _named("file-as-folder", "a file and a folder of one name", "a folder of other", b"a", b"a/."),
+    _named("file-as-folder", "a file and a folder of one name", "a folder of other", b"a", b"a/"),
     _named("dot", "a file that is the folder", "names a folder", b"."),
     _named("trailing-dot", "a dot at the end", "dot or blank", b"resources/a."),
     _named("trailing-blank", "a blank at the end", "dot or blank", b"resources /a"),
@@ -162,20 +164,20 @@ def _odd(name: str, about: str, says: str, **fields: object) -> Case:
 
 _DAMAGED = [
     _made(4, "empty", "a file of 0 bytes", "the file is empty", bytes),
-    _made(4, "text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
+    _made(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
     _made(4, "head-only", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
     _made(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
     _made(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
     _made(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),
     _made(4, "flipped", "a byte is another", "damaged", _flipped),
-    _made(4, "before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
-    _made(4, "behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
+    _made(4, "text-before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
+    _made(4, "text-behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
     _made(4, "short-comment", "a comment cut off", "bytes missing at the end", lambda: zipped([], comment=b"abc")[:-1]),
     _made(4, "no-members", "an archive of nothing", "is missing", lambda: zipped([])),
     _made(4, "count", "the end counts wrongly", "stated", lambda: zipped(members(), count=7)),
     _made(4, "place", "the end points elsewhere", "before", lambda: zipped(members(), directory=9)),
     _made(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
-    _made(4, "zip64", "sizes that only a zip64 has", "missing", lambda: zipped(members(), length=2**32 - 1)),
+    _made(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
     _odd("checksum", "a wrong checksum", "damaged: Bad CRC", crc=1),
     _odd("encrypted", "a member with a password", "encrypted", flags=1),
     _odd("strongly-encrypted", "strong encryption", "encrypted", flags=0x41),
