@@ -22,12 +22,13 @@ class Malformed(ValueError):
     """Text that is not read as XML; the message lacks the file's name."""
 
 
-def parse_xml(data: bytes, name: str | None = None) -> Any:
-    """Return the root element; comments and processing instructions are left out.
+def parse_xml(data: bytes, name: str | None = None, *, remarks: bool = False) -> Any:
+    """Return the root element.
 
     Parameters
     ----------
     name : of the file, to be found in ``docinfo.URL``
+    remarks : whether comments and processing instructions stay in
 
     Raises
     ------
@@ -42,8 +43,8 @@ def parse_xml(data: bytes, name: str | None = None) -> Any:
         load_dtd=False,
         dtd_validation=False,
         huge_tree=False,  # at most 10 MB in an attribute, and some hundred elements deep
-        remove_comments=True,
-        remove_pis=True,
+        remove_comments=not remarks,
+        remove_pis=not remarks,
     )
     try:
         return etree.fromstring(data, parser, base_url=name)

@@ -77,7 +77,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     except OSError as fault:
         raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
     except Unreadable as fault:
-        raise SignalError(f"{path}: no Parquet file that can be read: {fault}") from None
+        raise SignalError(f"{path}: cannot be read: {fault}") from None
     for name, column in columns.items():
         if column.values is None or column.unit:
             raise SignalError(

@@ -123,7 +123,7 @@ def _hash(path: Path) -> str | None:
     try:
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError:
+    except (OSError, ValueError):  # or no name that a file can have
         return None  # the drive will fail, and say why
 
 
