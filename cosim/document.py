@@ -22,13 +22,13 @@ class Malformed(ValueError):
     """Text that is not read as XML; the message lacks the file's name."""
 
 
-def parse_xml(data: bytes, name: str | None = None, *, comments: bool = False) -> Any:
+def parse_xml(data: bytes, name: str | None = None, *, remarks: bool = False) -> Any:
     """Return the root element.
 
     Parameters
     ----------
     name : of the file, to be found in ``docinfo.URL``
-    comments : whether these and processing instructions are kept
+    remarks : whether comments and processing instructions stay in
 
     Raises
     ------
@@ -43,8 +43,8 @@ def parse_xml(data: bytes, name: str | None = None, *, comments: bool = False) -
         load_dtd=False,
         dtd_validation=False,
         huge_tree=False,  # at most 10 MB in an attribute, and some hundred elements deep
-        remove_comments=not comments,
-        remove_pis=not comments,
+        remove_comments=not remarks,
+        remove_pis=not remarks,
     )
     try:
         return etree.fromstring(data, parser, base_url=name)

@@ -20,9 +20,11 @@ from ga.arrays import Array
 from ga.errors import StateError
 from ga.problem import Problem
 from ga.record import Record
-from toolchain import write_whole
+from toolchain import parse_json, read_whole, write_whole
 
 FORMAT = 2
+MOST = 1 << 30
+"""Bytes that a checkpoint may have."""
 
 Told = tuple[Array, list[float], list[str]]
 """values (n, k), n costs and n reasons of a generation"""
@@ -117,7 +119,7 @@ def read(path: Path, about: str) -> dict[str, Any]:
     OSError : it cannot be read
     """
     try:
-        state = json.loads(path.read_text(encoding="utf-8"))
+        state = parse_json(read_whole(path, MOST))
     except ValueError as error:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):
@@ -135,4 +137,4 @@ def _finite(cost: float) -> float | None:
 
 
 def _cost(stored: float | None) -> float:
-    return float("inf") if stored is None else stored
+    return float("inf") if stored is None else float(stored)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from cosim import SspError, Table, read_tables
-from cosim.archive import unpack
+from cosim import Table
+from cosim.ssp.package import Package
 from toolchain import write_whole
 
 MEMBER = "extra/stickslip/input.csv"
@@ -34,7 +34,10 @@ def packed_input(package: Path) -> dict[str, Table]:
 
     Raises
     ------
-    SspError, SignalError
+    SignalError
+        When they cannot be read.
+    SspError
+        When the package cannot be.
     """
-    file = unpack(package, "ssps", SspError) / MEMBER
-    return read_tables(file) if file.is_file() else {}
+    file = Package.open(package).folder / MEMBER
+    return Table.all_from_csv(file) if file.is_file() else {}

@@ -21,9 +21,11 @@ from toolchain.errors import (
     WrongExports,
 )
 from toolchain.platforms import PLATFORMS, Platform, host_platform
+from toolchain.reading import MOST_TEXT, parse_json, parse_toml, read_whole
 from toolchain.universal import universal
 
 __all__ = [
+    "MOST_TEXT",
     "PLATFORMS",
     "CompilationFailed",
     "CompilerMissing",
@@ -36,6 +38,9 @@ __all__ = [
     "cache_directory",
     "host_platform",
     "interface",
+    "parse_json",
+    "parse_toml",
+    "read_whole",
     "shared_library",
     "standard_functions",
     "universal",

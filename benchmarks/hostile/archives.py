@@ -46,7 +46,9 @@ _NAMES = [
     _named("nameless-member", "no name at all", "empty part", b""),
     _named("double-slash", "a//b", "empty part", b"a//b"),
     _named("long-name", "a name of 300 bytes", "path of 300 bytes", b"n" * 300),
-    _named("long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]),
+    _named(
+        "long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]
+    ),
     _named("deep-folders", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
     _named("twice", "two members of one name", "occurs twice", b"a.txt", b"a.txt"),
     _named("case", "names that differ in case", "occurs twice", b"a.txt", b"A.TXT"),

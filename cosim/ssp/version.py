@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from lxml import etree
 
-from cosim.document import parse_xml
+from cosim.document import Malformed, parse_xml
 from cosim.errors import SspError
 from cosim.ssp.markup import short
 from cosim.ssp.names import NAMESPACES, ROOTS, tag
@@ -31,7 +31,10 @@ def _converted(name: str, data: bytes, version: str) -> bytes:
     part = name.rpartition(".")[2]
     if part not in ROOTS:
         return data
-    root = parse_xml(data, name, comments=True)
+    try:
+        root = parse_xml(data, remarks=True)
+    except Malformed as fault:
+        raise SspError(f"{name}: {fault}") from fault
     roots = [element for kind in ROOTS.values() for element in root.iter(tag(kind))]
     if all(element.get("version") == version for element in roots):
         return data
