@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.hostile.case import Case
-from benchmarks.hostile.fmus import DESCRIPTION, members, simulating
+from benchmarks.hostile.sound import DESCRIPTION, members, simulating
 from benchmarks.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 
 _MB = 1024**2
