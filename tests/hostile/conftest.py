@@ -1,0 +1,13 @@
+"""Compiles once, before tests are given caches of their own."""
+
+import pytest
+
+from benchmarks.defects import reference
+from cosim import kernel
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled():
+    kernel.load()
+    for version in (2, 3):
+        reference.library(version)
