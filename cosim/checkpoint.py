@@ -105,7 +105,9 @@ class Checkpoint:
         states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
         starts = {name: float(start) for name, start in kinds["start"].items()}
         row = np.asarray(arrays["row"], np.float64)
-        return cls(str(arrays["identity"]), int(arrays["step"]), row, states, starts, kinds["memory"])
+        return cls(
+            str(arrays["identity"]), int(arrays["step"]), row, states, starts, kinds["memory"]
+        )
 
 
 def _array(data: bytes) -> NDArray[Any]:

@@ -49,7 +49,8 @@ def parse_xml(data: bytes, name: str | None = None, *, remarks: bool = False) ->
     try:
         return etree.fromstring(data, parser, base_url=name)
     except etree.XMLSyntaxError as fault:
-        raise Malformed(f"{printable(str(fault))}; export it again") from fault
+        said = " ".join(str(fault).split())
+        raise Malformed(f"{printable(said)}; export it again") from fault
 
 
 def _fault(data: bytes) -> str | None:

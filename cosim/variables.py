@@ -59,6 +59,7 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
 _WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
+MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
@@ -121,6 +122,13 @@ class Variable:
         """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
         return self.type not in FLOATS | NOT_NUMBERS
 
+    @cached_property
+    def is_settable(self) -> bool:
+        """Whether a start value can be given to it."""
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
+
     @property
     def kind(self) -> str:
         """Its type under the name of FMI 3.0; only equal kinds can be connected."""
@@ -137,13 +145,25 @@ class Variable:
         return math.prod(self.dimensions)
 
     def shaped(self, lengths: Mapping[str, int]) -> Variable:
-        """Return it as it is with these values of the structural parameters."""
+        """Return it as it is with these values of the structural parameters.
+
+        Raises
+        ------
+        ParameterError
+            When it has no elements, or too many.
+        """
         dimensions = tuple(
             lengths.get(name or "", length)
             for length, name in zip(self.dimensions, self.structure, strict=True)
         )
-        start = self.start if dimensions == self.dimensions else None
-        return replace(self, dimensions=dimensions, start=start)
+        if dimensions == self.dimensions:
+            return self
+        if not 0 < math.prod(dimensions) <= MAX_ELEMENTS:
+            raise ParameterError(
+                f"{self.name} would have {math.prod(dimensions)} elements, expected 1 to"
+                f" {MAX_ELEMENTS}; choose other structural parameters"
+            )
+        return replace(self, dimensions=dimensions, start=None)
 
     def elements(self) -> Iterator[Variable]:
         """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
@@ -184,7 +204,7 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        if not self._has_start:
+        if not self.is_settable:
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
@@ -194,12 +214,6 @@ class Variable:
         if self.dimensions:
             return tuple(self._checked(item, label) for item in self._items(value, label))
         return self._checked(value, label)
-
-    @cached_property
-    def _has_start(self) -> bool:
-        settable = {"parameter", "structuralParameter", "input"}
-        given = self.causality in settable or self.initial in {"exact", "approx"}
-        return given and self.variability != "constant"
 
     def _items(self, value: Any, label: str) -> list[Any]:
         items = value.split() if isinstance(value, str) else value

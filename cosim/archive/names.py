@@ -50,6 +50,8 @@ def _fault(name: str) -> str | None:
     parts = name.removesuffix("/").split("/")
     if not all(parts):
         return "has an empty part in its path; pack the archive again"
+    if parts[-1] == "." and not name.endswith("/"):
+        return "names a folder, and is a file; pack the archive again"
     if len(parts) > MAX_DEPTH:
         return f"lies {len(parts)} folders deep, expected at most {MAX_DEPTH}"
     length = len(name.encode())

@@ -39,6 +39,7 @@ class Description:
     derivatives : of continuous states: name -> name of the state, None where it is not said
     n_states, n_indicators : numbers of continuous states and of event indicators
     clocks : the input clocks
+    outside : variables that start outside their own range
     """
 
     version: int
@@ -55,3 +56,4 @@ class Description:
     n_states: int
     n_indicators: int
     clocks: tuple[Clock, ...]
+    outside: tuple[Variable, ...]

@@ -15,7 +15,6 @@ from cosim.description.model import Description
 from cosim.description.structure import read_derivatives, read_unknowns
 from cosim.description.types import read_types, read_units
 from cosim.description.variables import (
-    MAX_ELEMENTS,
     MAX_REFERENCE,
     Lengths,
     read_variable,
@@ -23,7 +22,7 @@ from cosim.description.variables import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.names import shown
-from cosim.variables import Variable
+from cosim.variables import MAX_ELEMENTS, Variable
 
 _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 
@@ -57,7 +56,6 @@ def read_description(root: Any) -> Description:
         places,
     )
     by_name = {v.name: v for v in variables}
-    indicators = root.get("numberOfEventIndicators", "0") if version == 2 else "0"
     rates = [u.name for u in unknowns["derivatives"]]
     return Description(
         version=version,
@@ -74,9 +72,11 @@ def read_description(root: Any) -> Description:
         outputs=unknowns["outputs"],
         derivatives={rate: states.get(rate) for rate in rates},
         n_states=sum(by_name[rate].size for rate in rates),
-        n_indicators=sum(by_name[u.name].size for u in unknowns.get("indicators", ()))
-        or whole(indicators, "numberOfEventIndicators", root),
+        n_indicators=_indicators(root)
+        if version == 2
+        else sum(by_name[u.name].size for u in unknowns["indicators"]),
         clocks=read_clocks(elements) if version == 3 else (),
+        outside=tuple(filter(checks.starts_outside, variables)),
     )
 
 
@@ -132,6 +132,12 @@ def _check_size(variables: Sequence[Variable], elements: Sequence[Any]) -> None:
             elements[0].getparent(),
             f"all arrays together have {total} elements, expected at most {MAX_ELEMENTS}",
         )
+
+
+def _indicators(root: Any) -> int:
+    if root.get("numberOfEventIndicators") is None:
+        return 0
+    return whole_of(root, "numberOfEventIndicators", 0, MAX_ELEMENTS)
 
 
 def _experiment(element: Any) -> DefaultExperiment:

@@ -13,10 +13,9 @@ from cosim.description.attributes import WORDS, name_of, real, whole, whole_of
 from cosim.description.faults import DescriptionFault
 from cosim.description.types import TypeDefinition
 from cosim.names import shown
-from cosim.variables import FLOATS, NOT_NUMBERS, SETTERS, Scalar, Value, Variable
+from cosim.variables import FLOATS, MAX_ELEMENTS, NOT_NUMBERS, SETTERS, Scalar, Value, Variable
 
 MAX_REFERENCE = 2**32 - 1
-MAX_ELEMENTS = 10_000_000  # of an array
 
 _TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3]) | {"Clock"}}
 _PARAMETERS = {"parameter", "calculatedParameter", "structuralParameter"}

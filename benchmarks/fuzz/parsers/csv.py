@@ -9,7 +9,21 @@ import cosim
 from benchmarks.fuzz.tokens import by_tokens
 
 EXPECTED = (cosim.SignalError,)
-_WORDS = (b"time", b"u", b",", b";", b"\t", b'"', b"\n", b"\r", b"\r\n", b'""', b"\0", b"# ", b"\n\n")
+_WORDS = (
+    b"time",
+    b"u",
+    b",",
+    b";",
+    b"\t",
+    b'"',
+    b"\n",
+    b"\r",
+    b"\r\n",
+    b'""',
+    b"\0",
+    b"# ",
+    b"\n\n",
+)
 
 
 def corpus() -> list[bytes]:

@@ -19,7 +19,16 @@ from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, r
 EXPECTED = (UsageError, ga.StateError, LtiError)
 _WORDS = (
     *(b"[", b"]", b"{", b"}", b":", b",", b'"', b'""', b"null", b"true", b"NaN", b"-Infinity"),
-    *(b'"value"', b'"unit"', b'"F_c"', b'"loop"', b'"seed"', b'"evaluations"', b'"genes"', b"1e999"),
+    *(
+        b'"value"',
+        b'"unit"',
+        b'"F_c"',
+        b'"loop"',
+        b'"seed"',
+        b'"evaluations"',
+        b'"genes"',
+        b"1e999",
+    ),
     *(b'"\\ud800"', b'"\\u0000"', b"[" * 2000, b'{"a":' * 500, b'"feed"', b'"velocity"', b"0"),
 )
 
