@@ -94,4 +94,5 @@ def _column(pa: Any, kind: Any, values: Any) -> Column:
         values, unit = values.cast(pa.int64()), kind.unit
     elif pa.types.is_boolean(kind):
         values = values.cast(pa.int8())
-    return Column(str(kind), np.asarray(values.to_numpy(), dtype=np.float64), unit)
+    with np.errstate(invalid="ignore"):  # odd kinds of NaN
+        return Column(str(kind), np.asarray(values.to_numpy(), dtype=np.float64), unit)

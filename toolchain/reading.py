@@ -43,11 +43,12 @@ def read_whole(path: str | os.PathLike[str], most: int) -> bytes:
     except ValueError:  # NUL, or half a character
         raise _refused(errno.EINVAL, "no name that a file can have", path) from None
     with os.fdopen(number, "rb") as file:
-        if not stat.S_ISREG(os.fstat(number).st_mode):
+        about = os.fstat(number)
+        if not stat.S_ISREG(about.st_mode):
             raise _refused(errno.EINVAL, "no regular file; write it to one first", path)
-        data = file.read(most + 1)
-        if len(data) > most:
-            size = max(len(data), os.fstat(number).st_size)
+        data = file.read(most + 1) if about.st_size <= most else b""
+        size = max(about.st_size, len(data))  # of some files the system says 0
+        if size > most:
             said = f"{size} bytes, at most {most} are read; take a part of it"
             raise _refused(errno.EFBIG, said, path)
     return data

@@ -33,7 +33,7 @@ LAUGHS = "".join(
 def _case(
     name: str, about: str, says: str, text: Text, files: Mapping[str, Text] | None = None, *more: str
 ) -> Case:
-    return Case(21, name, about, simulating(text, files, *more), says)
+    return Case(21, f"ssp-{name}", about, simulating(text, files, *more), says)
 
 
 def _source(name: str, source: str, says: str) -> Case:
@@ -167,11 +167,11 @@ SOURCES = [
           {"b.ssd": _nested(STRUCTURE)}),
     _case("nested-no-package", "a nested package that is an FMU", "has no SystemStructure",
           _nested("resources/2.fmu", "package")),
-    Case(21, "nested-growth", "files that name the next one twice, thirty of them", _grown,
+    Case(21, "ssp-nested-growth", "files that name the next one twice, thirty of them", _grown,
          "more than 1000 nested systems"),
-    Case(21, "no-structure", "a package without SystemStructure.ssd", _no_structure,
+    Case(21, "ssp-no-structure", "a package without SystemStructure.ssd", _no_structure,
          "SystemStructure.ssd is missing"),
-    Case(21, "structure-alone", "a description that is not packed", _lone_text, "not a zip archive"),
+    Case(21, "ssp-structure-alone", "a description that is not packed", _lone_text, "not a zip archive"),
 ]  # fmt: skip
 
 MAPPING = document("ssm:ParameterMapping", '<ssm:MappingEntry source="none" target="a.k"/>')
@@ -247,7 +247,7 @@ FILES = [
           structure(A, times=experiment("0.3"))),
     _case("step-zero", "a step of 0", "expected a positive one",
           structure(A, times=experiment("0"))),
-    _case("step-tiny", "a step of 1e-12 s", "at most .* steps|at most .* are done",
+    _case("step-tiny", "a step of 1e-12 s", "at most .* are done",
           structure(A, times=experiment("1e-12"))),
     _case("variant-unknown", "a variant that the package has not", "no variant 'x'",
           structure(A), None, "--variant", "x"),

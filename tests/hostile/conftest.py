@@ -9,5 +9,6 @@ from cosim import kernel
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
     kernel.load()
+    kernel.load(None)  # as the kernel asks for it
     for version in (2, 3):
         reference.library(version)
