@@ -29,12 +29,12 @@ class Column:
     Attributes
     ----------
     kind : Arrow's name of its type
-    values : (n,) nan where there is none; None of what is no number, Boolean or time
+    numbers : (n,) nan where there is none; None of what is no number, Boolean or time
     unit : of times: s, ms, us or ns
     """
 
     kind: str
-    values: NDArray[np.float64] | None = None
+    numbers: NDArray[np.float64] | None = None
     unit: str | None = None
 
 

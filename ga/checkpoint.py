@@ -121,8 +121,8 @@ def read(path: Path, about: str) -> dict[str, Any]:
     state = _load(path)
     if state.get("about", about) != about:
         raise StateError(
-            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume with "
-            "that or start afresh"
+            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
+            "with that or start afresh"
         )
     return state
 

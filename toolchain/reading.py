@@ -9,7 +9,6 @@ import re
 import stat
 import tomllib
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 DEEPEST = 32
@@ -20,7 +19,6 @@ MOST_TEXT = 1 << 25
 _STRINGS = re.compile(
     r'"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*+"|\'[^\'\n]*+\'|#[^\n]*+', re.DOTALL
 )
-_PARTED = dict | list
 _BITS = 1023
 _BETWEEN_KEYS = re.compile(r"[,{}\[\]=\n]")
 
@@ -118,8 +116,9 @@ def _check_extent(content: object) -> None:
     for _ in range(DEEPEST + 1):
         if any(isinstance(x, int) and x.bit_length() >= _BITS for x in level):
             raise ValueError("holds a number beyond 1e308")
-        parts = (x.values() if isinstance(x, dict) else x for x in level if isinstance(x, _PARTED))
-        level = [inner for part in parts for inner in part]
+        lists = [x for x in level if isinstance(x, list)]
+        lists += [list(x.values()) for x in level if isinstance(x, dict)]
+        level = [inner for part in lists for inner in part]
         if not level:
             return
     raise _too_deep()

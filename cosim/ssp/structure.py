@@ -35,12 +35,13 @@ class Document:
     top: File
     root: Any
     definitions: Definitions
-    opened: list[File]
+    opened: list[File] = field(default_factory=list)
 
     @classmethod
-    def read(cls, file: File, top: File, opened: list[File]) -> Document:
+    def read(cls, file: File, top: File, opened: list[File] | None = None) -> Document:
         """Read a file of an unpacked package."""
         root = parse(file, "ssd")
+        opened = [] if opened is None else opened
         opened.append(file)
         return cls(file, top, root, Definitions.of(root), opened)
 
@@ -89,7 +90,7 @@ def read_structure(file: File, top: File) -> Node:
     ------
     SspError
     """
-    document = Document.read(file, top, [])
+    document = Document.read(file, top)
     return _system((), find(document.root, "ssd:System"), document, (file,))
 
 
