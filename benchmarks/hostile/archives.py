@@ -90,32 +90,28 @@ _LINKS = [
 ]
 
 
-def _bomb(n: int = 100) -> bytes:
-    return bytes(n * _MB)
-
-
 _BOMBS = [
     _made(
         3,
         "ratio",
-        "100 MB of zeros in 100 kB",
+        "70 MB of zeros in 70 kB",
         "zip bomb",
-        lambda: zipped([*members(), Member(b"zeros", _bomb(), DEFLATE)]),
+        lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)]),
     ),
     _beside(
         3,
         "several",
         "many members that grow together",
         "zip bomb",
-        *(Member(b"zeros%d" % i, bytes(50 * _MB), DEFLATE) for i in range(3)),
+        *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3)),
     ),
     _beside(3, "claims", "3 GB, says the header", "3000000000 bytes", Member(b"a", size=3 * 10**9)),
     _made(
         3,
         "lies",
-        "100 MB, though the header says 1 kB",
+        "20 MB, though the header says 1 kB",
         "damaged",
-        lambda: zipped([*members(), Member(b"zeros", _bomb(), DEFLATE, size=1000)]),
+        lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)]),
     ),
     _beside(
         3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)

@@ -171,7 +171,7 @@ _NUMBERS = [
     _times("too-many", "1e15 steps", "steps of the interval", 'stopTime="1e9" stepSize="1e-6"'),
     _times("overflow", "more steps than numbers", "steps of the interval", 'stopTime="1e308" stepSize="1e-308"'),
     _times("memory", "5e9 steps", "GB", 'stopTime="5e9" stepSize="1"'),
-    _times("huge", "a time that steps do not move", "steps", 'startTime="1e17" stopTime="1.0000000000000002e17" stepSize="1e-1"'),
+    _times("huge", "a time that steps do not move", "lost in rounding", 'startTime="1e17" stopTime="1.0000000000000002e17" stepSize="1e-1"'),
     _times("text", "a stop that is text", "stopTime is 'soon'", 'stopTime="soon"'),
     _times("tolerance", "a tolerance that is text", "tolerance is 'small'", 'stopTime="1" tolerance="small"'),
 ]  # fmt: skip

@@ -43,13 +43,15 @@ def _elsewhere(name: str) -> list[Member]:
     return [Member(name.encode(), content.data), *members(2, [DESCRIPTION])]
 
 
-def _system(name: str, about: str, says: str, ssd: str, *command: str) -> Case:
+def _system(
+    name: str, about: str, says: str, ssd: str, command: str = "simulate", *options: str
+) -> Case:
     """Return a case of a package with this structure."""
 
     def make(folder: Path) -> Sequence[str | Path]:
         content = [Member(b"SystemStructure.ssd", ssd.encode())]
         (folder / "a.ssp").write_bytes(zipped(content))
-        return [*(command or ("simulate",)), folder / "a.ssp"]
+        return [command, folder / "a.ssp", *options]
 
     return Case(6, name, about, make, says)
 

@@ -9,6 +9,7 @@ import struct
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 STORED, DEFLATE = 0, 8
 UNIX = 3
@@ -37,7 +38,7 @@ class Member:
     content: bytes | None = None  # in place of the packed data
     local: dict[str, object] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def packed(self) -> bytes:
         if self.content is not None:
             return self.content
@@ -93,7 +94,7 @@ def zipped(
     before, behind : bytes around it
     count, directory, length : number of members, place and bytes of their list, as the end says
     """
-    body, entries = b"", b""
+    body, entries = bytearray(), bytearray()
     for member in members:
         entries += member.entry(len(body))
         body += member.head() + member.packed
@@ -105,4 +106,4 @@ def zipped(
         len(body) if directory is None else directory,
         len(comment),
     )
-    return before + body + entries + end + comment + behind
+    return b"".join((before, body, entries, end, comment, behind))

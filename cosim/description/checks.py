@@ -47,7 +47,9 @@ def check_numbers(variable: Variable, element: Any) -> None:
     low, high, nominal = variable.minimum, variable.maximum, variable.nominal
     for what, number in (("min", low), ("max", high)):
         if number is not None and number != number:
-            raise DescriptionFault(element, f"{what} of {shown(variable.name)} is NaN")
+            raise DescriptionFault(
+                element, f"{what} of {shown(variable.name)} is nan, expected a number"
+            )
     if low is not None and high is not None and low > high:
         raise DescriptionFault(
             element,

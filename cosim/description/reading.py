@@ -39,21 +39,24 @@ def read_description(root: Any) -> Description:
     units, types = read_units(root), read_types(root, version)
     elements = _elements(root)
     lengths = _lengths(elements) if version == 3 else {}
-    variables = [read_variable(each, version, types, lengths) for each in elements]
+    typed = [typed_element(each, version) for each in elements]
+    variables = [
+        read_variable(each, inner, version, types, lengths)
+        for each, inner in zip(elements, typed, strict=True)
+    ]
     aliases = _aliases(elements) if version == 3 else {}
     checks.check_distinct(variables, elements, aliases)
     for variable, element in zip(variables, elements, strict=True):
         checks.check_numbers(variable, element)
     _check_size(variables, elements)
     places = (
-        {i: v.name for i, v in enumerate(variables, 1)}
+        {str(i): v.name for i, v in enumerate(variables, 1)}
         if version == 2
-        else {v.reference: v.name for v in variables}
+        else {str(v.reference): v.name for v in variables}
     )
     unknowns = read_unknowns(root, version, places)
     states = read_derivatives(
-        [(typed_element(e, version), v.name) for e, v in zip(elements, variables, strict=True)],
-        places,
+        ((inner, v.name) for inner, v in zip(typed, variables, strict=True)), places
     )
     by_name = {v.name: v for v in variables}
     rates = [u.name for u in unknowns["derivatives"]]
@@ -69,7 +72,7 @@ def read_description(root: Any) -> Description:
         units=units,
         variables=MappingProxyType(by_name),
         aliases=aliases,
-        outputs=unknowns["outputs"],
+        outputs=tuple(unknowns["outputs"]),
         derivatives={rate: states.get(rate) for rate in rates},
         n_states=sum(by_name[rate].size for rate in rates),
         n_indicators=_indicators(root)

@@ -13,37 +13,38 @@ from cosim.description.faults import DescriptionFault
 from cosim.description.model import Unknown
 from cosim.names import shown
 
-Places = Mapping[int, str]
-"""Index or value reference -> name of the variable."""
+Places = Mapping[str, str]
+"""Index or value reference, in digits -> name of the variable."""
 
-_ENTRIES = {
-    2: {"outputs": "Outputs/Unknown", "derivatives": "Derivatives/Unknown"},
+_KINDS = {
+    2: {"Outputs": "outputs", "Derivatives": "derivatives", "InitialUnknowns": "initial"},
     3: {
-        "outputs": "Output",
-        "derivatives": "ContinuousStateDerivative",
-        "indicators": "EventIndicator",
-        "clocked": "ClockedState",
+        "Output": "outputs",
+        "ContinuousStateDerivative": "derivatives",
+        "EventIndicator": "indicators",
+        "ClockedState": "clocked",
+        "InitialUnknown": "initial",
     },
 }
-_INITIAL = {2: "InitialUnknowns/Unknown", 3: "InitialUnknown"}
 
 
-def read_unknowns(root: Any, version: int, places: Places) -> dict[str, tuple[Unknown, ...]]:
-    """Return the entries of ModelStructure by kind; check those of ``InitialUnknowns`` too.
+def read_unknowns(root: Any, version: int, places: Places) -> dict[str, list[Unknown]]:
+    """Return the entries of ModelStructure by kind.
 
     Raises
     ------
     DescriptionFault
         When a variable is named that does not exist.
     """
-    kinds = _ENTRIES[version] | {"initial": _INITIAL[version]}
-    return {
-        kind: tuple(
-            _unknown(entry, "index" if version == 2 else "valueReference", places)
-            for entry in root.iterfind(f"ModelStructure/{path}")
-        )
-        for kind, path in kinds.items()
-    }
+    kinds = _KINDS[version]
+    found: dict[str, list[Unknown]] = {kind: [] for kind in kinds.values()}
+    for element in root.iterfind("ModelStructure/*"):
+        if kind := kinds.get(element.tag):
+            if version == 3:
+                found[kind].append(_unknown(element, "valueReference", places))
+            else:
+                found[kind] += [_unknown(entry, "index", places) for entry in element]
+    return found
 
 
 def _unknown(element: Any, key: str, places: Places) -> Unknown:
@@ -84,9 +85,11 @@ def read_derivatives(elements: Iterable[tuple[Any, str]], places: Places) -> dic
 
 
 def _name(text: str, what: str, element: Any, places: Places) -> str:
-    place = whole(text, what, element)
-    if place not in places:
+    if (name := places.get(text)) is not None:
+        return name
+    place = whole(text, what, element)  # it may be spelled with blanks or a sign
+    if (name := places.get(str(place))) is None:
         raise DescriptionFault(
             element, f"{what} of {element.tag} is {place}, which is no variable; export it again"
         )
-    return places[place]
+    return name

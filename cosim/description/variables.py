@@ -53,16 +53,23 @@ Lengths = Mapping[int, tuple[str, int]]
 
 
 def read_variable(
-    element: Any, version: int, types: Mapping[str, TypeDefinition], lengths: Lengths
+    element: Any,
+    typed: Any,
+    version: int,
+    types: Mapping[str, TypeDefinition],
+    lengths: Lengths,
 ) -> Variable:
     """Return a variable.
+
+    Parameters
+    ----------
+    typed : what ``typed_element`` returns
 
     Raises
     ------
     DescriptionFault
     """
     name = name_of(element)
-    typed = typed_element(element, version)
     kind = typed.tag
     if kind not in _TYPES[version]:
         raise DescriptionFault(element, f"{shown(name)} is of the unknown type {shown(str(kind))}")

@@ -16,7 +16,7 @@ MAX_RATIO = 500  # of a member that is large when unpacked
 LARGE = 64 * 1024**2
 
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_UNSAFE = re.compile(r"^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
+_UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Archive:
     @property
     def files(self) -> list[zipfile.ZipInfo]:
         """The members that are no folders."""
-        return [member for member in self.members if not member.is_dir()]
+        return [m for m in self.members if not m.orig_filename.endswith("/")]
 
     @property
     def bytes(self) -> int:
