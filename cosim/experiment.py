@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cosim.errors import ExperimentError
 
-MAX_STEPS = 10**8
+MAX_STEPS = 10**10
 _SHARE = 0.8  # of a machine's memory that a run may take
 _NUMBER = 8  # bytes
 

@@ -17,7 +17,7 @@ from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import group
-from cosim.memory import Memory
+from cosim.memory import Memory, Room
 from cosim.once import claim, give_up
 from cosim.pace import Pace
 from cosim.record import Record
@@ -35,9 +35,13 @@ class Prepared:
     """The FMUs of a simulation, from the first instance to the last call.
 
     Attributes are those of ``Simulation``.
+
+    Parameters
+    ----------
+    room : makes arrays of a shape, for what is kept of a run
     """
 
-    def __init__(self, spec: Specification) -> None:
+    def __init__(self, spec: Specification, room: Room = np.empty) -> None:
         system = spec.system
         coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
@@ -65,7 +69,7 @@ class Prepared:
             tolerance=spec.tolerance,
         )
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
-        self._memory = Memory(self._run, self._layout, record, self.time)
+        self._memory = Memory(self._run, self._layout, record, self.time, room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
@@ -124,6 +128,7 @@ class Prepared:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
         if self._ready:
             return
+        given = {slot.instance for slot in self._slots.values()}
         for name, slot in self._slots.items():
             if not slot.instance:
                 self._coupled.lose(name)
@@ -136,6 +141,13 @@ class Prepared:
                     raise SimulationError(
                         f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
+                if slot.instance in given:
+                    slot.instance = None
+                    raise SimulationError(
+                        f"{name}: {fmu.path.name} gives an instance that it has given before;"
+                        " it can serve one component only"
+                    )
+                given.add(slot.instance)
         self._ready = True
 
     def _failure(self) -> SimulationError:

@@ -9,6 +9,7 @@ from ctypes import byref, c_char, c_size_t, c_void_p
 from typing import Any
 
 from cosim.errors import SimulationError
+from cosim.kernel import marks
 from cosim.library import Library
 
 _NAMES = {
@@ -83,6 +84,7 @@ class StateAccess:
             self._call(self._free, byref(state))
 
     def _call(self, name: str, *arguments: Any) -> None:
+        marks.note(self._name, name)
         status = self._library.function(name)(self._instance, *arguments)
         if status > 1:  # neither OK nor a warning
             raise SimulationError(f"{self._name}: {name} returned status {status}")

@@ -1,12 +1,13 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import archives, descriptions, learning, systems, tables, xml
+from benchmarks.hostile import archives, binaries, descriptions, learning, systems, tables, xml
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
     *archives.CASES,
     *xml.CASES,
     *descriptions.CASES,
+    *binaries.CASES,
     *systems.CASES,
     *tables.CASES,
     *learning.CASES,

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.hostile.case import Case
-from benchmarks.hostile.fmus import describe, members, replaced, simulating, spoilt
+from benchmarks.hostile.sound import describe, members, replaced, simulating, spoilt
 from benchmarks.hostile.zips import Member, zipped
 
 _three = partial(spoilt, version=3)

@@ -1,56 +1,97 @@
-"""Sound FMUs to spoil: the reference FMU of ``benchmarks/defects``, and packages around it."""
+"""FMUs that misbehave as they are told, all of one library."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+import zipfile
+from functools import cache
 from pathlib import Path
 
-from benchmarks.defects import reference
-from benchmarks.hostile.case import Case, Make
-from benchmarks.hostile.zips import DEFLATE, Member, zipped
+import fmpy
 
-DESCRIPTION = "modelDescription.xml"
+import toolchain
 
-
-def members(version: int = 2, without: Sequence[str] = ()) -> list[Member]:
-    """Return the members of a sound FMU, but for some."""
-    content = reference.members(version)
-    needed = (DESCRIPTION, reference.binary_name(version))
-    return [Member(n.encode(), content[n], DEFLATE) for n in needed if n not in without]
+_VARIABLES = [("u", "input", 1.0), ("y", "output", 0.0), ("k", "parameter", 1.0)]
+_VARIABLES += [("fragile", "parameter", 0.0)]
 
 
-def describe(xml: bytes, version: int = 2) -> list[Member]:
-    """Return the members of an FMU with this description."""
-    return [Member(DESCRIPTION.encode(), xml, DEFLATE), *members(version, [DESCRIPTION])]
+@cache
+def library() -> bytes:
+    """Return the library of hostile.c."""
+    headers = Path(fmpy.__file__).parent / "c-code"
+    files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
+    model = Path(__file__).with_name("hostile.c").read_text()
+    names = set(re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", "".join(files.values())))
+    absent = sorted(name for name in names if f"{name}(" not in model)
+    export = '__attribute__((visibility("default"))) int'
+    files["absent.c"] = "\n".join(f"{export} {name}(void) {{ return 3; }}" for name in absent)
+    files["hostile.c"] = model
+    flags = ("-Wno-infinite-recursion", "-Wno-null-dereference", "-lpthread", "-ldl", "-lm")
+    return toolchain.shared_library("hostile", files, flags=flags).read_bytes()
 
 
-def replaced(version: int, *pairs: tuple[str, str]) -> bytes:
-    """Return a sound description with each pair's first text, which it has, as the second."""
-    text = reference.members(version)[DESCRIPTION].decode()
-    for old, new in pairs:
-        if old not in text:
-            raise ValueError(f"{old!r} is not in the description")
-        text = text.replace(old, new, 1)
-    return text.encode()
+def write(
+    path: Path,
+    behaviour: str = "",
+    *,
+    version: int = 2,
+    token: str = "hostile",  # noqa: S107 - that of FMI
+    binaries: dict[str, bytes] | None = None,
+    flags: str = "",
+) -> Path:
+    """Write an FMU.
+
+    Parameters
+    ----------
+    behaviour : call, what it does, and at the how-manieth time: ``DoStep segv 3``
+    binaries : name in the archive -> content; the library for this machine by default
+    flags : further attributes of its interface
+    """
+    if binaries is None:
+        binaries = {place(version): library()}
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", _description(version, token, flags))
+        archive.writestr("resources/behaviour.txt", behaviour)
+        for name, content in binaries.items():
+            archive.writestr(name, content)
+    return path
 
 
-def simulating(data: bytes, *arguments: str) -> Make:
-    """Feed bytes as an FMU."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        (folder / "a.fmu").write_bytes(data)
-        return ["simulate", folder / "a.fmu", *arguments]
-
-    return make
+def place(version: int = 2, name: str = "hostile") -> str:
+    """Return where a library for this machine lies."""
+    platform = toolchain.host_platform()
+    folder = platform.fmi2 if version == 2 else platform.tuple
+    return f"binaries/{folder}/{name}{platform.suffix}"
 
 
-def spoilt(
-    group: int, name: str, about: str, says: str, *pairs: tuple[str, str], version: int = 2
-) -> Case:
-    """Return a case of a sound FMU whose description has other texts."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        data = zipped(describe(replaced(version, *pairs), version))
-        return simulating(data)(folder)
-
-    return Case(group, name, about, make, says)
+def _description(version: int, token: str, flags: str) -> str:
+    variables = []
+    for reference, (name, causality, start) in enumerate(_VARIABLES):
+        varies = "fixed" if causality == "parameter" else "continuous"
+        common = (
+            f'name="{name}" valueReference="{reference}" causality="{causality}"'
+            f' variability="{varies}"'
+        )
+        if causality == "output":
+            common += ' initial="exact"'
+        if version == 2:
+            variables.append(f'<ScalarVariable {common}><Real start="{start}"/></ScalarVariable>')
+        else:
+            variables.append(f'<Float64 {common} start="{start}"/>')
+    if version == 2:
+        named, structure = "guid", '<Outputs><Unknown index="2" dependencies=""/></Outputs>'
+    else:
+        variables.append(
+            '<Float64 name="time" valueReference="99" causality="independent"'
+            ' variability="continuous"/>'
+        )
+        named, structure = "instantiationToken", '<Output valueReference="1" dependencies=""/>'
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>'
+        f'<fmiModelDescription fmiVersion="{version}.0" modelName="hostile" {named}="{token}">'
+        '<CoSimulation modelIdentifier="hostile" canHandleVariableCommunicationStepSize="true"'
+        f" {flags}/>"
+        '<DefaultExperiment startTime="0" stopTime="0.1" stepSize="0.01"/>'
+        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    )

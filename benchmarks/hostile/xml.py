@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.hostile.case import Case
-from benchmarks.hostile.fmus import DESCRIPTION, describe, members, replaced, simulating
+from benchmarks.hostile.sound import DESCRIPTION, describe, members, replaced, simulating
 from benchmarks.hostile.zips import Member, zipped
 
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>'

@@ -12,6 +12,13 @@ static const char *const NAMES[][N_CALLS] = {{FACADE_CALLS(FMI2)}, {FACADE_CALLS
 #define LINE(place, fmi2, fmi3, interfaces) fmi2 " " fmi3 " " interfaces "\n"
 const char *facade_calls(void) { return FACADE_CALLS(LINE); }
 
+#ifdef MARKED
+AnyCall *calling(const Facade *f, enum Call place) {
+    MARK_CALL(NAMES[f->version - 2][place]);
+    return f->call[place];
+}
+#endif
+
 fmi2Status noted(Facade *f, enum Call place, int status) {
     if (!OK(status)) {
         f->called = NAMES[f->version - 2][place];
@@ -23,14 +30,14 @@ fmi2Status noted(Facade *f, enum Call place, int status) {
 }
 
 fmi2Status plain(Facade *f, enum Call place) {
-    return noted(f, place, ((int (*)(void *))f->call[place])(f->instance));
+    return noted(f, place, ((int (*)(void *))calling(f, place))(f->instance));
 }
 
 fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                                  fmi2String resources, const fmi2CallbackFunctions *callbacks,
                                  fmi2Boolean visible, fmi2Boolean logging) {
     Facade *f = callbacks->componentEnvironment;
-    AnyCall *call = f->call[f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS];
+    AnyCall *call = calling(f, f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS);
     if (f->version == 2) {
         type = f->model_exchange ? fmi2ModelExchange : fmi2CoSimulation;
         f->instance = ((fmi2InstantiateTYPE *)call)(name, type, token, resources, callbacks,
@@ -51,7 +58,7 @@ void facade_FreeInstance(fmi2Component c) {
     Facade *f = c;
     end_exchange(f);
     if (f->instance) {
-        ((void (*)(void *))f->call[FREE_INSTANCE])(f->instance);
+        ((void (*)(void *))calling(f, FREE_INSTANCE))(f->instance);
     }
     f->instance = NULL;
 }
@@ -74,7 +81,7 @@ fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fm
     if (f->version == 3) {
         return fmi2OK;
     }
-    AnyCall *call = f->call[SETUP_EXPERIMENT];
+    AnyCall *call = calling(f, SETUP_EXPERIMENT);
     return noted(f, SETUP_EXPERIMENT,
                  (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
                                                         start, has_stop, stop));
@@ -91,7 +98,7 @@ fmi2Status facade_EnterInitializationMode(fmi2Component c) {
     if (f->version == 2) {
         TRY_STATUS(plain(f, ENTER_INITIALIZATION));
     } else {
-        AnyCall *call = f->call[ENTER_INITIALIZATION];
+        AnyCall *call = calling(f, ENTER_INITIALIZATION);
         TRY_STATUS(noted(
             f, ENTER_INITIALIZATION,
             (int)((fmi3EnterInitializationModeTYPE *)call)(
@@ -119,7 +126,7 @@ fmi2Status facade_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
 
 /* Once: whether another call is due, and whether the FMU wants to end. */
 static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
-    AnyCall *call = f->call[UPDATE_DISCRETE_STATES];
+    AnyCall *call = calling(f, UPDATE_DISCRETE_STATES);
     bool nominals, states, defined;
     double next;
     int status;
@@ -185,7 +192,7 @@ fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], s
 }
 
 static fmi2Status step_fmi2(Facade *f, double t, double h) {
-    AnyCall *call = f->call[DO_STEP];
+    AnyCall *call = calling(f, DO_STEP);
     TRY_STATUS(noted(f, DO_STEP, (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, fmi2True)));
     f->time = t + h;
     return fmi2OK;
@@ -193,9 +200,9 @@ static fmi2Status step_fmi2(Facade *f, double t, double h) {
 
 /* An FMU that returns early is sent on its way again until the step is done; it stops at ticks. */
 static fmi2Status step_fmi3(Facade *f, double t, double h) {
-    AnyCall *call = f->call[DO_STEP];
     const double last = t + h;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
+        AnyCall *call = calling(f, DO_STEP);
         bool event = false, terminate = false, early = false;
         const bool ticks = f->next_tick < last && !is_due(last, f->next_tick);
         const double end = ticks ? f->next_tick : last;

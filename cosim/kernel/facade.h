@@ -8,6 +8,7 @@
 
 #include "course.h"
 #include "kernel.h"
+#include "mark.h"
 #include <math.h>
 
 typedef void AnyCall(void);
@@ -147,6 +148,11 @@ typedef struct {
 enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED = 111 };
 
 /* Each returns an FMI status or a Reason. */
+#ifdef MARKED
+AnyCall *calling(const Facade *f, enum Call place);
+#else
+#define calling(f, place) ((f)->call[place])
+#endif
 fmi2Status plain(Facade *f, enum Call place);
 fmi2Status noted(Facade *f, enum Call place, int status);
 fmi2Status transfer(Facade *f, const Group *group);

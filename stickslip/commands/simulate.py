@@ -10,6 +10,7 @@ from typing import Any
 
 import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
+from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.results import claim_folder
@@ -66,6 +67,7 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write what is kept there"
     )
+    add_isolation(parser)
     parser.set_defaults(run=run)
 
 
@@ -102,6 +104,7 @@ def run(options: argparse.Namespace) -> None:
             step=experiment.step,
             record=record,
             tolerance=options.tolerance,
+            isolation=isolation_of(options),
         )
     except cosim.ExperimentError as fault:
         raise UsageError(f"{options.file}: {fault}; see --stop and --step") from fault

@@ -3,12 +3,14 @@
 import pytest
 
 from benchmarks.defects import reference
+from benchmarks.hostile import fmus
 from cosim import kernel
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
-    kernel.load()
-    kernel.load(None)  # as the kernel asks for it
+    kernel.built()
+    kernel.built(marked=True)
+    fmus.library()
     for version in (2, 3):
         reference.library(version)

@@ -15,8 +15,7 @@ from stickslip.cli import main
 
 def litter(*folders: Path) -> set[Path]:
     """Return what must not grow: temporary files, and half-unpacked archives in the cache."""
-    temporary = Path(tempfile.gettempdir())
-    found = {p for p in temporary.iterdir() if not p.name.startswith("pytest-")}
+    found = set(Path(tempfile.gettempdir()).iterdir())
     for folder in folders:
         found |= set(folder.rglob(".*"))
     return found
