@@ -29,12 +29,12 @@ class Column:
     Attributes
     ----------
     kind : Arrow's name of its type
-    values : (n,) nan where there is none; None of what is no number, Boolean or time
+    numbers : (n,) nan where there is none; None of what is no number, Boolean or time
     unit : of times: s, ms, us or ns
     """
 
     kind: str
-    values: NDArray[np.float64] | None = None
+    numbers: NDArray[np.float64] | None = None
     unit: str | None = None
 
 
@@ -94,4 +94,5 @@ def _column(pa: Any, kind: Any, values: Any) -> Column:
         values, unit = values.cast(pa.int64()), kind.unit
     elif pa.types.is_boolean(kind):
         values = values.cast(pa.int8())
-    return Column(str(kind), np.asarray(values.to_numpy(), dtype=np.float64), unit)
+    with np.errstate(invalid="ignore"):  # odd kinds of NaN
+        return Column(str(kind), np.asarray(values.to_numpy(), dtype=np.float64), unit)

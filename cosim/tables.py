@@ -79,11 +79,11 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     except Unreadable as fault:
         raise SignalError(f"{path}: cannot be read: {fault}") from None
     for name, column in columns.items():
-        if column.values is None or column.unit:
+        if column.numbers is None or column.unit:
             raise SignalError(
                 f"{path}: column {shown(name)}: expected numbers, got {printable(column.kind)}"
             )
-    return _from_frame(pd.DataFrame({n: c.values for n, c in columns.items()}), str(path))
+    return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
 
 
 def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:

@@ -64,7 +64,7 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
     for part, expected in head.items():
         if expected != state.get(part):
             raise StateError(
-                f"the checkpoint was made with other {part}: it has {state.get(part)}, "
+                f"the checkpoint was made with other {part}: it has {state.get(part)!s:.200}, "
                 f"expected {expected}; resume with those or start afresh"
             )
     try:
@@ -96,7 +96,7 @@ def seed_of(state: Mapping[str, Any]) -> int:
         )
     seed = state.get("seed")
     if not isinstance(seed, int):
-        raise StateError(f"the checkpoint is damaged (its seed is {seed!r}); start afresh")
+        raise StateError(f"the checkpoint is damaged (its seed is {seed!r:.40}); start afresh")
     return seed
 
 
@@ -118,17 +118,37 @@ def read(path: Path, about: str) -> dict[str, Any]:
     StateError : the file is no JSON object, or its costs are about something else
     OSError : it cannot be read
     """
+    state = _load(path)
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
+            "with that or start afresh"
+        )
+    return state
+
+
+def check(path: Path) -> None:
+    """Check that a file is a checkpoint, of whatever run.
+
+    Raises
+    ------
+    StateError : it is none
+    OSError : it cannot be read
+    """
+    state = _load(path)
+    try:
+        seed_of(state)
+    except StateError as error:
+        raise StateError(f"{path}: {error}") from None
+
+
+def _load(path: Path) -> dict[str, Any]:
     try:
         state = parse_json(read_whole(path, MOST))
     except ValueError as error:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):
         raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
-    if state.get("about", about) != about:
-        raise StateError(
-            f"{path}: the checkpoint is about {state['about']!r}, expected {about!r}; resume with "
-            "that or start afresh"
-        )
     return state
 
 

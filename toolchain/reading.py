@@ -9,7 +9,6 @@ import re
 import stat
 import tomllib
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 DEEPEST = 32
@@ -20,7 +19,6 @@ MOST_TEXT = 1 << 25
 _STRINGS = re.compile(
     r'"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*+"|\'[^\'\n]*+\'|#[^\n]*+', re.DOTALL
 )
-_PARTED = dict | list
 _BITS = 1023
 _BETWEEN_KEYS = re.compile(r"[,{}\[\]=\n]")
 
@@ -43,11 +41,12 @@ def read_whole(path: str | os.PathLike[str], most: int) -> bytes:
     except ValueError:  # NUL, or half a character
         raise _refused(errno.EINVAL, "no name that a file can have", path) from None
     with os.fdopen(number, "rb") as file:
-        if not stat.S_ISREG(os.fstat(number).st_mode):
+        about = os.fstat(number)
+        if not stat.S_ISREG(about.st_mode):
             raise _refused(errno.EINVAL, "no regular file; write it to one first", path)
-        data = file.read(most + 1)
-        if len(data) > most:
-            size = max(len(data), os.fstat(number).st_size)
+        data = file.read(most + 1) if about.st_size <= most else b""
+        size = max(about.st_size, len(data))  # of some files the system says 0
+        if size > most:
             said = f"{size} bytes, at most {most} are read; take a part of it"
             raise _refused(errno.EFBIG, said, path)
     return data
@@ -117,8 +116,9 @@ def _check_extent(content: object) -> None:
     for _ in range(DEEPEST + 1):
         if any(isinstance(x, int) and x.bit_length() >= _BITS for x in level):
             raise ValueError("holds a number beyond 1e308")
-        parts = (x.values() if isinstance(x, dict) else x for x in level if isinstance(x, _PARTED))
-        level = [inner for part in parts for inner in part]
+        lists = [x for x in level if isinstance(x, list)]
+        lists += [list(x.values()) for x in level if isinstance(x, dict)]
+        level = [inner for part in lists for inner in part]
         if not level:
             return
     raise _too_deep()

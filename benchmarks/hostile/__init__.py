@@ -1,6 +1,6 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import archives, binaries, descriptions, xml
+from benchmarks.hostile import archives, binaries, descriptions, learning, systems, tables, xml
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
@@ -8,6 +8,9 @@ CASES: list[Case] = [
     *xml.CASES,
     *descriptions.CASES,
     *binaries.CASES,
+    *systems.CASES,
+    *tables.CASES,
+    *learning.CASES,
 ]
 """All of them, group by group."""
 

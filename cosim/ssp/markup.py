@@ -89,7 +89,7 @@ def number(element: Any, name: str, default: float) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise SspError(f"{place(element)}: {name} is {text!r}, expected a finite number")
+        raise SspError(f"{place(element)}: {name} is {shown(text or '')}, expected a finite number")
     return value
 
 
@@ -98,7 +98,7 @@ def integer(text: str, element: Any) -> int:
     try:
         return int(text)
     except ValueError:
-        raise SspError(f"{place(element)}: {text!r} is no integer") from None
+        raise SspError(f"{place(element)}: {shown(text)} is no integer") from None
 
 
 def truth(element: Any, name: str) -> bool:

@@ -45,7 +45,8 @@ def _converted(name: str, data: bytes, version: str) -> bytes:
             for new, old in _OLD_NAMES.items():
                 for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
                     element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
-    if fault := violation(root, part, version):
-        raise SspError(f"{name}, line {fault[0]}: SSP {version} cannot say this: {short(fault[1])}")
+    if breach := violation(root, part, version):
+        said = short(breach[1])
+        raise SspError(f"{name}, line {breach[0]}: SSP {version} cannot say this: {said}")
     text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return text

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER = 128
-MOST = 1 << 29
+MOST = 1 << 28
 """Bytes that all compressed variables together may have."""
 MOST_PARTS = 32
 """Dimensions of an array; flags and lengths are fewer."""

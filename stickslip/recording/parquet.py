@@ -35,10 +35,10 @@ def read_parquet(path: str, data: bytes) -> LogTable:
         if name in names:
             name = label
         names.append(name)
-        if column.values is None or column.kind == "bool":
+        if column.numbers is None or column.kind == "bool":
             faults[name] = f"expected numbers, got {printable(column.kind)}"
             continue
-        numbers[name] = column.values
+        numbers[name] = column.numbers
         if unit := column.unit or unit:
             units[name] = unit
     if not any(len(column) for column in numbers.values()):

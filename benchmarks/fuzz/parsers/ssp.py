@@ -125,9 +125,9 @@ def _beside(version: str) -> tuple[str, str, str]:
     )
 
 
-_WORDS = tuple(
-    sorted(set(re.findall(rb"[\w:.]+", (_structure("2.0") + "".join(_beside("1.0"))).encode())))
-) + (
+_TEXTS = (_structure("2.0") + "".join(_beside("1.0"))).encode()
+_WORDS = (
+    *sorted(set(re.findall(rb"[\w:.]+", _TEXTS))),
     *(b"<", b"/>", b"</", b'"', b"&lt;", b"&a;", b"<!--", b"]]>", b"<![CDATA[", b"<?a?>"),
     *(b'<!DOCTYPE a [<!ENTITY a "b">]>', b"x[1]", b"w[2]", b"w", b"Boolean", b"Enumeration"),
     *(b"String", b"Float64", b"Int32", b"parameter", b"calculatedParameter", b"../a.fmu"),
