@@ -4,17 +4,35 @@ from __future__ import annotations
 
 import io
 import os
+import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import toolchain
 from cosim.errors import SimulationError
+from cosim.names import printable
 from cosim.result import Array
+
+MOST_BYTES = 1 << 30
+_DAMAGES = (
+    *(ValueError, KeyError, TypeError, EOFError, OverflowError, NotImplementedError),
+    *(RuntimeError, struct.error, zipfile.BadZipFile, zlib.error),
+)
+"""What zipfile and numpy make of bytes that are no saved state."""
+_HEADER = re.compile(
+    rb"\x93NUMPY\x01\x00..\{'descr': '([<|](?:[fiu][1248]|b1|U\d{1,7}))', 'fortran_order': False,"
+    rb" 'shape': \((\d{1,12})?,?\), *\} *\n",
+    re.DOTALL,
+)
+"""Of the arrays that are saved; numpy's own reader takes a header for Python."""
 
 
 @dataclass(frozen=True)
@@ -64,14 +82,39 @@ class Checkpoint:
             When it cannot be read or is no saved state.
         """
         try:
-            with np.load(path, allow_pickle=False) as arrays:
-                kinds: dict[str, dict[str, Array]] = {"state": {}, "start": {}, "memory": {}}
-                for key in arrays.files:
-                    kind, _, name = key.partition(":")
-                    kinds.get(kind, {})[name] = arrays[key]
-                states = {name: state.tobytes() for name, state in kinds["state"].items()}
-                starts = {name: float(start) for name, start in kinds["start"].items()}
-                identity, step = str(arrays["identity"]), int(arrays["step"])
-                return cls(identity, step, arrays["row"], states, starts, kinds["memory"])
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as fault:
-            raise SimulationError(f"{path}: no saved state that can be read: {fault}") from fault
+            stream = io.BytesIO(toolchain.read_whole(path, MOST_BYTES))
+            with zipfile.ZipFile(stream) as archive:
+                size = sum(member.file_size for member in archive.infolist())
+                if size > MOST_BYTES:
+                    raise ValueError(f"{size} bytes when unpacked, at most {MOST_BYTES} are")
+                arrays = {member: _array(archive.read(member)) for member in archive.namelist()}
+            return cls._of({key.removesuffix(".npy"): array for key, array in arrays.items()})
+        except OSError as fault:
+            raise SimulationError(f"{path}: cannot be read: {fault.strerror or fault}") from fault
+        except _DAMAGES as fault:
+            said = printable(" ".join(str(fault).split()))
+            raise SimulationError(f"{path}: no saved state that can be read: {said}") from fault
+
+    @classmethod
+    def _of(cls, arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
+        """Return what arrays by name say; raises ValueError or KeyError when they say nothing."""
+        kinds: dict[str, dict[str, NDArray[Any]]] = {"state": {}, "start": {}, "memory": {}}
+        for key, values in arrays.items():
+            kind, _, name = key.partition(":")
+            kinds.get(kind, {})[name] = values
+        states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
+        starts = {name: float(start) for name, start in kinds["start"].items()}
+        row = np.asarray(arrays["row"], np.float64)
+        return cls(
+            str(arrays["identity"]), int(arrays["step"]), row, states, starts, kinds["memory"]
+        )
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    """Return an array of one dimension or none."""
+    head = _HEADER.match(data)
+    if head is None:
+        raise ValueError("holds what was not saved here")
+    shape = () if head[2] is None else (int(head[2]),)
+    dtype = np.dtype(head[1].decode())
+    return np.frombuffer(data, dtype, offset=head.end()).reshape(shape)

@@ -143,6 +143,8 @@ class Facade:
         The solver of Model Exchange starts anew.
         """
         for name, place in self._places().items():
+            if memory[name].shape != place.shape:
+                raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
             place[:] = memory[name]
         self.c.time, self.c.next_event = map(float, memory["times"])
         return int(kernel.load().facade_go_on(ctypes.byref(self.c)))

@@ -8,24 +8,30 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Literal, get_args
-
-from lxml import etree
 
 import toolchain
 from cosim.archive import unpack
-from cosim.clocks import Clock, read_clocks
+from cosim.archive.names import is_device
 from cosim.collection import paused_collection
+from cosim.description import Description, DescriptionFault, read_description
+from cosim.description.attributes import flag
+from cosim.description.clocks import Clock
+from cosim.document import Malformed, parse_xml
 from cosim.errors import FmuError
-from cosim.experiment import DefaultExperiment
+from cosim.names import shown
 from cosim.units import Unit
 from cosim.variables import Variable, parse_element
 
 Interface = Literal["co_simulation", "model_exchange"]
 
 _log = logging.getLogger(__name__)
-_C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_DESCRIPTION = "modelDescription.xml"
+_TAGS: Mapping[Interface, str] = {
+    "co_simulation": "CoSimulation",
+    "model_exchange": "ModelExchange",
+}
+_C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
 
 
 class Fmu:
@@ -45,6 +51,7 @@ class Fmu:
     interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
     version : 2 or 3
+    description : all that was read of it
     name : of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
     variables : name -> Variable, in the order of the description
@@ -69,58 +76,46 @@ class Fmu:
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.folder = unpack(self.path, "fmus", FmuError)
-        self.version = self._read_version()
         description = self._read_description()
-        self.name: str = description.modelName or self.path.stem
-        self.token: str = description.instantiationToken or description.guid or ""
+        self.description = description
+        self.version = description.version
+        self.name = description.name or self.path.stem
+        self.token = description.token
         self.interfaces, self.interface = self._choose(description, interface)
-        chosen = (
-            description.coSimulation
-            if self.interface == "co_simulation"
-            else description.modelExchange
+        chosen = description.interfaces[_TAGS[self.interface]]
+        self.identifier = chosen.get("modelIdentifier", "")
+        self.event_mode = self.interface == "co_simulation" and flag(chosen, "hasEventMode")
+        self.once_per_process = flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
+        self.needs_tool = flag(chosen, "needsExecutionTool")
+        state = "state" if self.version == 2 else "State"
+        self.serializes = flag(chosen, f"canSerializeFMU{state}")
+        self.restores_state = flag(chosen, f"canGetAndSetFMU{state}")
+        self.notes_steps = self.interface == "model_exchange" and (
+            flag(chosen, "needsCompletedIntegratorStep")
+            if self.version == 3
+            else not flag(chosen, "completedIntegratorStepNotNeeded")
         )
-        self.identifier: str = chosen.modelIdentifier or ""
-        self.event_mode = self.interface == "co_simulation" and _flag(chosen, "hasEventMode")
-        self.once_per_process = _flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
-        self.serializes = _flag(chosen, "canSerializeFMUstate")
-        self.needs_tool = _flag(chosen, "needsExecutionTool")
-        self.notes_steps = _flag(chosen, "needsCompletedIntegratorStep")
-        self.n_states = int(description.numberOfContinuousStates or 0)
-        self.n_indicators = int(description.numberOfEventIndicators or 0)
-        self.restores_state = _flag(chosen, "canGetAndSetFMUstate")
-        self.interpolates_inputs = _flag(chosen, "canInterpolateInputs")
-        self.varies_step = self.interface == "model_exchange" or _flag(
+        self.n_states, self.n_indicators = description.n_states, description.n_indicators
+        self.interpolates_inputs = flag(chosen, "canInterpolateInputs")
+        self.varies_step = self.interface == "model_exchange" or flag(
             chosen, "canHandleVariableCommunicationStepSize"
         )
         self.binary = self._find_binary()
-        self.units: Mapping[str, Unit] = {
-            unit.name: Unit.from_fmpy(unit) for unit in description.unitDefinitions
-        }
-        try:
-            described = [v for v in description.modelVariables if not getattr(v, "alias", None)]
-            variables = [Variable.from_fmpy(variable) for variable in described]
-        except (KeyError, ValueError) as fault:
-            raise FmuError(
-                f"{self.path}: modelDescription.xml holds a bad value: {fault}"
-            ) from fault
-        self.variables: Mapping[str, Variable] = MappingProxyType({v.name: v for v in variables})
-        self.aliases = {a.name: v.name for v in described for a in getattr(v, "aliases", ())}
+        self.units = description.units
+        self.variables = description.variables
+        self.aliases = description.aliases
         self.has_arrays = any(
             v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
-            for v in variables
+            for v in self.variables.values()
         )
-        self.structural = [v.name for v in variables if v.causality == "structuralParameter"]
+        self.structural = [
+            v.name for v in self.variables.values() if v.causality == "structuralParameter"
+        ]
         self.feedthrough = self._read_feedthrough(description)
-        times = description.defaultExperiment
-        self.experiment = DefaultExperiment(
-            _number(getattr(times, "startTime", None)),
-            _number(getattr(times, "stopTime", None)),
-            _number(getattr(times, "stepSize", None)),
-            _positive(getattr(times, "tolerance", None)),
-        )
+        self.experiment = description.experiment
         if self.needs_tool:
             _log.warning("%s: needs the tool that made it installed on this machine", self.path)
-        self.clocks = self._read_clocks()
+        self.clocks = self._ticking()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.path, self.interface)
@@ -151,55 +146,40 @@ class Fmu:
         return self.units.get(variable.unit, Unit(variable.unit))
 
     def _choose(
-        self, description: Any, wanted: Interface | None
+        self, description: Description, wanted: Interface | None
     ) -> tuple[tuple[Interface, ...], Interface]:
-        present = {
-            "co_simulation": description.coSimulation,
-            "model_exchange": description.modelExchange,
-        }
-        interfaces = tuple(name for name in get_args(Interface) if present[name] is not None)
+        present = description.interfaces
+        interfaces = tuple(name for name in get_args(Interface) if _TAGS[name] in present)
         if not interfaces:
+            only = ", only Scheduled Execution" if "ScheduledExecution" in present else ""
             raise FmuError(
-                f"{self.path}: no Co-Simulation or Model Exchange interface"
-                f"{', only Scheduled Execution' if description.scheduledExecution else ''};"
+                f"{self.path}: no Co-Simulation or Model Exchange interface{only};"
                 " export the model for Co-Simulation"
             )
         if wanted is not None and wanted not in interfaces:
             raise FmuError(f"{self.path}: no interface {wanted!r}; it has {', '.join(interfaces)}")
         return interfaces, wanted or interfaces[0]
 
-    def _read_version(self) -> int:
-        file = self.folder / "modelDescription.xml"
-        if not file.is_file():
-            raise FmuError(f"{self.path}: modelDescription.xml is missing; this is no FMU")
+    def _read_description(self) -> Description:
+        names = {file.name for file in self.folder.iterdir()}
+        if _DESCRIPTION not in names:
+            near = [
+                shown(str(file.relative_to(self.folder)))
+                for file in self.folder.rglob("*")
+                if file.name.casefold() == _DESCRIPTION.casefold()
+            ]
+            hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
+            raise FmuError(f"{self.path}: {_DESCRIPTION} is missing; this is no FMU{hint}")
         try:
-            with file.open("rb") as stream:
-                _, root = next(etree.iterparse(stream, events=("start",)))
-        except etree.XMLSyntaxError as fault:
-            raise FmuError(f"{self.path}: modelDescription.xml: {fault}") from fault
-        version = root.get("fmiVersion")
-        if version is None or not re.fullmatch(r"2\.0|3\.\d+(\.\d+)?", version):
-            raise FmuError(
-                f"{self.path}: fmiVersion is {version!r}, expected '2.0' or '3.0';"
-                " export the model again for one of these"
-            )
-        return int(version[0])
-
-    def _read_description(self) -> Any:
-        import fmpy  # late, for those who start quickly
-
-        try:
-            return fmpy.read_model_description(self.folder, validate=False)
-        except Exception as fault:  # FMPy raises whatever it stumbles over
-            raise FmuError(
-                f"{self.path}: modelDescription.xml cannot be understood"
-                f" ({type(fault).__name__}: {fault}); check it with 'fmpy validate'"
-            ) from fault
+            return read_description(parse_xml((self.folder / _DESCRIPTION).read_bytes()))
+        except (Malformed, DescriptionFault) as fault:
+            raise FmuError(f"{self.path}: {_DESCRIPTION}: {fault}") from fault
 
     def _find_binary(self) -> Path:
-        if not _C_IDENTIFIER.fullmatch(self.identifier):
+        if not _C_IDENTIFIER.fullmatch(self.identifier) or is_device(self.identifier):
             raise FmuError(
-                f"{self.path}: modelIdentifier is {self.identifier!r}, expected a C identifier"
+                f"{self.path}: modelIdentifier is {shown(self.identifier)}, expected a C identifier"
+                " of at most 200 characters that names no device of Windows; export it again"
             )
         platform = toolchain.host_platform()
         place = platform.fmi2 if self.version == 2 else platform.tuple
@@ -222,14 +202,9 @@ class Fmu:
         )
         return libraries[0]
 
-    def _read_clocks(self) -> list[Clock]:
+    def _ticking(self) -> list[Clock]:
         """Return the clocks that tick by time; warn of those that will not tick."""
-        if not any(v.type == "Clock" and v.causality == "input" for v in self.variables.values()):
-            return []
-        try:
-            clocks = read_clocks(self.folder / "modelDescription.xml")
-        except ValueError as fault:
-            raise FmuError(f"{self.path}: modelDescription.xml: a clock has {fault}") from fault
+        clocks = self.description.clocks
         ticking = self.event_mode or self.interface == "model_exchange"
         running = [c for c in clocks if ticking and c.asked is not None]
         if mute := [c.name for c in clocks if c not in running]:
@@ -238,36 +213,15 @@ class Fmu:
         self.restores_state = self.restores_state and not running
         return running
 
-    def _read_feedthrough(self, description: Any) -> Mapping[str, frozenset[str]]:
+    def _read_feedthrough(self, description: Description) -> Mapping[str, frozenset[str]]:
         inputs = frozenset(v.name for v in self.variables.values() if v.causality == "input")
         outputs = (v.name for v in self.variables.values() if v.causality == "output")
         feedthrough = dict.fromkeys(outputs, inputs)
         for unknown in description.outputs:
             if unknown.dependencies is not None:
-                names = frozenset(map(_true_name, unknown.dependencies))
-                feedthrough[_true_name(unknown.variable)] = inputs & names
+                feedthrough[unknown.name] = inputs.intersection(unknown.dependencies)
         return feedthrough
 
 
 def _rebuild(path: Path, interface: Interface) -> Fmu:
     return Fmu(path, interface=interface)
-
-
-def _true_name(variable: Any) -> str:
-    """Return the name of a variable of FMPy, or of the one of which it is an alias."""
-    name: str = (getattr(variable, "alias", None) or variable).name
-    return name
-
-
-def _flag(interface: Any, name: str) -> bool:
-    value = getattr(interface, name, False)
-    return value in {True, "true", "1"}
-
-
-def _number(text: str | None) -> float | None:
-    return None if text is None else float(text)
-
-
-def _positive(text: str | None) -> float | None:
-    number = _number(text)
-    return number if number is not None and 0 < number < 1 else None

@@ -40,6 +40,12 @@ class Layout:
     summed: dict[str, Deviation]
     whole: bool
 
+    def kept_per_point(self, record: Record) -> float:
+        """Return how many numbers of a point in time are kept."""
+        if record.keep == "last":
+            return 0
+        return len(self.columns) if self.whole else len(self.recorded) / record.every
+
     @classmethod
     def of(cls, system: System, record: Record) -> Layout:
         """Lay out a system of which ``record`` is to be kept.

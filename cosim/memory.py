@@ -81,8 +81,16 @@ class Memory:
         return np.append(self._row(self._run.done), list(self.sums.values()))
 
     def go_on(self, step: int, state: Array) -> None:
-        """Let the run go on after a step that left this state."""
+        """Let the run go on after a step that left this state.
+
+        Raises
+        ------
+        ValueError
+            When the state is of other signals or sums.
+        """
         run = self._run
+        if state.shape != (run.width + len(self._sums),):
+            raise ValueError(f"{state.shape} signals, expected {run.width + len(self._sums)}")
         run.block_start = run.done = run.closed = step
         self._row(step)[:] = state[: run.width]
         if step % self._every == 0:

@@ -12,7 +12,7 @@ from cosim import kernel
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling
 from cosim.errors import SimulationError
-from cosim.experiment import check_tolerance, count_steps
+from cosim.experiment import check_memory, check_tolerance, count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
@@ -23,6 +23,7 @@ from cosim.pace import Pace
 from cosim.record import Record
 from cosim.result import Array
 from cosim.settings import Settings
+from cosim.starts import check_starts
 from cosim.variables import Variable
 from cosim.wiring import wire
 
@@ -48,14 +49,16 @@ class Prepared:
         jacobi = coupling.method == "jacobi"
         groups = group(system, coupling)
         self.spec = spec
-        self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.pace: Pace | None = None
         self._variables: dict[str, Variable] = {}  # those that runs have set
         self._varies_step = all(fmu.varies_step for fmu in system.components.values())
         self._halted = self._ready = False
         self.order = [name for members in groups for name in members.components]
         record = Record.of(spec.record)
-        self._layout = Layout.of(system, record)
+        self._layout = layout = Layout.of(system, record)
+        check_starts(system)
+        check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
+        self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
             system,

@@ -31,10 +31,24 @@ def remembered(table: Any, width: int, *, disturbed: bool) -> dict[str, Array]:
 
 
 def recall(table: Any, width: int, memory: Mapping[str, Array]) -> None:
-    """Write what ``remembered`` returned back."""
+    """Write what ``remembered`` returned back.
+
+    Raises
+    ------
+    KeyError, ValueError
+        When it is none of this coupling.
+    """
     for name, place in _places(table, width).items():
+        if memory[name].shape != place.shape:
+            raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
         place[:] = memory[name]
-    for name, value in zip(_COUNTS, memory["counts"], strict=True):
+    counts = dict(zip(_COUNTS, memory["counts"], strict=True))
+    step = counts["inner"]
+    if not (0 <= counts["n_past"] <= MAX_PAST and 0 <= step < np.inf):
+        raise ValueError(f"{counts['n_past']} past points and a step of {step} s")
+    if len(memory["known"]) != table.n_loops:
+        raise ValueError(f"{len(memory['known'])} loops, expected {table.n_loops}")
+    for name, value in counts.items():
         setattr(table, name, float(value) if name == "inner" else int(value))
     for i, known in enumerate(memory["known"]):
         table.loops[i].known = int(known)

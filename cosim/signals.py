@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.csv_columns import read_columns
 from cosim.errors import SignalError
 from cosim.names import component_of, suggestion
 
@@ -144,13 +144,9 @@ class Table:
         ------
         SignalError
         """
-        names, values = _read_csv(Path(path))
-        columns = dict(zip(names, values.T, strict=True))
+        columns = read_columns(Path(path))
         time = columns.pop("time")
-        try:
-            return {name: cls(time, column) for name, column in columns.items()}
-        except SignalError as fault:
-            raise SignalError(f"{path}: {fault}") from None
+        return {name: cls(time, column) for name, column in columns.items()}
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
@@ -248,32 +244,3 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
         when = time[np.argmin(finite)] if values.ndim else time[0]
         raise SignalError(f"input {name!r} is not finite at t = {when:.9g} s")
     return values
-
-
-def _read_csv(path: Path) -> tuple[list[str], Array]:
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = csv.reader(file)
-            names = [name.strip() for name in next(rows, [])]
-            if "time" not in names or len(set(names)) < len(names):
-                raise SignalError(
-                    f"{path}: expected a first line of distinct names, 'time' among them,"
-                    f" separated by commas, got {', '.join(names)!r}"
-                )
-            lines = [_numbers(path, rows.line_num, row, names) for row in rows if row]
-    except OSError as fault:
-        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
-    except (UnicodeDecodeError, csv.Error) as fault:
-        raise SignalError(f"{path}: not a CSV file in UTF-8: {fault}") from fault
-    if not lines:
-        raise SignalError(f"{path}: no values below the first line")
-    return names, np.array(lines)
-
-
-def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
-    if len(row) != len(names):
-        raise SignalError(f"{path}, line {line}: expected {len(names)} cells, got {len(row)}")
-    try:
-        return [float(cell) for cell in row]
-    except ValueError as fault:
-        raise SignalError(f"{path}, line {line}: {fault}") from None

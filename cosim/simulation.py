@@ -124,6 +124,8 @@ class Simulation(Stepping):
                 " record"
             )
         last = self._place(until)
+        if checkpoint.step < 0:
+            raise SimulationError(f"{path}: the saved state is damaged: step {checkpoint.step}")
         if last <= checkpoint.step:
             reached = self.spec.start + checkpoint.step * self.spec.step
             raise ExperimentError(
@@ -133,11 +135,14 @@ class Simulation(Stepping):
         external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
         self._begin(parameters, external)
         self._advance(0)  # initialised, the FMUs are in a mode that takes a state
-        for name in self.order:
-            self._state_of(name).restore(checkpoint.states[name])
-            self._recall(name, checkpoint)
-        self._coupled.recall(checkpoint.memory_of(""))
-        self._memory.go_on(checkpoint.step, checkpoint.row)
+        try:
+            for name in self.order:
+                self._state_of(name).restore(checkpoint.states[name])
+                self._recall(name, checkpoint)
+            self._coupled.recall(checkpoint.memory_of(""))
+            self._memory.go_on(checkpoint.step, checkpoint.row)
+        except (KeyError, ValueError, IndexError, TypeError) as fault:
+            raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
         return self._step(checkpoint.step, last, real_time, progress)
 
     def _state_of(self, name: str) -> StateAccess:

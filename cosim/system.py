@@ -11,7 +11,7 @@ from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
 from cosim.isolation.settings import Isolation
-from cosim.names import component_of, suggestion, variable_of
+from cosim.names import check_name, component_of, shown, suggestion, variable_of
 from cosim.record import Record
 from cosim.scaling import PLAIN, Link, Transform
 from cosim.simulation import Simulation
@@ -70,8 +70,8 @@ class System:
         ------
         FmuError, ConnectionFault, ParameterError
         """
-        if not name or "." in name:
-            raise ConnectionFault(f"{name!r} cannot name a component: it is empty or has a dot")
+        if fault := check_name(name):
+            raise ConnectionFault(f"{shown(name)} cannot name a component: {fault}")
         if name in self.components:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
@@ -130,10 +130,12 @@ class System:
             When the name is taken, or a target does not exist, is no input, is fed already, or
             measures something else than the input.
         """
-        if not name or "." in name or name in self.inputs or not targets:
+        if fault := check_name(name):
+            raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
+        if name in self.inputs or not targets:
             raise ConnectionFault(
-                f"cannot expose {name!r}: it needs a name that is not taken, without a dot,"
-                " and at least one target"
+                f"cannot expose {shown(name)}: it needs a name that is not taken, and at least one"
+                " target"
             )
         if len(set(targets)) < len(targets):
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
@@ -154,10 +156,10 @@ class System:
         ConnectionFault
             When the name is taken, or ``source`` is no output of a component.
         """
-        if not name or "." in name or name in self.inputs or name in self.outputs:
-            raise ConnectionFault(
-                f"cannot expose {name!r}: it needs a name that is not taken, without a dot"
-            )
+        if fault := check_name(name):
+            raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
+        if name in self.inputs or name in self.outputs:
+            raise ConnectionFault(f"cannot expose {shown(name)}: it needs a name that is not taken")
         check_end(self, source, "output", f"cannot expose {source} as {name}")
         self.outputs[name] = source
 
@@ -169,7 +171,13 @@ class System:
         ParameterError
             When there is no such variable, it cannot be set, or not to this value.
         """
-        self.parameters[name] = self.checked(name, value)
+        checked = self.checked(name, value)
+        component, variable = component_of(name), variable_of(name)
+        if isinstance(checked, int) and variable in self.components[component].structural:
+            lengths = {**self.lengths(component), variable: checked}
+            for array in self.components[component].variables.values():
+                array.shaped(lengths)
+        self.parameters[name] = checked
 
     def checked(self, name: str, value: object) -> Value:
         """Return ``value`` as ``set`` would store it.

@@ -13,6 +13,8 @@ import pandas as pd
 
 import toolchain
 from cosim.errors import CosimError, SignalError
+from cosim.names import printable, shown
+from cosim.parquet import MOST_BYTES, Unreadable, read_columns
 from cosim.signals import Table
 
 
@@ -70,11 +72,19 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     path = Path(source)
     if path.suffix != ".parquet":
         return Table.all_from_csv(path)
-    arrow = _arrow(SignalError, path)
+    _arrow(SignalError, path)
     try:
-        return _from_frame(pd.read_parquet(path, engine="pyarrow"), str(path))
-    except (OSError, arrow.ArrowException) as fault:
-        raise SignalError(f"{path}: cannot be read: {fault}") from fault
+        columns = read_columns(toolchain.read_whole(path, MOST_BYTES))
+    except OSError as fault:
+        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
+    except Unreadable as fault:
+        raise SignalError(f"{path}: cannot be read: {fault}") from None
+    for name, column in columns.items():
+        if column.numbers is None or column.unit:
+            raise SignalError(
+                f"{path}: column {shown(name)}: expected numbers, got {printable(column.kind)}"
+            )
+    return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
 
 
 def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:

@@ -6,7 +6,6 @@ Source: FMI 2.0 section 2.2.2, FMI 3.0 section 2.4.3.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from cosim.scaling import IDENTITY, Scaling
 
@@ -27,15 +26,6 @@ class Unit:
     exponents: tuple[int, ...] | None = None
     factor: float = 1.0
     offset: float = 0.0
-
-    @classmethod
-    def from_fmpy(cls, unit: Any) -> Unit:
-        """Take a unit from FMPy's model description."""
-        base = unit.baseUnit
-        if base is None:
-            return cls(unit.name)
-        exponents = tuple(int(getattr(base, name)) for name in BASE_UNITS)
-        return cls(unit.name, exponents, float(base.factor), float(base.offset))
 
     def same_as(self, other: Unit) -> bool:
         """Whether a number means the same in both units."""

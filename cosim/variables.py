@@ -20,7 +20,7 @@ from ctypes import (
     c_uint64,
 )
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -59,8 +59,9 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
 
 _C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
 _WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
-_FLOATS = {"Real", "Float64", "Float32"}
-_NOT_NUMBERS = {"String", "Binary", "Clock"}
+MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
+FLOATS = {"Real", "Float64", "Float32"}
+NOT_NUMBERS = {"String", "Binary", "Clock"}
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
 # The same type under the name of FMI 2.0 and of FMI 3.0.
 _TWINS = {"Real": "Float64", "Integer": "Int32"}
@@ -101,41 +102,10 @@ class Variable:
     enumeration: str | None = None
     items: tuple[tuple[str, int], ...] = ()
 
-    @classmethod
-    def from_fmpy(cls, variable: Any) -> Variable:
-        """Take a variable from FMPy's model description."""
-
-        def number(attribute: str) -> float | None:
-            text = getattr(variable, attribute)
-            if text is None:
-                text = getattr(variable.declaredType, attribute, None)
-            return None if text is None else float(text)
-
-        return cls(
-            name=variable.name,
-            reference=int(variable.valueReference),
-            type=variable.type,
-            causality=variable.causality or "local",
-            variability=variable.variability or "continuous",
-            initial=variable.initial,
-            unit=variable.unit or getattr(variable.declaredType, "unit", None),
-            start=_start(variable),
-            minimum=number("min"),
-            maximum=number("max"),
-            nominal=number("nominal"),
-            description=variable.description or "",
-            dimensions=tuple(variable.shape or ()),
-            structure=tuple(
-                None if length.variable is None else length.variable.name
-                for length in variable.dimensions
-            ),
-            **_enumeration(variable),
-        )
-
     @property
     def is_signal(self) -> bool:
         """Whether it can be connected and recorded: a scalar that is a number or Boolean."""
-        return self.type not in _NOT_NUMBERS and not self.dimensions
+        return self.type not in NOT_NUMBERS and not self.dimensions
 
     @property
     def is_plain(self) -> bool:
@@ -145,12 +115,19 @@ class Variable:
     @property
     def is_discrete(self) -> bool:
         """Whether it jumps: its values are held, never interpolated."""
-        return self.type not in _FLOATS or self.variability != "continuous"
+        return self.type not in FLOATS or self.variability != "continuous"
 
     @property
     def is_mapped(self) -> bool:
         """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
-        return self.type not in _FLOATS | _NOT_NUMBERS
+        return self.type not in FLOATS | NOT_NUMBERS
+
+    @cached_property
+    def is_settable(self) -> bool:
+        """Whether a start value can be given to it."""
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
 
     @property
     def kind(self) -> str:
@@ -168,13 +145,25 @@ class Variable:
         return math.prod(self.dimensions)
 
     def shaped(self, lengths: Mapping[str, int]) -> Variable:
-        """Return it as it is with these values of the structural parameters."""
+        """Return it as it is with these values of the structural parameters.
+
+        Raises
+        ------
+        ParameterError
+            When it has no elements, or too many.
+        """
         dimensions = tuple(
             lengths.get(name or "", length)
             for length, name in zip(self.dimensions, self.structure, strict=True)
         )
-        start = self.start if dimensions == self.dimensions else None
-        return replace(self, dimensions=dimensions, start=start)
+        if dimensions == self.dimensions:
+            return self
+        if not 0 < math.prod(dimensions) <= MAX_ELEMENTS:
+            raise ParameterError(
+                f"{self.name} would have {math.prod(dimensions)} elements, expected 1 to"
+                f" {MAX_ELEMENTS}; choose other structural parameters"
+            )
+        return replace(self, dimensions=dimensions, start=None)
 
     def elements(self) -> Iterator[Variable]:
         """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
@@ -215,7 +204,7 @@ class Variable:
         ParameterError
             When the variable cannot be set, or not to this value.
         """
-        if not self._has_start:
+        if not self.is_settable:
             raise ParameterError(
                 f"{label} cannot be set: it is a {self.variability} {self.causality};"
                 " parameters, inputs and variables with a start value can"
@@ -226,16 +215,10 @@ class Variable:
             return tuple(self._checked(item, label) for item in self._items(value, label))
         return self._checked(value, label)
 
-    @cached_property
-    def _has_start(self) -> bool:
-        settable = {"parameter", "structuralParameter", "input"}
-        given = self.causality in settable or self.initial in {"exact", "approx"}
-        return given and self.variability != "constant"
-
     def _items(self, value: Any, label: str) -> list[Any]:
         items = value.split() if isinstance(value, str) else value
         try:
-            array = np.asarray(items, dtype=None if self.type in _FLOATS else object)
+            array = np.asarray(items, dtype=None if self.type in FLOATS else object)
         except ValueError:
             array = np.empty(0)
         if array.shape not in {self.dimensions, (self.size,)}:
@@ -256,7 +239,7 @@ class Variable:
         return result
 
     def _converted(self, value: Any) -> Scalar:
-        if self.type in _FLOATS:
+        if self.type in FLOATS:
             return float(value)
         if self.type == "String":
             if not isinstance(value, str):
@@ -294,42 +277,9 @@ def _whole(text: str) -> int:
         return int(number)
 
 
-def _enumeration(variable: Any) -> dict[str, Any]:
-    kind = variable.declaredType
-    if variable.type != "Enumeration" or kind is None:
-        return {}
-    return {"enumeration": kind.name, "items": _items(kind)}
-
-
-@lru_cache(maxsize=64)
-def _items(kind: Any) -> tuple[tuple[str, int], ...]:
-    """Return the items of a type of FMPy: one tuple for all its variables."""
-    return tuple((item.name, int(item.value)) for item in kind.items)
-
-
 def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:
     """Split ``name[i,j]`` into the array's name and the indices."""
     match = _ELEMENT.fullmatch(name)
     if match is None:
         return None
     return match["array"], tuple(int(i) for i in match["indices"].split(","))
-
-
-def _start(variable: Any) -> Value | None:
-    text = variable.start
-    if text is None or variable.type == "Clock":
-        return None
-    if variable.type in {"String", "Binary"}:
-        scalar = str(text) if variable.type == "String" else bytes.fromhex(text)
-        return None if variable.shape else scalar
-    if not variable.shape:
-        return _number(variable.type, text)
-    values = tuple(_number(variable.type, word) for word in text.split())
-    size = math.prod(variable.shape)
-    return values * size if len(values) == 1 else values if len(values) == size else None
-
-
-def _number(type_name: str, text: str) -> Scalar:
-    if type_name == "Boolean":
-        return _WORDS[text]
-    return float(text) if type_name in _FLOATS else int(text)

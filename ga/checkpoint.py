@@ -20,9 +20,11 @@ from ga.arrays import Array
 from ga.errors import StateError
 from ga.problem import Problem
 from ga.record import Record
-from toolchain import write_whole
+from toolchain import parse_json, read_whole, write_whole
 
 FORMAT = 2
+MOST = 1 << 30
+"""Bytes that a checkpoint may have."""
 
 Told = tuple[Array, list[float], list[str]]
 """values (n, k), n costs and n reasons of a generation"""
@@ -62,7 +64,7 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
     for part, expected in head.items():
         if expected != state.get(part):
             raise StateError(
-                f"the checkpoint was made with other {part}: it has {state.get(part)}, "
+                f"the checkpoint was made with other {part}: it has {state.get(part)!s:.200}, "
                 f"expected {expected}; resume with those or start afresh"
             )
     try:
@@ -94,7 +96,7 @@ def seed_of(state: Mapping[str, Any]) -> int:
         )
     seed = state.get("seed")
     if not isinstance(seed, int):
-        raise StateError(f"the checkpoint is damaged (its seed is {seed!r}); start afresh")
+        raise StateError(f"the checkpoint is damaged (its seed is {seed!r:.40}); start afresh")
     return seed
 
 
@@ -116,17 +118,37 @@ def read(path: Path, about: str) -> dict[str, Any]:
     StateError : the file is no JSON object, or its costs are about something else
     OSError : it cannot be read
     """
+    state = _load(path)
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
+            "with that or start afresh"
+        )
+    return state
+
+
+def check(path: Path) -> None:
+    """Check that a file is a checkpoint, of whatever run.
+
+    Raises
+    ------
+    StateError : it is none
+    OSError : it cannot be read
+    """
+    state = _load(path)
     try:
-        state = json.loads(path.read_text(encoding="utf-8"))
+        seed_of(state)
+    except StateError as error:
+        raise StateError(f"{path}: {error}") from None
+
+
+def _load(path: Path) -> dict[str, Any]:
+    try:
+        state = parse_json(read_whole(path, MOST))
     except ValueError as error:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):
         raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
-    if state.get("about", about) != about:
-        raise StateError(
-            f"{path}: the checkpoint is about {state['about']!r}, expected {about!r}; resume with "
-            "that or start afresh"
-        )
     return state
 
 
@@ -135,4 +157,4 @@ def _finite(cost: float) -> float | None:
 
 
 def _cost(stored: float | None) -> float:
-    return float("inf") if stored is None else stored
+    return float("inf") if stored is None else float(stored)

@@ -55,6 +55,7 @@ EXPECTED = (
     OSError,
 )
 """What a user can cause; everything else is a defect of ours and shows its traceback."""
+_LONGEST = 2000  # characters of a message, which may hold what a stranger wrote
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -72,6 +73,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.debug:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
+        return 1
+    except MemoryError:
+        if options.debug:
+            raise
+        print("stickslip: more memory is needed than there is; give it less", file=sys.stderr)
         return 1
     except KeyboardInterrupt as interruption:
         print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
@@ -110,6 +116,11 @@ def _take_debug(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 
 def _line(error: BaseException) -> str:
+    """Return what an error says, in one line; only a compiler may say more."""
+    if isinstance(error, toolchain.ToolchainError):
+        return str(error)
+    said = str(error)
     if isinstance(error, OSError) and error.filename:
-        return f"{error.filename}: {error.strerror}"
-    return str(error)
+        said = f"{error.filename}: {error.strerror}"
+    line = " ".join(said.split()) or type(error).__name__
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line[:_LONGEST])

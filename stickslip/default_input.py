@@ -13,6 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from cosim import Table
+from cosim.ssp.package import Package
 from toolchain import write_whole
 
 MEMBER = "extra/stickslip/input.csv"
@@ -29,12 +30,14 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
 
 
 def packed_input(package: Path) -> dict[str, Table]:
-    """Return the signals of a package by exposed input; empty when it has none."""
-    with zipfile.ZipFile(package) as archive:
-        if MEMBER not in archive.namelist():
-            return {}
-        table = pd.read_csv(io.BytesIO(archive.read(MEMBER)))
-    return {
-        str(name): Table(table["time"].to_numpy(), table[name].to_numpy())
-        for name in table.columns.drop("time")
-    }
+    """Return the signals of a package by exposed input; empty when it has none.
+
+    Raises
+    ------
+    SignalError
+        When they cannot be read.
+    SspError
+        When the package cannot be.
+    """
+    file = Package.open(package).folder / MEMBER
+    return Table.all_from_csv(file) if file.is_file() else {}

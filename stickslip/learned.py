@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from importlib.metadata import version
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 from cosim.control import VelocityLoop
 from stickslip.errors import UsageError
 from stickslip.estimation import Estimation
-from stickslip.learned_loop import loop_document, validation_document
+from stickslip.learned_loop import loop_document, read_document, validation_document
 from stickslip.parameters import LUGRE, UNITS, unit_of
 from stickslip.reproduction import Reproduction
 from stickslip.setup import VALIDATION
@@ -107,9 +106,9 @@ def read_learned(path: Path) -> dict[str, float]:
     OSError
         When it cannot be read.
     """
+    document = read_document(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        return {name: float(document["parameters"][name]["value"]) for name in LUGRE}
+        values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
     except (ValueError, KeyError, TypeError) as error:
         reason = str(error)
         if isinstance(error, KeyError):
@@ -120,3 +119,7 @@ def read_learned(path: Path) -> dict[str, float]:
             f"{path}: not a learned.json: {reason}; expected parameters {', '.join(LUGRE)}, "
             "each with a value"
         ) from None
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise UsageError(f"{path}: {name} is {value}; expected a finite number")
+    return values

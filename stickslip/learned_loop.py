@@ -10,11 +10,12 @@ velocity filter.
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
+
+import numpy as np
 
 import cosim
 from cosim.control import Axis, ControlError, VelocityFilter, VelocityLoop, close_velocity_loop
@@ -22,6 +23,7 @@ from stickslip.errors import UsageError
 from stickslip.loop import FEEDS, Feed
 from stickslip.parameters import LUGRE
 from stickslip.setup import VALIDATION
+from toolchain import MOST_TEXT, parse_json, read_whole
 
 UNITS = {
     "m": "kg",
@@ -57,6 +59,28 @@ def validation_document(command: cosim.Trapezoid) -> dict[str, dict[str, Any]]:
     return {name: {"value": values[name], "unit": unit} for name, unit in TRAPEZOID.items()}
 
 
+def read_document(path: Path) -> dict[str, Any]:
+    """Return the content of a learned.json, of which nothing is known but that it is an object.
+
+    Raises
+    ------
+    UsageError
+        When it is no JSON, or something else than an object.
+    OSError
+        When it cannot be read.
+    """
+    try:
+        document = parse_json(read_whole(path, MOST_TEXT))
+    except ValueError as error:
+        raise UsageError(f"{path}: not a learned.json: {error}") from None
+    if not isinstance(document, dict):
+        raise UsageError(
+            f"{path}: not a learned.json: it has another structure; expected parameters "
+            f"{', '.join(LUGRE)}, each with a value"
+        )
+    return document
+
+
 def read_loop(path: Path) -> VelocityLoop | None:
     """Return the loop of a learned.json; None when it tells of none.
 
@@ -69,23 +93,31 @@ def read_loop(path: Path) -> VelocityLoop | None:
     if entry is None:
         return None
     try:
-        axis = Axis(**{name: entry[name] for name in _AXIS})
-        velocity_filter = None
-        if "L_x" in entry:
-            gains = {name: entry[name] for name in _GAINS}
-            velocity_filter = VelocityFilter(axis, entry["T_s"], **gains)
-        return close_velocity_loop(
-            axis,
-            **{name: entry[name] for name in _LOOP},
-            m_ff=entry.get("m_ff", 0.0),
-            velocity_filter=velocity_filter,
-        )
+        with np.errstate(all="ignore"):
+            return _loop_of(entry)
     except KeyError as error:
         raise UsageError(
             f"{path}: loop: {error} is missing; expected {', '.join((*_AXIS, *_LOOP))}"
         ) from None
     except ControlError as error:
         raise UsageError(f"{path}: loop: {error}") from None
+    except (ValueError, ArithmeticError) as error:  # numbers with which nothing can be computed
+        told = ", ".join(f"{name} = {value:g}" for name, value in entry.items())
+        raise UsageError(f"{path}: loop: {told} make no loop ({error})") from None
+
+
+def _loop_of(entry: Mapping[str, float]) -> VelocityLoop:
+    axis = Axis(**{name: entry[name] for name in _AXIS})
+    velocity_filter = None
+    if "L_x" in entry:
+        gains = {name: entry[name] for name in _GAINS}
+        velocity_filter = VelocityFilter(axis, entry["T_s"], **gains)
+    return close_velocity_loop(
+        axis,
+        **{name: entry[name] for name in _LOOP},
+        m_ff=entry.get("m_ff", 0.0),
+        velocity_filter=velocity_filter,
+    )
 
 
 def read_validation(path: Path) -> cosim.Trapezoid:
@@ -109,8 +141,8 @@ def read_validation(path: Path) -> cosim.Trapezoid:
 
 def read_standard_errors(path: Path) -> dict[str, float]:
     """Return the standard errors of a learned.json by parameter, those that it tells, in SI."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    told = {name: document["parameters"][name].get("standard_error") for name in LUGRE}
+    parameters = read_document(path)["parameters"]
+    told = {name: parameters[name].get("standard_error") for name in LUGRE}
     return {
         name: float(value)
         for name, value in told.items()
@@ -126,7 +158,7 @@ def read_feed(path: Path) -> Feed:
     UsageError
         When it tells of something else than is known.
     """
-    feed = json.loads(path.read_text(encoding="utf-8")).get("feed", "nominal")
+    feed = read_document(path).get("feed", "nominal")
     if feed not in FEEDS:
         raise UsageError(f"{path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
     return cast(Feed, feed)
@@ -134,7 +166,7 @@ def read_feed(path: Path) -> Feed:
 
 def _entry(path: Path, name: str) -> dict[str, float] | None:
     """Return the values of an entry, None when there is none."""
-    entry = json.loads(path.read_text(encoding="utf-8")).get(name)
+    entry = read_document(path).get(name)
     if entry is None:
         return None
     try:

@@ -22,10 +22,12 @@ from toolchain.errors import (
 )
 from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
+from toolchain.reading import MOST_TEXT, parse_json, parse_toml, read_whole
 from toolchain.universal import universal
 from toolchain.whole import refuse_odd, sync_folder, write_whole
 
 __all__ = [
+    "MOST_TEXT",
     "PLATFORMS",
     "CompilationFailed",
     "CompilerMissing",
@@ -40,6 +42,9 @@ __all__ = [
     "interface",
     "is_at",
     "lock",
+    "parse_json",
+    "parse_toml",
+    "read_whole",
     "refuse_odd",
     "shared_library",
     "standard_functions",

@@ -1,10 +1,25 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import binaries, system
+from benchmarks.hostile import (
+    archives,
+    binaries,
+    descriptions,
+    learning,
+    system,
+    systems,
+    tables,
+    xml,
+)
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
+    *archives.CASES,
+    *xml.CASES,
+    *descriptions.CASES,
     *binaries.CASES,
+    *systems.CASES,
+    *tables.CASES,
+    *learning.CASES,
     *system.CASES,
 ]
 """All of them, group by group."""

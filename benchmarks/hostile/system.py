@@ -253,9 +253,9 @@ CASES = [
     Case(
         LEARNING,
         "manifest-too-long",
-        "a manifest of 17 MB",
-        described(" " * 17_000_000),
-        ".*manifest.json: no manifest of results .*longer than",
+        "a manifest of 34 MB",
+        described(" " * 34_000_000),
+        ".*manifest.json: cannot be read .*34000000 bytes, at most",
     ),
     Case(
         LEARNING,
@@ -276,6 +276,13 @@ CASES = [
         "manifest-of-lines",
         "a manifest with a name of two lines",
         described(named("a\nstickslip: all is well")),
+        ".*which is no name of a file in the folder",
+    ),
+    Case(
+        LEARNING,
+        "manifest-of-half-characters",
+        "a manifest with a name that no file system can have",
+        described(named("a\ud800")),
         ".*which is no name of a file in the folder",
     ),
     Case(

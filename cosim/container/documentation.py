@@ -6,8 +6,6 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from lxml import etree
-
 if TYPE_CHECKING:
     from cosim.system import System
 
@@ -56,8 +54,7 @@ def licences(system: System) -> str:
     """Return what the components say of their licences, a line each."""
     lines = ["The FMUs in resources/ stay under their own licences:", ""]
     for name, fmu in system.components.items():
-        root = etree.parse(fmu.folder / "modelDescription.xml").getroot()
-        lines.append(f"{name} ({fmu.name}): {root.get('license') or 'not stated'}")
+        lines.append(f"{name} ({fmu.name}): {fmu.description.licence or 'not stated'}")
     return "\n".join([*lines, ""])
 
 

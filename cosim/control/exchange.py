@@ -6,15 +6,14 @@ import weakref
 from collections.abc import Mapping
 from typing import Any
 
-import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
-from lxml import etree
 from numpy.typing import NDArray
 
 from cosim.control.errors import LinearisationError
+from cosim.description.attributes import flag
 from cosim.fmu import Fmu
 from cosim.variables import Variable
 
@@ -46,12 +45,14 @@ class Exchange:
     def __init__(self, fmu: Fmu, parameters: Mapping[str, object]) -> None:
         if fmu.has_arrays:
             raise LinearisationError(f"{fmu.path}: it has arrays; only scalars are supported here")
-        description = fmpy.read_model_description(fmu.folder, validate=False)
-        self._rates = [unknown.variable for unknown in description.derivatives]
+        derivatives = fmu.description.derivatives
+        if None in derivatives.values():
+            raise LinearisationError(f"{fmu.path}: it does not say what its derivatives are of")
+        self._rates = [fmu.variables[name] for name in derivatives]
         signals = [v for v in fmu.variables.values() if v.is_plain]
         inputs = [v for v in signals if v.causality == "input"]
         outputs = [v for v in signals if v.causality == "output"]
-        self.states = tuple(rate.derivative.name for rate in self._rates)
+        self.states = tuple(state for state in derivatives.values() if state is not None)
         self.inputs, self.outputs = (tuple(v.name for v in vs) for vs in (inputs, outputs))
         self._references = {v.name: v.reference for v in signals}
         self._gives_derivatives = _gives_derivatives(fmu)
@@ -100,7 +101,7 @@ class Exchange:
         if not self._gives_derivatives:
             return None
         self._set(x, u)
-        unknowns = [rate.valueReference for rate in self._rates]
+        unknowns = [rate.reference for rate in self._rates]
         unknowns += [self._references[name] for name in self.outputs]
         knowns = [self._fmu.variables[name].reference for name in (*self.states, *self.inputs)]
         columns = [self._api.getDirectionalDerivative(unknowns, [k], [1.0]) for k in knowns]
@@ -151,11 +152,8 @@ class Exchange:
 
 
 def _gives_derivatives(fmu: Fmu) -> bool:
-    """Tell whether it has directional derivatives; FMPy does not know the name in FMI 3.0."""
-    root = etree.parse(str(fmu.folder / "modelDescription.xml")).getroot()
-    flag = "providesDirectionalDerivative" + ("s" if fmu.version == 3 else "")
-    interface = root.find("ModelExchange")
-    return interface is not None and interface.get(flag) in ("true", "1")
+    name = "providesDirectionalDerivative" + ("s" if fmu.version == 3 else "")
+    return flag(fmu.description.interfaces.get("ModelExchange", {}), name)
 
 
 def _size(variable: Variable) -> float:

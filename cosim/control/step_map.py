@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import fmpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -103,8 +102,7 @@ class StepMap:
 
 def _states(fmu: Fmu) -> list[Variable]:
     """Return the states of an FMU: those it names, else what else has a start value and changes."""
-    description = fmpy.read_model_description(fmu.folder, validate=False)
-    named = [u.variable.derivative.name for u in description.derivatives if u.variable.derivative]
+    named = [state for state in fmu.description.derivatives.values() if state is not None]
     found = [fmu.variables[name] for name in named] or [
         v
         for v in fmu.variables.values()

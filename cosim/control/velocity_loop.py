@@ -189,8 +189,11 @@ def close_velocity_loop(
     Raises
     ------
     ControlError
-        When the closed loop is unstable, or the filter has another sample period.
+        When a time means nothing, the closed loop is unstable, or the filter has another sample
+        period.
     """
+    check("T_s", T_s, "s", T_s > 0.0, "above 0")
+    check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
     # I+ = I + T_s K_i e,  u = K_p e + I+
     names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
     controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
@@ -211,7 +214,7 @@ def close_velocity_loop(
             [*parts, *told[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
         )[0, 1]
     fastest = max(abs(nominal.poles()))
-    if fastest >= 1.0:
+    if not fastest < 1.0:
         raise ControlError(
             f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
             f"a pole lies at |z| = {fastest:.4f}"

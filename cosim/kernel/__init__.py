@@ -240,7 +240,7 @@ def load(steps: str | None = None) -> CDLL:
     ------
     toolchain.ToolchainError
     """
-    library = CDLL(str(marks.library(steps) or built(steps)))
+    library = CDLL(str(marks.library(steps) or (built(steps) if steps else built())))
     marks.attach(library)
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)

@@ -11,7 +11,7 @@ const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
 const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
 
 static bool graver(Log *log, int status) {
-    if (status <= log->severity) {
+    if (!log || status <= log->severity) { /* an FMU may have lost where it belongs */
         return false;
     }
     log->severity = status;

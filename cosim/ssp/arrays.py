@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from math import prod
 
 from cosim.errors import SspError
 from cosim.ssp.graph import Edge, End, Graph, label
@@ -11,6 +12,7 @@ from cosim.ssp.markup import place
 from cosim.variables import parse_element
 
 Shape = tuple[int, ...]
+MOST_ELEMENTS = 1_000_000
 
 _PARAMETERS = {"parameter", "structuralParameter", "calculatedParameter", "constant"}
 
@@ -28,6 +30,11 @@ def expand(graph: Graph) -> None:
     for edge, shape in shapes:
         if not shape:
             continue
+        if prod(shape) > MOST_ELEMENTS:
+            raise SspError(
+                f"{place(edge.element)}: cannot connect {label(edge.source)} to"
+                f" {label(edge.target)}: {prod(shape)} elements, at most {MOST_ELEMENTS} are"
+            )
         graph.drop(edge)
         for place_ in product(*(range(1, n + 1) for n in shape)):
             text = f"[{','.join(map(str, place_))}]"

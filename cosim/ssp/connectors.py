@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cosim.errors import SspError
+from cosim.names import shown
 from cosim.ssp.markup import attribute, find, integer, local, number, place
 from cosim.ssp.names import NAMESPACES, tag
 from cosim.units import BASE_UNITS, Unit
@@ -102,6 +103,8 @@ def _read(element: Any, kind: str, definitions: Definitions) -> tuple[Connector,
     name = attribute(element, "name")
     lengths = (d.get("size") for d in element.iterfind("ssc:Dimension", NAMESPACES))
     dimensions = tuple(None if n is None else integer(n, element) for n in lengths)
+    if any(n is not None and n < 0 for n in dimensions):
+        raise SspError(f"{place(element)}: the dimensions of {shown(name)} are {dimensions}")
     said = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
     if said is None:
         return Connector(name, kind, dimensions=dimensions), element

@@ -174,8 +174,11 @@ class Graph:
             after = [self.unit(edge.target) for edge in way[scaled[0] :]] if scaled else []
             if all(not unit or (wanted and unit.same_as(wanted)) for unit in after):
                 return Link(way[scaled[0]].scaling) if scaled else PLAIN
-        usual = _converted(self.inner_unit(source) or start, self.inner_unit(target), way[-1])
-        return PLAIN if total == usual else Link(total, convert=False)
+        if all(edge.convert for edge in way):
+            usual = _converted(self.inner_unit(source) or start, self.inner_unit(target), way[-1])
+            if total == usual:
+                return PLAIN
+        return Link(total, convert=False)
 
     def _join(self, node: Node, element: Any) -> None:
         start, end = (self._end(node, element, which) for which in ("start", "end"))

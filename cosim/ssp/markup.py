@@ -10,9 +10,14 @@ from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
+import toolchain
+from cosim.document import Malformed, parse_xml
 from cosim.errors import SspError
+from cosim.names import printable, shown
 from cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
 from cosim.ssp.schema import violation
+
+MOST_BYTES = 1 << 26
 
 
 def parse(file: Path, part: str) -> Any:
@@ -28,8 +33,10 @@ def parse(file: Path, part: str) -> Any:
     SspError
     """
     try:
-        root = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
-    except (etree.XMLSyntaxError, OSError) as fault:
+        root = parse_xml(toolchain.read_whole(file, MOST_BYTES), str(file), remarks=True)
+    except OSError as fault:
+        raise SspError(f"{file.name}: cannot be read: {fault.strerror}") from fault
+    except Malformed as fault:
         raise SspError(f"{file.name}: {fault}{_remedy(str(fault))}") from fault
     check(root, part)
     return root
@@ -39,16 +46,17 @@ def check(root: Any, part: str) -> None:
     """Raise SspError unless an element is of a version that is known, and valid."""
     if root.tag != tag(ROOTS[part]):
         raise SspError(
-            f"{place(root)}: the root element is {root.tag}, expected {tag(ROOTS[part])} (in SSP"
-            " 1.0 and 2.0 alike); export it again for one of these"
+            f"{place(root)}: the root element is {printable(root.tag)}, expected"
+            f" {tag(ROOTS[part])} (in SSP 1.0 and 2.0 alike); export it again for one of these"
         )
     version = root.get("version", "")
     if version not in VERSIONS:
-        raise SspError(f"{place(root)}: version is {version!r}, expected '1.0' or '2.0'")
+        raise SspError(f"{place(root)}: version is {shown(version)}, expected '1.0' or '2.0'")
     if fault := violation(root, part, version):
         newer = version == "1.0" and not violation(root, part, "2.0")
         hint = "; SSP 2.0 allows this: set version='2.0'" if newer else ""
-        raise SspError(f"{_file_name(root)}, line {fault[0]}: {short(fault[1]).rstrip('.')}{hint}")
+        said = printable(short(fault[1]), 400).rstrip(".")
+        raise SspError(f"{_file_name(root)}, line {fault[0]}: {said}{hint}")
 
 
 def place(element: Any) -> str:
@@ -81,7 +89,7 @@ def number(element: Any, name: str, default: float) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise SspError(f"{place(element)}: {name} is {text!r}, expected a finite number")
+        raise SspError(f"{place(element)}: {name} is {shown(text or '')}, expected a finite number")
     return value
 
 
@@ -90,7 +98,7 @@ def integer(text: str, element: Any) -> int:
     try:
         return int(text)
     except ValueError:
-        raise SspError(f"{place(element)}: {text!r} is no integer") from None
+        raise SspError(f"{place(element)}: {shown(text)} is no integer") from None
 
 
 def truth(element: Any, name: str) -> bool:

@@ -13,6 +13,10 @@ from cosim.ssp.connectors import Connector, Definitions, read_connectors, read_e
 from cosim.ssp.markup import attribute, check, find, inside, parse, place
 from cosim.ssp.names import FMU, NAMESPACES, NESTED, SEPARATOR, STRUCTURE, Path, component, tag
 
+DEEPEST = 16
+MOST_FILES = 1000
+"""Nested systems in files of their own; each may be named many times, so a few can make many."""
+
 
 @dataclass(frozen=True)
 class Document:
@@ -24,18 +28,22 @@ class Document:
     top : the unpacked package, which no URI may leave
     root : SystemStructureDescription
     definitions : of units and enumerations
+    opened : all files that were read for the same system, in turn
     """
 
     file: File
     top: File
     root: Any
     definitions: Definitions
+    opened: list[File] = field(default_factory=list)
 
     @classmethod
-    def read(cls, file: File, top: File) -> Document:
+    def read(cls, file: File, top: File, opened: list[File] | None = None) -> Document:
         """Read a file of an unpacked package."""
         root = parse(file, "ssd")
-        return cls(file, top, root, Definitions.of(root))
+        opened = [] if opened is None else opened
+        opened.append(file)
+        return cls(file, top, root, Definitions.of(root), opened)
 
     def locate(self, element: Any) -> File:
         """Return the file that the element's source names."""
@@ -146,7 +154,12 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
         file = top / STRUCTURE
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
-    inner = Document.read(file, top)
+    if len(files) > DEEPEST or len(document.opened) > MOST_FILES:
+        raise SspError(
+            f"{place(element)}: system {component(path)!r}: more than {MOST_FILES} nested systems,"
+            f" or more than {DEEPEST} within each other; only so many are read"
+        )
+    inner = Document.read(file, top, document.opened)
     node = _system(path, find(inner.root, "ssd:System"), inner, (*files, file), element)
     node.document = document
     return node

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from lxml import etree
 
+from cosim.document import Malformed, parse_xml
 from cosim.errors import SspError
 from cosim.ssp.markup import short
 from cosim.ssp.names import NAMESPACES, ROOTS, tag
@@ -30,8 +31,10 @@ def _converted(name: str, data: bytes, version: str) -> bytes:
     part = name.rpartition(".")[2]
     if part not in ROOTS:
         return data
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    root = etree.fromstring(data, parser)
+    try:
+        root = parse_xml(data, remarks=True)
+    except Malformed as fault:
+        raise SspError(f"{name}: {fault}") from fault
     roots = [element for kind in ROOTS.values() for element in root.iter(tag(kind))]
     if all(element.get("version") == version for element in roots):
         return data
@@ -42,7 +45,8 @@ def _converted(name: str, data: bytes, version: str) -> bytes:
             for new, old in _OLD_NAMES.items():
                 for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
                     element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
-    if fault := violation(root, part, version):
-        raise SspError(f"{name}, line {fault[0]}: SSP {version} cannot say this: {short(fault[1])}")
+    if breach := violation(root, part, version):
+        said = short(breach[1])
+        raise SspError(f"{name}, line {breach[0]}: SSP {version} cannot say this: {said}")
     text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return text

@@ -7,6 +7,7 @@ import shutil
 import stat
 import zipfile
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,7 +17,7 @@ MAX_RATIO = 500  # of a member that is large when unpacked
 LARGE = 64 * 1024**2
 
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_UNSAFE = re.compile(r"^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
+_UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 
 @dataclass
@@ -37,7 +38,7 @@ class Archive:
     @property
     def files(self) -> list[zipfile.ZipInfo]:
         """The members that are no folders."""
-        return [member for member in self.members if not member.is_dir()]
+        return [m for m in self.members if not m.orig_filename.endswith("/")]
 
     @property
     def bytes(self) -> int:
@@ -103,6 +104,6 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
                     shutil.copyfileobj(source, copy)
             except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError) as fault:
                 archive.damaged[name] = str(fault)
-                if target.is_file():
+                with suppress(OSError):  # its name may be too long to be asked for
                     target.unlink()
     return frozenset(seen - archive.damaged.keys())

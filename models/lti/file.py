@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ import numpy as np
 from models.errors import LtiError
 from models.lti.realisation import realise
 from models.lti.system import Array, LinearSystem
+from toolchain import MOST_TEXT, parse_json, parse_toml, read_whole
 
 _KEYS = (
     *("name", "A", "B", "C", "D", "num", "den", "dt"),
@@ -68,8 +67,8 @@ def _read(path: Path) -> Mapping[str, Any]:
     if path.suffix not in (".json", ".toml"):
         raise LtiError(f"{path}: expected a .json or .toml file")
     try:
-        text = path.read_text(encoding="utf-8")
-        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        data = read_whole(path, MOST_TEXT)
+        content = parse_json(data) if path.suffix == ".json" else parse_toml(data)
     except ValueError as error:
         raise LtiError(f"{path}: {error}") from None
     if not isinstance(content, dict):
@@ -108,7 +107,8 @@ def _transfer(content: Mapping[str, Any]) -> tuple[Array, Array, Array, Array]:
                         raise LtiError("den holds a polynomial that is 0")
     except TypeError:
         raise LtiError("num and den: expected lists of coefficients, [output][input]") from None
-    return realise(num, den)
+    with np.errstate(all="ignore"):  # what overflows is refused as not finite
+        return realise(num, den)
 
 
 def _matrix(value: Any, name: str, dimensions: int) -> Array:
@@ -116,6 +116,8 @@ def _matrix(value: Any, name: str, dimensions: int) -> Array:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise LtiError(f"{name}: expected numbers in rows of equal length") from None
+    if not np.isfinite(array).all():
+        raise LtiError(f"{name}: holds a number that is not finite")
     if not array.size:
         return np.zeros((0,) * dimensions)
     if array.ndim != dimensions:
@@ -136,7 +138,12 @@ def _seconds(content: Mapping[str, Any], key: str) -> float | None:
 def _names(content: Mapping[str, Any], key: str, letter: str, n: int) -> dict[str, str | None]:
     """Return name -> unit of a table, of a list of names, or of ``letter[0]`` ... by default."""
     given = content.get(key, [f"{letter}[{k}]" for k in range(n)])
-    names = dict.fromkeys(given) if isinstance(given, list) else dict(given)
+    if not isinstance(given, list | dict) or not all(isinstance(name, str) for name in given):
+        raise LtiError(f"{key}: expected a list of names, or a table of names and units")
+    names = dict.fromkeys(given) if isinstance(given, list) else given
     if len(names) != n or len(given) != n:
         raise LtiError(f"{key}: {len(given)} names for {n}; expected a different one for each")
-    return {str(name): unit or None for name, unit in names.items()}
+    for name, unit in names.items():
+        if not isinstance(unit, str | None):
+            raise LtiError(f"{key}: the unit of {name!r} is {unit!r:.40}; expected a text")
+    return {name: unit or None for name, unit in names.items()}

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 import ga
+from ga.checkpoint import check
 from stickslip.errors import UsageError
 from stickslip.execution import Execution
 
@@ -65,6 +66,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
     ------
     UsageError
         When the number of workers is none, or a checkpoint is there and is not to be resumed.
+    StateError
+        When it is to be resumed, but is no checkpoint.
     """
     if options.workers < 1:
         raise UsageError(f"--workers must be at least 1, got {options.workers}")
@@ -73,6 +76,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
         raise UsageError(
             f"{path}: an earlier run did not end; go on with --resume, or delete it to start afresh"
         )
+    if path.exists():
+        check(path)  # before anything is done
     return Execution(options.workers, options.cluster or options.pool, path, options.resume)
 
 

@@ -19,6 +19,9 @@ from stickslip.learned import read_learned
 from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, read_validation
 from stickslip.loop import build_fmus
 
+MOST_SAMPLES = 10_000_000
+"""Of a validation command."""
+
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
@@ -64,12 +67,17 @@ def _guard(path: Path, compensator: dict[str, float], *, force: bool) -> None:
     if loop is None:
         _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
         return
-    command = read_validation(path)
+    command, feed = read_validation(path), read_feed(path)
     duration = command.corners()[-1] + command.begin
+    if duration > MOST_SAMPLES * loop.T_s:
+        raise UsageError(
+            f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
+            f"most {MOST_SAMPLES} samples"
+        )
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         build_fmus(Path(folder), {})
-        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, read_feed(path))
+        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, feed)
         for finding in inspect(trial, read_standard_errors(path)):
             _warn(str(finding))
         try:

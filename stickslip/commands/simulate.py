@@ -105,14 +105,18 @@ def _simulate(options: argparse.Namespace) -> None:
         raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
     names = options.record and [_qualified(system, name) for name in options.record]
     record = cosim.Record(names, options.every, "last" if options.last else "all")
-    with system.prepare(
-        start=experiment.start or 0.0,
-        stop=experiment.stop,
-        step=experiment.step,
-        record=record,
-        tolerance=options.tolerance,
-        isolation=isolation_of(options),
-    ) as simulation:
+    try:
+        prepared = system.prepare(
+            start=experiment.start or 0.0,
+            stop=experiment.stop,
+            step=experiment.step,
+            record=record,
+            tolerance=options.tolerance,
+            isolation=isolation_of(options),
+        )
+    except cosim.ExperimentError as fault:
+        raise UsageError(f"{options.file}: {fault}; see --stop and --step") from fault
+    with prepared as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
             result = simulation.resume(options.resume, **how)

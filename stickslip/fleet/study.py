@@ -15,7 +15,7 @@ from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
 from stickslip.learned import versions
-from toolchain import write_whole
+from toolchain import MOST_TEXT, parse_json, read_whole, write_whole
 
 TABLE = "fleet.csv"
 UNFINISHED = "unfinished"
@@ -116,14 +116,14 @@ def _hash(path: Path) -> str | None:
     try:
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError:
+    except (OSError, ValueError):  # or no name that a file can have
         return None  # the drive will fail, and say why
 
 
 def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | None:
     """Return an earlier result, if it is the one that would be learned now."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = parse_json(read_whole(path, MOST_TEXT))
     except (OSError, ValueError):
         return None
     expected = {"fleet": origin, "seed": seed, "versions": versions()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 import shlex
 from collections.abc import Sequence
@@ -15,6 +16,7 @@ from stickslip.commands.assignments import drive_changes
 from stickslip.errors import UsageError
 from stickslip.fleet.drive import Drive, LogSource, Variant
 from stickslip.reproduction import drive_truth
+from toolchain import MOST_TEXT, read_whole
 
 COLUMNS = ("name", "log", "config", "set")
 _NAME = re.compile(r"\w[\w.-]{0,79}")
@@ -63,8 +65,8 @@ def read_fleet(path: Path) -> list[Drive]:
 
 def _rows(path: Path) -> Sequence[list[str]]:
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            rows = list(csv.reader(stream, strict=True))
+        text = read_whole(path, MOST_TEXT).decode("utf-8-sig")
+        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
     except (UnicodeDecodeError, csv.Error) as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 from cosim.names import suggestion
 from stickslip.errors import UsageError
 from stickslip.recording.description import Column, Description
+from toolchain import MOST_TEXT, parse_toml, read_whole
 
 _KEYS = tuple(field.name for field in fields(Description) if field.name != "gains")
 _COLUMN_KEYS = ("name", "index", "unit", "scale", "offset")
@@ -29,7 +29,7 @@ def load_description(path: Path) -> Description:
         When it cannot be read, or a key or value is none that is known.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = parse_toml(read_whole(path, MOST_TEXT))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:  # not UTF-8, or not TOML

@@ -15,6 +15,9 @@ _DELIMITERS = ("\t", ";", ",", "|", " ")
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
 _BEHIND = re.compile(r"^(.+?)(?:\s*,\s*|\s+/\s*|\s+in\s+)([^,\s]+)$")
 _SAMPLE = 200
+_SAMPLED = 1 << 18
+"""Characters of lines that are looked at."""
+_LONGEST_NAME = 200
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,9 @@ def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | Non
     lines : of the file
     delimiter, decimal : where known
     """
-    sample = lines[-_SAMPLE - 1 : -1] or lines
+    longest = max(len(line) for line in lines[-_SAMPLE - 1 :])
+    some = min(_SAMPLE, max(3, _SAMPLED // max(1, longest)))
+    sample = lines[-some - 1 : -1] or lines
     candidates = [
         Dialect(mark, point)
         for mark in ([delimiter] if delimiter else _DELIMITERS)
@@ -83,6 +88,8 @@ def commonest(counts: Iterable[int]) -> int:
 
 def split_unit(text: str) -> tuple[str, str | None]:
     """Return name and unit of a header such as ``Position [mm]``, ``t / s`` or ``Force, N``."""
+    if len(text) > _LONGEST_NAME:
+        return text, None
     if match := _BRACKETED.match(text):
         name, unit = match.groups()
         if name and unit and not unit.isdecimal():

@@ -9,7 +9,10 @@ from stickslip.recording.matlab import read_matlab
 from stickslip.recording.parquet import read_parquet
 from stickslip.recording.table import LogTable
 from stickslip.recording.text import read_text
+from toolchain import read_whole
 
+MOST = 1 << 30
+"""Bytes of a log; of one as text see ``text``."""
 _MATLAB = (b"MATLAB ", b"\x89HDF")
 _ARCHIVE = b"PK\x03\x04"
 
@@ -23,7 +26,7 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
         When the file cannot be read as what it seems to be.
     """
     try:
-        data = path.read_bytes()
+        data = read_whole(path, MOST)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     name, suffix = str(path), path.suffix.lower()

@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER = 128
-MOST = 1 << 30
-"""Bytes that a compressed variable may have."""
+MOST = 1 << 28
+"""Bytes that all compressed variables together may have."""
+MOST_PARTS = 32
+"""Dimensions of an array; flags and lengths are fewer."""
 DEEPEST = 8
 """Structs in structs."""
 
@@ -62,10 +64,12 @@ def read_variables(data: bytes) -> dict[str, Variable]:
     order = orders.get(data[HEADER - 2 : HEADER])
     if order is None:
         raise DamagedError("no header of version 5")
-    variables = {}
-    for kind, content in _elements(data[HEADER:], order):
+    variables, left = {}, MOST
+    for kind, content in _elements(memoryview(data)[HEADER:], order):
         if kind == _COMPRESSED:
-            inner = list(_elements(_inflated(content), order))
+            whole = _inflated(content, left)
+            left -= len(whole)
+            inner = list(_elements(memoryview(whole), order))
         else:
             inner = [(kind, content)]
         for inner_kind, inner_content in inner:
@@ -75,7 +79,7 @@ def read_variables(data: bytes) -> dict[str, Variable]:
     return variables
 
 
-def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+def _elements(data: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
     """Yield type and content of the elements that lie one behind another."""
     at = 0
     while at + 8 <= len(data):
@@ -93,23 +97,23 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
         yield kind, data[begin : begin + size]
 
 
-def _inflated(data: bytes) -> bytes:
+def _inflated(data: memoryview, most: int) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        content = inflater.decompress(data, MOST)
+        content = inflater.decompress(data, most + 1)
     except zlib.error as error:
         raise DamagedError(f"compressed data: {error}") from None
-    if inflater.unconsumed_tail:
-        raise DamagedError(f"a variable of more than {MOST} bytes")
+    if len(content) > most:
+        raise DamagedError(f"variables of more than {MOST} bytes")
     return content
 
 
-def _matrix(data: bytes, order: str, depth: int) -> tuple[str, Variable]:
+def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Variable]:
     """Return name and content of an array."""
     parts = _elements(data, order)
     flags = _integers(parts, order)
     shape = _integers(parts, order)
-    name = _next(parts)[1].decode("latin-1")
+    name = _text(_next(parts)[1])
     if not flags or len(shape) < 2 or min(shape) < 0:
         raise DamagedError(f"no array where one should be ({name!r})")
     which = flags[0] & 0xFF
@@ -129,24 +133,30 @@ def _matrix(data: bytes, order: str, depth: int) -> tuple[str, Variable]:
     return name, np.frombuffer(content, dtype).reshape(shape, order="F")
 
 
-def _fields(parts: Iterator[tuple[int, bytes]], order: str, depth: int) -> dict[str, Any]:
+def _fields(parts: Iterator[tuple[int, memoryview]], order: str, depth: int) -> dict[str, Any]:
     lengths = _integers(parts, order)
     text = _next(parts)[1]
     if len(lengths) != 1 or lengths[0] < 1:
         raise DamagedError("a struct without the length of its names")
-    names = [
-        text[k : k + lengths[0]].split(b"\0")[0].decode("latin-1")
+    return {
+        _text(text[k : k + lengths[0]]): _matrix(_next(parts)[1], order, depth + 1)[1]
         for k in range(0, len(text), lengths[0])
-    ]
-    return {name: _matrix(_next(parts)[1], order, depth + 1)[1] for name in names}
+    }
 
 
-def _integers(parts: Iterator[tuple[int, bytes]], order: str) -> list[int]:
+def _integers(parts: Iterator[tuple[int, memoryview]], order: str) -> list[int]:
     content = _next(parts)[1]
+    if len(content) > 4 * MOST_PARTS:
+        raise DamagedError(f"{len(content) // 4} dimensions or flags")
     return list(struct.unpack(f"{order}{len(content) // 4}i", content[: len(content) // 4 * 4]))
 
 
-def _next(parts: Iterator[tuple[int, bytes]]) -> tuple[int, bytes]:
+def _next(parts: Iterator[tuple[int, memoryview]]) -> tuple[int, memoryview]:
     if (part := next(parts, None)) is None:
         raise DamagedError("an array ends too early")
     return part
+
+
+def _text(content: memoryview) -> str:
+    """Return a name, which a NUL may end."""
+    return bytes(content).split(b"\0")[0].decode("latin-1")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cosim.parquet import MOST_VALUES
 from stickslip.errors import RecordingError
 from stickslip.measurement import Array
 from stickslip.recording.mat5 import DamagedError, Other, read_variables
@@ -35,17 +36,20 @@ def read_matlab(path: str, data: bytes) -> LogTable:
     numbers: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     faults: dict[str, str] = {}
-    for name, value in _flat(content):
-        if isinstance(value, Other):
-            faults[name] = f"expected a vector of numbers, got {value.kind}"
-        elif value.size == 1:
+    for name, found in _flat(content):
+        if isinstance(found, Other):
+            faults[name] = f"expected a vector of numbers, got {found.kind}"
+            continue
+        with np.errstate(invalid="ignore"):  # odd kinds of NaN
+            value = found.astype(np.float64)
+        if value.size == 1:
             scalars[name] = float(value.ravel()[0])
         elif value.ndim == 2 and min(value.shape) > 1:  # one signal a column
             matrix = value if value.shape[0] >= value.shape[1] else value.T
             for k, column in enumerate(matrix.T, start=1):
-                numbers[f"{name}({k})"] = column.astype(np.float64)
+                numbers[f"{name}({k})"] = column
         elif value.ndim <= 2 and value.size:
-            numbers[name] = value.ravel().astype(np.float64)
+            numbers[name] = value.ravel()
         else:
             faults[name] = f"expected a vector, got an array {value.shape}"
     if not numbers:
@@ -75,6 +79,8 @@ def _hdf5(path: str, data: bytes) -> dict[str, Any]:
 
     def keep(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+            if item.size > MOST_VALUES:
+                raise ValueError(f"{item.size} values, at most {MOST_VALUES} are read")
             array = np.asarray(item[()])
             numeric = array.dtype.kind in "fiub" and "MATLAB_empty" not in item.attrs
             content[name.replace("/", ".")] = array if numeric else Other(f"{array.dtype}")

@@ -72,7 +72,7 @@ def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bo
     share : of the top speed that is fast
     """
     slow = np.abs(motion.v) < share * np.max(np.abs(motion.v))
-    reach = max(1, round(1.0 / (motion.cutoff * T_s)))
+    reach = max(1, min(round(1.0 / (motion.cutoff * T_s)), (len(slow) - 1) // 2))
     near = np.convolve(slow, np.ones(2 * reach + 1), mode="same") > 0.5
     near[: 4 * reach] = near[len(near) - 4 * reach :] = True
     return np.asarray(~near)

@@ -23,6 +23,10 @@ from stickslip.recording.table import LogTable
 
 _COMMENT = ("#", "%")
 _SAMPLE = 200
+MOST_BYTES = 1 << 28
+MOST_LINES = 4_000_000
+LONGEST = 1 << 17
+"""Characters of a line."""
 _BINARY = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -93,6 +97,8 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
 
 def _lines(path: str, data: bytes) -> list[_Line]:
     """Return the lines that are not empty."""
+    if len(data) > MOST_BYTES:
+        raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
     try:
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
             text = data.decode("utf-16")
@@ -104,6 +110,8 @@ def _lines(path: str, data: bytes) -> list[_Line]:
         raise RecordingError(
             f"{path}: binary, not text; expected CSV, Parquet (.parquet) or MATLAB (.mat)"
         )
+    if text.count("\n") + text.count("\r") > MOST_LINES:
+        raise RecordingError(f"{path}: more than {MOST_LINES} lines; take a part of the log")
     lines = [
         _Line(k, line.strip(" \r"))
         for k, line in enumerate(re.split(r"\r\n|\n|\r", text), start=1)
@@ -111,6 +119,12 @@ def _lines(path: str, data: bytes) -> list[_Line]:
     ]
     if not lines:
         raise RecordingError(f"{path}: empty; expected columns of numbers")
+    for line in lines:
+        if len(line.text) > LONGEST:
+            raise RecordingError(
+                f"{path}: row {line.number}: {len(line.text)} characters; expected at most "
+                f"{LONGEST} in a row"
+            )
     return lines
 
 
@@ -191,12 +205,12 @@ def _check_widths(
 
 def _names(header: Sequence[str]) -> tuple[str, ...]:
     """Return names that differ: a number for one without, a number behind one that came before."""
-    names: list[str] = []
+    names: dict[str, None] = {}
     for k, text in enumerate(header):
         name = text or str(k + 1)
         while name in names:
             name = f"{name}_{k + 1}"
-        names.append(name)
+        names[name] = None
     return tuple(names)
 
 

@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ResultsError
-from toolchain import refuse_odd
+from toolchain import MOST_TEXT, parse_json, read_whole, refuse_odd
 
 MANIFEST = "manifest.json"
-MOST = 16 * 2**20
-"""Bytes that a manifest may have."""
 
 Share = tuple[Mapping[str, Any], frozenset[str]]
 """A command and the names of its files."""
 
-_PART = r"(?!\.{1,2}(?:/|$))[^/\\:\x00-\x1f]+"
+_PART = r"(?!\.{1,2}(?:/|$))[^/\\:]+"
 _NAME = re.compile(rf"{_PART}(?:/{_PART})*")
 _HASH = re.compile(r"[0-9a-f]{64}")
 
@@ -87,14 +85,15 @@ class Manifest:
         """
         path = folder / MANIFEST
         try:
-            return cls._of(json.loads(_bytes(path)))
+            refuse_odd(path)
+            return cls._of(parse_json(read_whole(path, MOST_TEXT)))
         except FileNotFoundError:
             raise ResultsError(
                 f"{path}: there is none; it is written by the commands that write results"
             ) from None
         except OSError as error:
             raise ResultsError(f"{path}: cannot be read ({error.strerror})") from None
-        except (ValueError, RecursionError, ResultsError) as error:
+        except (ValueError, ResultsError) as error:
             raise ResultsError(f"{path}: no manifest of results ({error})") from None
 
     @classmethod
@@ -107,7 +106,7 @@ class Manifest:
         if not isinstance(hashes, dict):
             raise ResultsError("'sha256' is missing or no object")
         for name, digest in hashes.items():
-            if not _NAME.fullmatch(name) or name == MANIFEST:
+            if not (_NAME.fullmatch(name) and name.isprintable()) or name == MANIFEST:
                 raise ResultsError(f"it names {name!r}, which is no name of a file in the folder")
             if not isinstance(digest, str) or not _HASH.fullmatch(digest):
                 raise ResultsError(f"the SHA-256 of {name!r} is no 64 hexadecimal digits")
@@ -125,15 +124,6 @@ def hash_of(path: Path) -> str:
     refuse_odd(path)
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _bytes(path: Path) -> bytes:
-    refuse_odd(path)
-    with path.open("rb") as file:
-        content = file.read(MOST + 1)
-    if len(content) > MOST:
-        raise ValueError(f"it is longer than {MOST} bytes")
-    return content
 
 
 def _earlier(content: object, hashes: Mapping[str, str]) -> dict[str, Share]:

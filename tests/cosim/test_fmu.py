@@ -9,7 +9,7 @@ import zipfile
 import pytest
 
 import cosim
-from cosim import archive
+from cosim.archive import directory
 
 
 def members(path):
@@ -59,19 +59,20 @@ def test_pickles_as_its_path(make):
 def test_is_unpacked_once_and_nothing_else_is_left(make, cache):
     first, second = cosim.Fmu(make("gain")), cosim.Fmu(make("gain"))
     assert first.folder == second.folder
-    assert [p.name for p in (cache / "fmus").iterdir()] == [first.folder.name]
+    digest = first.folder.name
+    assert {p.name for p in (cache / "fmus").iterdir()} == {digest, f"{digest}.json"}
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ('fmiVersion="2.0"', 'fmiVersion="1.0"', "fmiVersion is '1.0', expected"),
-        ('fmiVersion="2.0"', "", "fmiVersion is None"),
+        ('fmiVersion="2.0"', "", "fmiVersion is missing"),
         ('modelIdentifier="gain"', 'modelIdentifier="../../gain"', "expected a C identifier"),
         ("CoSimulation", "Other", "no Co-Simulation or Model Exchange interface"),
         ("</ModelVariables>", "", r"modelDescription\.xml"),
-        ('min="-1000"', 'min="low"', "bad value"),
-        ('index="2"', 'index="99"', "cannot be understood"),
+        ('min="-1000"', 'min="low"', "min of .k. is .low., expected a number"),
+        ('index="2"', 'index="99"', "index of Unknown is 99"),
     ],
 )
 def test_unusable_description(make, tmp_path, old, new, message):
@@ -103,7 +104,7 @@ def test_no_description(tmp_path):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a.txt": ""}))
 
 
-@pytest.mark.parametrize("name", ["../out", "a/../../out", "/etc/out", "C:/out", "tab\tname"])
+@pytest.mark.parametrize("name", ["../out", "a/../../out", "/etc/out", "C:/out"])
 def test_member_that_would_leave_its_folder(tmp_path, cache, name):
     with pytest.raises(cosim.FmuError, match="would leave the folder"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {name: "x"}))
@@ -122,7 +123,7 @@ def test_members_that_differ_in_case_only(tmp_path):
 
 
 def test_member_that_is_file_and_folder(tmp_path, cache):
-    with pytest.raises(cosim.FmuError, match="cannot be unpacked"):
+    with pytest.raises(cosim.FmuError, match="is a file, and a folder"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "1", "a/b": "2"}))
     assert list((cache / "fmus").iterdir()) == []
 
@@ -147,10 +148,10 @@ def test_damaged_member(make, tmp_path, cache):
 
 
 def test_too_much(tmp_path, monkeypatch):
-    monkeypatch.setattr(archive, "MAX_BYTES", 10)
+    monkeypatch.setattr(directory, "MAX_BYTES", 10)
     with pytest.raises(cosim.FmuError, match="at most 10"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "x" * 11}))
-    monkeypatch.setattr(archive, "MAX_MEMBERS", 1)
+    monkeypatch.setattr(directory, "MAX_MEMBERS", 1)
     with pytest.raises(cosim.FmuError, match="2 members"):
         cosim.Fmu(pack(tmp_path / "b.fmu", {"a": "", "b": ""}))
 

@@ -77,6 +77,7 @@ def pack(make, tmp_path):
                 archive.writestr(member, text)
             archive.write(make("gain"), "resources/gain.fmu")
             archive.write(make("gain", 2, u="mN"), "resources/milli.fmu")
+            archive.write(make("gain", 2, u="m", y="m"), "resources/metres.fmu")
             archive.write(make("gain", 3), "resources/gain3.fmu")
             archive.write(make("integrator"), "resources/integrator.fmu")
         return path
@@ -438,6 +439,16 @@ def test_a_suppressed_conversion_is_not_done(pack):
     system.expose("x", "a.u")
     assert end(system, "b.y", x=2.0) == 14.0
     assert system.links != {"b.u": PLAIN}
+
+
+def test_a_suppressed_conversion_joins_any_units(pack):
+    """Number for number, as SSP has it: newtons become metres."""
+    body = elements(component("a"), component("b", source="metres.fmu")) + connections(
+        ("a.y", "b.u", "", ' suppressUnitConversion="true"')
+    )
+    system, _ = cosim.read_ssp(pack(one(body)))
+    system.expose("x", "a.u")
+    assert end(system, "b.y", x=2.0) == 2.0
 
 
 def test_a_prefix_that_is_not_declared_is_no_xml(pack):

@@ -61,6 +61,36 @@ def test_a_damaged_parquet_file_is_told(tmp_path):
         cosim.read_tables(path)
 
 
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"time": [0.0], "u": ["a"]}, "column 'u': expected numbers, got .*string"),
+        ({"time": [0.0], "u": [[1.0]]}, "column 'u': expected numbers, got list"),
+        ({"time": np.array([0], "datetime64[ns]"), "u": [1.0]}, "column 'time': .* timestamp"),
+        ({"time": [0.0, 1.0], "u": [None, 1.0]}, "not finite"),
+        ({"time": [1.0, 0.0], "u": [0, 1]}, "time falls"),
+        ({"u": [0, 1]}, "'time' among them"),
+    ],
+)
+def test_columns_of_other_kinds_are_told(tmp_path, columns, said):
+    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "in.parquet"
+    parquet.write_table(arrow.table(columns), path)
+    with pytest.raises(cosim.SignalError, match=rf"in\.parquet: .*{said}"):
+        cosim.read_tables(path)
+
+
+def test_integers_and_truths_are_numbers(tmp_path):
+    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "in.parquet"
+    columns = {"time": [0, 1], "n": arrow.array([3, 4], arrow.uint8()), "on": [False, True]}
+    parquet.write_table(arrow.table(columns), path)
+    tables = cosim.read_tables(path)
+    times = np.array([0.0, 1.0])
+    assert tables["n"].sample(times).tolist() == [3.0, 4.0]
+    assert tables["on"].sample(times).tolist() == [0.0, 1.0]
+
+
 def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(cosim.SignalError, match=r"pip install 'stickslip\[parquet\]'"):

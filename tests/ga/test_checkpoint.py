@@ -13,6 +13,7 @@ import pytest
 from problems import GENES, quadratic, sometimes_fails
 
 import ga
+from ga.checkpoint import check
 
 PROBLEM = ga.Problem(GENES, ga.AtLeast("b", "a"))
 LIMITS = ga.Limits(evaluations=200)
@@ -149,7 +150,7 @@ def test_an_earlier_run_is_not_overwritten(tmp_path):
 def test_a_checkpoint_of_another_run_is_refused(resumed, message, tmp_path):
     path = tmp_path / "run.json"
     ga.learn(new(), quadratic, checkpoint=path)
-    with pytest.raises(ga.StateError, match=message):
+    with pytest.raises(ga.StateError, match=rf"run\.json: .*{message}"):
         ga.learn(resumed(), quadratic, checkpoint=path, resume=True)
 
 
@@ -166,6 +167,24 @@ def test_a_file_that_is_no_checkpoint_is_named(text, tmp_path):
     path.write_text(text)
     with pytest.raises(ga.StateError, match="this is no checkpoint"):
         ga.learn(new(), quadratic, checkpoint=path, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[" * 100_000, "nested too deeply"),
+        ('{"format": 2, "format": 2}', "is there twice"),
+        ('{"format": 99, "seed": 0}', "no checkpoint of format 2"),
+        ('{"format": 2, "seed": "x"}', "its seed is 'x'"),
+    ],
+)
+def test_a_checkpoint_is_checked_before_it_is_resumed(text, said, tmp_path):
+    path = tmp_path / "run.json"
+    path.write_text(text)
+    with pytest.raises(ga.StateError, match=rf"run\.json: .*{said}"):
+        check(path)
+    ga.learn(new(), quadratic, checkpoint=tmp_path / "sound.json")
+    check(tmp_path / "sound.json")
 
 
 def test_what_cannot_be_repeated_is_refused():

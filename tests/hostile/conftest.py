@@ -2,6 +2,7 @@
 
 import pytest
 
+from benchmarks.defects import reference
 from benchmarks.hostile import fmus
 from cosim import kernel
 
@@ -11,3 +12,5 @@ def compiled():
     kernel.built()
     kernel.built(marked=True)
     fmus.library()
+    for version in (2, 3):
+        reference.library(version)

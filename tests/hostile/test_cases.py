@@ -31,9 +31,9 @@ def test_a_hostile_input_ends_in_one_line(case: Case, tmp_path, monkeypatch, cap
     cache = tmp_path / "cache"
     cache.mkdir()
     monkeypatch.setenv("STICKSLIP_CACHE", str(cache))
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(temporary))  # that of all sees others come and go
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))  # where others leave nothing
+    monkeypatch.setattr(tempfile, "tempdir", None)
     folder = tmp_path / "fed"
     folder.mkdir()
     with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name

@@ -103,7 +103,7 @@ def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
         ("[]", "not a learned.json: it has another structure; expected parameters F_s, F_c, v_s"),
         ('{"parameters": {}}', "not a learned.json: 'F_s' is missing"),
         (-1.0, "F_c = -1 N is outside 1e-09 .. 1e+09 N"),
-        (float("nan"), "F_c = nan N is outside"),
+        (float("nan"), "not a learned.json: NaN is no number of JSON"),
     ],
 )
 @pytest.mark.parametrize("form", ["fmu", "c", "st"])

@@ -112,3 +112,9 @@ def test_slow_motion_is_measured_against_the_top_speed():
     assert shown.slow == pytest.approx(0.01, rel=0.15)
     assert shown.top_speed == pytest.approx(0.04, rel=0.01)
     assert shown.speeds == pytest.approx((0.05 * 0.04, 0.95 * 0.04), rel=0.05)
+
+
+def test_a_recording_shorter_than_its_low_pass_is_checked():
+    """60 samples in 60 us: everything lies near a reversal."""
+    short = Recording(np.arange(60) * 1e-6, DRIVE.position[:60], force=DRIVE.force[:60])
+    assert "the recording is short" in findings(short)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
-from lxml import etree
+from cosim.description.attributes import finite, whole
+from cosim.description.faults import DescriptionFault
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
 # Clocks of other kinds are triggered by whoever runs the FMU.
@@ -37,34 +39,42 @@ class Clock:
     shift: float = 0.0
 
 
-def read_clocks(description: Path) -> list[Clock]:
-    """Return the input clocks of a model description.
+def read_clocks(elements: Iterable[Any]) -> tuple[Clock, ...]:
+    """Return the input clocks among the elements of variables.
 
     Raises
     ------
-    ValueError
-        When a number in it is none.
+    DescriptionFault
+        When a number in one is none.
     """
-    elements = etree.parse(description).iterfind(".//ModelVariables/Clock[@causality='input']")
-    return [_clock(element) for element in elements]
+    clocks = (e for e in elements if e.tag == "Clock" and e.get("causality") == "input")
+    return tuple(map(_clock, clocks))
 
 
-def _clock(element: etree._Element) -> Clock:
+def _clock(element: Any) -> Clock:
     asked = _ASKED.get(element.get("intervalVariability", ""))
     interval = _seconds(element, "interval")
     if asked == _NEVER and not interval:
         asked = _ONCE
     return Clock(
-        element.get("name", ""),
-        int(element.get("valueReference", "")),
+        element.get("name"),
+        whole(element.get("valueReference"), "valueReference", element),
         asked,
         interval,
         _seconds(element, "shift"),
     )
 
 
-def _seconds(element: etree._Element, what: str) -> float:
+def _seconds(element: Any, what: str) -> float:
     """Return a time given as a decimal number or by counter and resolution; 0 where it is not."""
     if decimal := element.get(f"{what}Decimal"):
-        return float(decimal)
-    return int(element.get(f"{what}Counter", "0")) / int(element.get("resolution", "1"))
+        seconds = finite(decimal, f"{what}Decimal", element)
+    else:
+        counter = whole(element.get(f"{what}Counter", "0"), f"{what}Counter", element)
+        resolution = whole(element.get("resolution", "1"), "resolution", element)
+        if resolution < 1:
+            raise DescriptionFault(element, f"resolution is {resolution}, expected at least 1")
+        seconds = counter / resolution
+    if seconds < 0:
+        raise DescriptionFault(element, f"{what} of a clock is {seconds} s, expected none below 0")
+    return seconds

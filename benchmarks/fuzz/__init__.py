@@ -1,0 +1,1 @@
+"""Feeds mutated inputs to everything that reads what strangers wrote."""

@@ -1,0 +1,80 @@
+"""Members onto the disk: what really comes out counts, whatever the headers say."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from cosim.archive import directory
+from cosim.archive.errors import Refused
+from cosim.names import printable, shown
+
+_CHUNK = 1024**2
+
+# All that zipfile and zlib raise for what is in a file: RuntimeError for encrypted members,
+# NotImplementedError for methods, ValueError for impossible offsets and names.
+_FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OverflowError)
+
+
+def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
+    """Unpack an archive into a new folder; return the size (bytes) of each file by its path.
+
+    Raises
+    ------
+    Refused
+    OSError
+    """
+    with _blaming("not a zip archive, or a damaged one"):
+        stated = directory.check_frame(file)
+        archive = zipfile.ZipFile(file)
+    with archive:
+        members = archive.infolist()
+        places = directory.check_members(members, stated)
+        _check_room(members, folder.parent)
+        folder.mkdir()
+        sizes: dict[str, int] = {}
+        for path, member in zip(places, members, strict=True):
+            target = folder / path
+            if directory.is_folder(member):
+                target.mkdir(parents=True, exist_ok=True)
+            else:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                sizes[str(path)] = _extract_file(archive, member, target)
+        return sizes
+
+
+def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
+    total = sum(member.file_size for member in members)
+    free = shutil.disk_usage(folder).free
+    if total > free:
+        raise Refused(f"{total} bytes when unpacked, but only {free} are free in {folder}")
+
+
+def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> int:
+    """Write one file, not a byte more than was declared; return its size."""
+    what, size = f"member {shown(member.orig_filename)} is damaged", 0
+    with _blaming(what), archive.open(member) as source, target.open("xb") as copy:
+        while chunk := source.read(_CHUNK):
+            size += len(chunk)
+            if size > member.file_size:
+                break
+            copy.write(chunk)
+    if size != member.file_size:
+        raise Refused(
+            f"{what}: {size} bytes, expected {member.file_size} as its header says;"
+            " copy or export the archive again"
+        )
+    return size
+
+
+@contextmanager
+def _blaming(what: str) -> Iterator[None]:
+    try:
+        yield
+    except _FAULTS as fault:
+        raise Refused(f"{what}: {printable(str(fault))}; copy or export it again") from fault

@@ -1,0 +1,148 @@
+"""Archives of random structure: taken when lawful, refused in words, never out of their folder."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchmarks.hostile.zips import DEFLATE, STORED, Member, zipped
+from cosim.archive.directory import check_members
+from cosim.archive.errors import Refused
+from cosim.archive.members import extract
+from cosim.archive.names import place
+
+LETTERS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=9)
+PARTS = st.one_of(LETTERS, st.sampled_from(["..", ".", "", "con", "C:", "a.", "\\", "a\0", "\n"]))
+PATHS = st.lists(PARTS, min_size=1, max_size=5).map("/".join)
+BROKEN = st.fixed_dictionaries(
+    {},
+    optional={
+        "flags": st.integers(0, 2**16 - 1),
+        "method": st.integers(0, 2**16 - 1),
+        "mode": st.integers(0, 2**16 - 1),
+        "needs": st.integers(0, 2**16 - 1),
+        "crc": st.integers(0, 2**32 - 1),
+        "size": st.integers(0, 2**32 - 1),
+        "packed_size": st.integers(0, 2**32 - 1),
+        "offset": st.integers(0, 2**32 - 1),
+        "extra": st.binary(max_size=30),
+        "content": st.binary(max_size=30),
+    },
+)
+
+
+@st.composite
+def archives(draw):
+    """Return members, some of them broken, as bytes."""
+    members = [
+        Member(
+            name.encode(), draw(st.binary(max_size=99)), draw(st.sampled_from([STORED, DEFLATE]))
+        )
+        if draw(st.booleans())
+        else Member(name.encode(), draw(st.binary(max_size=99)), **draw(BROKEN))
+        for name in draw(st.lists(PATHS, max_size=4))
+    ]
+    return zipped(members, before=draw(st.binary(max_size=2)), comment=draw(st.binary(max_size=9)))
+
+
+@settings(max_examples=80, deadline=None)
+@given(archives())
+def test_whatever_is_unpacked_lies_in_its_folder(tmp_path_factory, data):
+    top = tmp_path_factory.mktemp("room")
+    try:
+        sizes = extract(io.BytesIO(data), top / "new")
+    except Refused as fault:
+        assert str(fault).isprintable()  # noqa: PT017 - it need not be raised
+        return
+    found = {p for p in top.rglob("*") if not p.is_dir()}
+    assert found == {top / "new" / name for name in sizes}
+    assert all(p.lstat().st_size == sizes[str(p.relative_to(top / "new"))] for p in found)
+
+
+@given(
+    st.dictionaries(
+        LETTERS.filter(lambda n: n and "/" not in n), st.binary(max_size=99), max_size=5
+    )
+)
+@settings(max_examples=50, deadline=None)
+def test_what_zipfile_packs_is_taken_unless_a_name_is_in_doubt(tmp_path_factory, content):
+    top, stream = tmp_path_factory.mktemp("room"), io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, data in content.items():
+            file.writestr(name, data)
+        members = file.infolist()
+    try:
+        check_members(members, len(content))
+    except Refused:
+        return
+    extract(stream, top / "new")
+    assert {p.name: p.read_bytes() for p in (top / "new").iterdir()} == content
+
+
+@given(PATHS)
+def test_a_name_that_is_taken_leads_below(name):
+    try:
+        path = place(name)
+    except Refused:
+        return
+    assert (Path("/room") / path).resolve().is_relative_to("/room")
+    assert "\\" not in name
+    assert ":" not in name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "modelDescription.xml",
+        "./a",
+        "a/b/c.so",
+        "resources/",
+        "\u00e4\u4e2d.txt",
+        "console.c",
+        "aux-1",
+    ],
+)
+def test_usual_names_are_taken(name):
+    assert place(name)
+
+
+def lawful(**more):
+    return zipped([Member(b"a", b"text", DEFLATE), Member(b"d/"), Member(b"d/b", b"")], **more)
+
+
+def zip64():
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as file, file.open("a", "w", force_zip64=True) as member:
+        member.write(b"text")
+    return stream.getvalue()
+
+
+def streamed():
+    """Return an archive with its sizes behind the data, as tools write that cannot seek."""
+
+    class Pipe(io.BytesIO):
+        def seekable(self):
+            return False
+
+        def seek(self, *_):
+            raise io.UnsupportedOperation
+
+    stream = Pipe()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("a", b"text")
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [lawful(), lawful(comment=b"c" * 0xFFFF), zip64(), streamed()],
+    ids=["plain", "a huge comment", "zip64", "streamed"],
+)
+def test_lawful_but_odd_archives_are_taken(tmp_path, data):
+    assert extract(io.BytesIO(data), tmp_path / "new")["a"] == 4
+    assert (tmp_path / "new" / "a").read_bytes() == b"text"

@@ -1,0 +1,162 @@
+"""Sound descriptions are read as FMPy reads them; odd ones that are lawful are taken."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import fmpy
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cosim
+from benchmarks.defects import reference
+from benchmarks.hostile.sound import describe, replaced
+from benchmarks.hostile.zips import zipped
+from cosim.description import DescriptionFault, read_description
+from cosim.document import Malformed, parse_xml
+from stickslip.cli import main
+
+HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
+RATE = 'min="0" max="10" start="2"'
+
+
+def read(version, *pairs):
+    return read_description(parse_xml(replaced(version, *pairs)))
+
+
+@pytest.fixture(params=[2, 3])
+def both(request, tmp_path):
+    """Return a sound description as we and as FMPy read it."""
+    (tmp_path / "modelDescription.xml").write_bytes(replaced(request.param))
+    theirs = fmpy.read_model_description(tmp_path, validate=False)
+    return read(request.param), theirs
+
+
+def number(text):
+    return None if text is None else float(text)
+
+
+def test_variables_are_those_of_fmpy(both):
+    ours, theirs = both
+    described = {v.name: v for v in theirs.modelVariables if v.alias is None}
+    assert list(ours.variables) == list(described)
+    for name, variable in described.items():
+        mine, declared = ours.variables[name], variable.declaredType
+        assert (mine.reference, mine.type) == (variable.valueReference, variable.type)
+        assert (mine.causality, mine.variability) == (variable.causality, variable.variability)
+        assert mine.initial == variable.initial
+        assert mine.dimensions == variable.shape
+        assert mine.unit == (variable.unit or getattr(declared, "unit", None))
+        assert mine.nominal == number(variable.nominal or getattr(declared, "nominal", None))
+        if not mine.dimensions:
+            assert mine.start == number(variable.start)
+    aliases = {v.name: v.alias.name for v in theirs.modelVariables if v.alias is not None}
+    assert ours.aliases == aliases
+
+
+def test_structure_is_that_of_fmpy(both):
+    ours, theirs = both
+    assert [(o.name, o.dependencies) for o in ours.outputs] == [
+        (o.variable.name, tuple(d.name for d in o.dependencies)) for o in theirs.outputs
+    ]
+    assert ours.derivatives == {
+        u.variable.name: u.variable.derivative.name for u in theirs.derivatives
+    }
+    assert ours.n_states == theirs.numberOfContinuousStates
+    assert ours.n_indicators == theirs.numberOfEventIndicators
+    assert (ours.name, ours.token) == (theirs.modelName, theirs.guid)
+    assert ours.experiment.stop == number(theirs.defaultExperiment.stopTime)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        (HEAD, "\ufeff" + HEAD),
+        (HEAD, ""),
+        (HEAD, HEAD.replace("UTF-8", "ISO-8859-1")),  # all of it is ASCII
+        (HEAD, HEAD + "<!-- <!DOCTYPE a> --><?a <!DOCTYPE a>?>"),
+        ("<ModelVariables>", "<ModelVariables><!-- not a variable -->"),
+        (RATE, 'min="-INF" max="INF" start="2"'),
+        (RATE, 'min="0" max=" 1e1 " start="+2."'),
+        ('description="Input"', f'description="{"a" * 9_000_000}"'),
+    ],
+    ids=["mark", "bare", "ascii", "comments", "comment", "infinite", "spelling", "long"],
+)
+def test_odd_but_lawful_text(pair):
+    description = read(2, pair)
+    assert list(description.variables) == list(read(2).variables)
+    assert [o.name for o in description.outputs] == ["y", "z", "count"]
+
+
+def test_variables_of_fmi_2_may_be_one_quantity():
+    pair = ('name="z" valueReference="5"', 'name="z" valueReference="4"')
+    assert read(2, pair).variables["z"].reference == 4
+    with pytest.raises(DescriptionFault, match="is that of 'y' already"):
+        read(3, pair)
+
+
+NAMES = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), min_size=1)
+
+
+@given(NAMES.filter(lambda name: name not in read(2).variables))
+def test_names_are_kept_as_they_are(name):
+    quoted = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+    assert list(read(2, ('name="u"', f'name="{quoted}"')).variables)[1] == name
+
+
+@given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
+def test_a_doctype_is_never_read(noise):
+    hidden = replaced(2).replace(HEAD.encode(), HEAD.encode() + noise + b"<!DOCTYPE a>")
+    with pytest.raises(Malformed):
+        parse_xml(hidden)
+
+
+def written(tmp_path, *pairs):
+    path = tmp_path / "a.fmu"
+    path.write_bytes(zipped(describe(replaced(2, *pairs))))
+    return path
+
+
+@pytest.mark.parametrize("name", ["\u5165\u529b 'x', \"y\";\u00fc", "a" * 10_000, "u,=1+1"])
+def test_strange_names_reach_the_table_unchanged(tmp_path, name):
+    path = written(tmp_path, ('name="u"', f'name="{name.replace(chr(34), "&quot;")}"'))
+    assert main(["simulate", str(path), "--out", str(tmp_path / "a.csv")]) == 0
+    header = next(csv.reader(io.StringIO((tmp_path / "a.csv").read_text("utf-8"))))
+    assert name in header
+    assert not any(column.startswith(("=", "+", "-", "@")) for column in header)
+
+
+def test_a_start_outside_its_range_can_be_mended(tmp_path, capsys):
+    path = written(tmp_path, (RATE, 'min="0" max="10" start="11"'))
+    assert main(["simulate", str(path)]) == 1
+    assert "starts at '11.0' 1/s, outside its range 0.0 .. 10.0 1/s" in capsys.readouterr().err
+    assert main(["simulate", str(path), "--set", "k=10"]) == 0
+    assert "reference.y" in capsys.readouterr().out
+
+
+def test_infinite_times_can_be_mended(tmp_path):
+    path = written(tmp_path, ('stopTime="2"', 'stopTime="INF"'))
+    assert main(["simulate", str(path)]) == 1
+    assert main(["simulate", str(path), "--stop", "1"]) == 0
+
+
+def test_an_array_too_large_is_refused_by_its_parameter(tmp_path):
+    path = tmp_path / "a.fmu"
+    path.write_bytes(zipped(describe(replaced(3), 3)))
+    system = cosim.System()
+    system.add("a", path)
+    with pytest.raises(cosim.ParameterError, match="w would have 1000001 elements"):
+        system.set("a.n", 1_000_001)
+    with pytest.raises(cosim.ParameterError, match="w would have 0 elements"):
+        system.set("a.n", 0)
+    assert system.parameters == {}
+    system.set("a.n", 7)
+    assert system.variable("a.w").dimensions == (7,)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_sound_fmu_is_sound(version):
+    assert read(version).variables.keys() >= {"u", "y"}
+    assert reference.members(version)

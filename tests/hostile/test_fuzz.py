@@ -1,0 +1,72 @@
+"""Each parser refuses what it does not take in its own words; the long hunt is benchmarks/fuzz."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from benchmarks.fuzz import campaign
+from benchmarks.fuzz.parsers import NAMES, load
+
+N = {"archive": 2000, "description": 2000}
+N |= dict.fromkeys(("csv", "json", "mat", "state", "toml"), 1000)
+REFUSED = {"parquet": 1, "log_csv": 1}
+"""Of the inputs that all others are made from: texts in Parquet are no inputs, though a log may
+hold them; a log without names must be described."""
+
+
+def loaded(name):
+    if name == "parquet":
+        pytest.importorskip("pyarrow")
+    return load(name)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_mutated_inputs_are_taken_or_refused(name, tmp_path, caplog):
+    caplog.set_level(logging.CRITICAL)
+    parser = loaded(name)
+    tally = campaign.run(parser, seed=0, first=0, last=N.get(name, 200), folder=tmp_path)
+    assert tally.unexpected == []
+    assert tally.accepted > 0
+    assert tally.refused > 0
+
+
+@pytest.mark.parametrize("name", sorted({*NAMES} - {"archive", "description"}))
+def test_what_the_inputs_are_made_from_is_read(name, tmp_path):
+    """Else all that is made of it would be refused for one reason."""
+    parser, refused = loaded(name), 0
+    for data in parser.corpus():
+        try:
+            parser.parse(data, tmp_path)
+        except parser.EXPECTED:
+            refused += 1
+    assert refused == REFUSED.get(name, 0)
+
+
+def test_an_unexpected_end_is_found_and_saved(tmp_path):
+    class Careless:
+        EXPECTED = (UnicodeDecodeError,)
+
+        def corpus(self):
+            return [b"1 2 3"]
+
+        def parse(self, data, folder):  # noqa: ARG002
+            sum(map(int, data.decode().split()))
+
+    tally = campaign.run(Careless(), 0, 0, 200, tmp_path, found=tmp_path)
+    assert tally.unexpected
+    assert all("ValueError" in line for line in tally.unexpected)
+    assert len(list(tmp_path.glob("*.bin"))) == len(tally.unexpected)
+    assert tally.inputs == 200 == tally.accepted + tally.refused + len(tally.unexpected)
+
+
+def test_a_hunt_goes_on_where_it_was(tmp_path, capsys, monkeypatch):
+    parser = load("description")
+    monkeypatch.setattr(campaign.faulthandler, "dump_traceback_later", lambda *_, **__: None)
+    for inputs in (30, 50):
+        campaign.resume(parser, 3, inputs, tmp_path / "state", tmp_path)
+    whole = campaign.run(parser, 3, 0, 50, tmp_path)
+    assert (
+        f"50 inputs: {whole.accepted} accepted, {whole.refused} refused" in capsys.readouterr().out
+    )
