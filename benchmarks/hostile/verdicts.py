@@ -80,9 +80,9 @@ def neutral(text: str, room: Path, longest: int = LONGEST) -> str:
     text = re.sub(rf"{re.escape(str(room))}/(fed|copy)/?", "", text)
     for root in (str(room), tempfile.gettempdir(), sys.prefix, str(Path.home())):
         text = re.sub(rf"{re.escape(root)}(/[^\s/'\":;,()]+)*/?", _last, text)
+    text = re.sub(r"(.)\1{20,}", r"\1\1\1...", text)
     text = re.sub(r"\b[0-9a-f]{32,}\b", "HASH", text)
     text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    text = re.sub(r"(.)\1{20,}", r"\1\1\1...", text)
     if len(text) > longest:
         text = f"{text[: longest - 4]} ..."
     return re.sub(r"([\\|`*_<>\[\]])", r"\\\1", text)
