@@ -14,9 +14,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from toolchain.binary import interface
-from toolchain.cache import cache_directory, write_whole
+from toolchain.cache import cache_directory
 from toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
 from toolchain.platforms import Platform, host_platform
+from toolchain.whole import write_whole
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.

@@ -1,6 +1,15 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import archives, binaries, descriptions, learning, systems, tables, xml
+from benchmarks.hostile import (
+    archives,
+    binaries,
+    descriptions,
+    folders,
+    learning,
+    systems,
+    tables,
+    xml,
+)
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
@@ -11,6 +20,7 @@ CASES: list[Case] = [
     *systems.CASES,
     *tables.CASES,
     *learning.CASES,
+    *folders.CASES,
 ]
 """All of them, group by group."""
 
