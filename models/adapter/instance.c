@@ -148,8 +148,11 @@ Status instance_step(Instance *i, double time, double h) {
     if (done)
         return OK;
     i->now.phase = FAILED;
-    return instance_report(i, ERROR, "logStatusError",
-                           "no finite state can be reached from t = %g s to %g s", time, time + h);
+    return instance_report(
+        i, ERROR, "logStatusError",
+        "the state is not finite after the step from t = %g s to %g s, or the step"
+        " is too long",
+        time, time + h);
 }
 
 Status instance_terminate(Instance *i) {

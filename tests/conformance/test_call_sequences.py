@@ -1,6 +1,6 @@
 """Whatever is called, in whatever order: no crash, errors leave no trace, twice gives the same.
 
-The laws are in ``benchmarks/fuzz_calls/sequences.c``; ``python -m benchmarks.fuzz_calls`` runs more.
+The laws are in benchmarks/fuzz_calls/sequences.c; ``python -m benchmarks.fuzz_calls`` runs more.
 """
 
 from __future__ import annotations
