@@ -29,6 +29,7 @@ class Specification:
     constant_step: bool = False
     compiled: bool = False
     tolerance: float | None = None
+    allow_nan: bool = False
 
     def prepare(self) -> Simulation:
         """Instantiate the FMUs."""

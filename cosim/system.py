@@ -247,6 +247,7 @@ class System:
         constant_step: bool = False,
         compiled: bool = False,
         tolerance: float | None = None,
+        allow_nan: bool = False,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -265,6 +266,7 @@ class System:
         tolerance : relative, of the solver of Model Exchange and of those within FMUs.
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
             takes 1e-5 (as FMPy does) and Co-Simulation is told none
+        allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
 
         Raises
         ------
@@ -273,7 +275,16 @@ class System:
         kept = record if record is None or isinstance(record, Record) else Record(record).wanted
         return Simulation(
             Specification(
-                self.copy(), step, stop, start, kept, coupling, constant_step, compiled, tolerance
+                self.copy(),
+                step,
+                stop,
+                start,
+                kept,
+                coupling,
+                constant_step,
+                compiled,
+                tolerance,
+                allow_nan,
             )
         )
 

@@ -23,9 +23,23 @@ __attribute__((cold, noinline, unused)) static bool fail(Run *run, const Compone
     return false;
 }
 
+__attribute__((cold, noinline, unused)) static bool not_ok(Run *run, const Component *c,
+                                                           const char *call, int status) {
+    const unsigned last = c->version == 2 ? (unsigned)fmi2Pending : (unsigned)fmi3Fatal;
+    if (status == fmi2Warning) {
+        note_warning(c->log, call, run->t);
+        return true;
+    }
+    if ((unsigned)status > last && status != c->log->reason) {
+        c->log->unknown = status;
+        status = UNKNOWN_STATUS;
+    }
+    return fail(run, c, call, status);
+}
+
 /* Statuses from OK to fatal are the same numbers in both versions. */
 INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
-    return LIKELY((unsigned)status <= fmi2Warning) || fail(run, c, call, status);
+    return LIKELY(status == fmi2OK) || not_ok(run, c, call, status);
 }
 
 #define CALL(run, c, name)                                                                         \

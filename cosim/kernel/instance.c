@@ -2,6 +2,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define FMI2_NAME(call) "fmi2" #call " "
 #define FMI3_NAME(call) "fmi3" #call " "
@@ -38,11 +39,26 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
     }
 }
 
+void clear_log(Log *log) {
+    log->severity = log->reason = log->unknown = 0;
+    log->warnings = 0;
+    log->message[0] = log->warning[0] = '\0';
+}
+
+void note_warning(Log *log, const char *call, double t) {
+    if (log->warnings++ == 0) {
+        log->warned = call;
+        log->warned_at = t;
+        if (log->severity <= fmi2Warning) {
+            memcpy(log->warning, log->message, sizeof log->warning);
+        }
+    }
+}
+
 void instantiate(Component *c, const char *name, const char *token, const char *resources) {
     Log *log = c->log;
     c->used = 0;
-    log->severity = 0;
-    log->message[0] = '\0';
+    clear_log(log);
     if (c->version == 2) {
         log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, log};
         c->instance = c->call.fmi2.Instantiate(name, fmi2CoSimulation, token, resources,
