@@ -18,6 +18,7 @@ struct Integrator {
     double begin, end;         /* of the communication step, s */
     bool moving;               /* an input changes within the step */
     fmi2Status status;         /* of an FMI call that CVode made */
+    const char *discarded;     /* the last such call that returned discard */
 };
 
 const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
@@ -63,7 +64,10 @@ static fmi2Status set_point(Facade *f, double t, double *x) {
 /* What CVode is told: 0 done, 1 try a smaller step, -1 give up. */
 static int answer(Facade *f, fmi2Status status) {
     f->integrator->status = status;
-    f->called = status == fmi2Discard ? NULL : f->called; /* it may yet come right */
+    if (status == fmi2Discard) { /* it may yet come right */
+        f->integrator->discarded = f->called;
+        f->called = NULL;
+    }
     return OK(status) ? 0 : status == fmi2Discard ? 1 : -1;
 }
 
@@ -102,6 +106,10 @@ static fmi2Status solver_failed(Facade *f) {
     const fmi2Status status = f->integrator->status;
     if (status > fmi2Discard) {
         return status; /* the FMU is to blame; f->called says where */
+    }
+    if (status == fmi2Discard) {
+        f->called = f->integrator->discarded;
+        return status;
     }
     f->called = "CVode";
     f->log.reason = SOLVER_FAILED;

@@ -10,6 +10,7 @@ const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
 const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
 
 static bool graver(Log *log, int status) {
+    status = (unsigned)status > fmi2Pending ? fmi2Pending : status; /* none is no less grave */
     if (status <= log->severity) {
         return false;
     }
