@@ -46,6 +46,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
     )
+    parser.add_argument(
+        "--allow-nan", action="store_true", help="go on where an output is NaN or infinite"
+    )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
     parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
@@ -101,6 +104,7 @@ def run(options: argparse.Namespace) -> None:
         step=experiment.step,
         record=record,
         tolerance=options.tolerance,
+        allow_nan=options.allow_nan,
     ) as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
