@@ -34,6 +34,7 @@ def _resumed(name: str, about: str, plan: str, says: str, version: int) -> Case:
         path = faults.write(folder / "a.fmu", plan, version)
         system = cosim.System("a")
         system.add("faults", path)
+        system.expose("u", "faults.u")
         with system.prepare(step=0.1, stop=1.0) as simulation:
             simulation.run(until=0.5)
             simulation.save(folder / "state")

@@ -189,7 +189,7 @@ class Run(Structure):
 
 # Two neighbours copied as one would wait until both have arrived in memory. A loop of calls that
 # begins within a line of the cache costs some percent more or less, as chance has it.
-_FLAGS = ("-fno-slp-vectorize", "-falign-loops=64")
+_FLAGS = ("-fno-tree-slp-vectorize", "-falign-loops=64")
 
 FINISHED, PAUSED, FAILED, HALTED = range(4)
 

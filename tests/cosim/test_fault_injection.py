@@ -239,3 +239,33 @@ def test_every_status_while_a_state_is_saved_and_resumed(rigs, tmp_path, version
         assert abused == 0
         assert alive == (status == FATAL)
         assert states == 0 or status == FATAL
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    ("plan", "words"),
+    [("Nothing 1 0", "gave no state"), ("Freeze 1 0", "did not bring back the state")],
+)
+def test_a_step_that_cannot_be_taken_back_is_noticed(rigs, version, plan, words):
+    rig = rigs(version, "adaptive")
+    rig.arm()
+    with rig.prepare() as simulation:
+        before = drive(simulation)
+    with rig.prepare() as simulation:
+        rig.arm(plan)
+        with pytest.raises(cosim.SimulationError, match=rf"^a.*: fmi{version}\w+ {words}"):
+            drive(simulation)
+        rig.arm()
+        np.testing.assert_array_equal(drive(simulation), before)
+
+
+def test_warnings_are_counted_and_no_flood(rigs, caplog):
+    rig = rigs(2, "plain")
+    rig.arm("DoStep 0 1")
+    with rig.prepare() as simulation, caplog.at_level(logging.WARNING):
+        for _ in range(20):
+            drive(simulation)
+    rig.arm()
+    (record,) = caplog.records
+    assert "t = 0 s" in record.getMessage()
+    assert record.getMessage().endswith("(warnings in this run: 10)")
