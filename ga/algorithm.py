@@ -10,7 +10,7 @@ import numpy as np
 
 from ga.archive import Archive
 from ga.arrays import Array
-from ga.breeding import breed
+from ga.breeding import Brood, breed
 from ga.checkpoint import seed_of
 from ga.encoding import Encoding
 from ga.gene import Gene
@@ -73,9 +73,9 @@ class GeneticAlgorithm(Optimiser):
         size = round((self.settings.finish or 0) * unknowns(k))
         self._restarts = restarts
         self._current: Generation | None = None
-        self._strings = np.empty((0, k))
+        self._brood: Brood | None = None
+        self._bred: Brood | None = None
         self._mutation = MutationRate(self.settings)
-        self._rates = self._mutation.draw(0, self._rng)
         self._archive = Archive(size, k)
         self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
 
@@ -91,15 +91,25 @@ class GeneticAlgorithm(Optimiser):
 
     def _propose(self) -> Array:
         current = self._current
-        strings = self._encoding.settle(self._first() if current is None else self._next(current))
+        if current is None:
+            self._brood = self._settled(self._first())
+            return self._brood.values
+        self._brood = self._bred or self._next(current)
+        self._bred = self._next(current) if self.settings.ahead else None
+        again = current.values[: self.settings.elites if self.settings.noisy else 0]
+        return np.vstack([self._brood.values, again])
+
+    def _foreseen(self) -> Array:
+        return super()._foreseen() if self._bred is None else self._bred.values
+
+    def _settled(self, strings: Array, rates: Array | None = None) -> Brood:
+        """Return what strings (n, k), which may leave [0, 1], are evaluated as."""
+        strings = self._encoding.settle(strings)
         values = self._encoding.decode(strings)
         if self.problem.repair is not None:
             values = self.problem.repaired(values)
             strings = self._encoding.encode(values)
-        self._strings = strings
-        if current is None or not self.settings.noisy:
-            return values
-        return np.vstack([values, current.values[: self.settings.elites]])
+        return Brood(strings, values, np.empty((len(strings), 1)) if rates is None else rates)
 
     def _first(self) -> Array:
         """Return a first generation: around the start or, after a restart, anywhere."""
@@ -108,19 +118,22 @@ class GeneticAlgorithm(Optimiser):
             return self._rng.random((self.settings.population, start.size))
         return first_generation(start, self.settings, self._rng)
 
-    def _next(self, current: Generation) -> Array:
+    def _next(self, current: Generation) -> Brood:
         """Return children; the last, whose rival is the worst, is the local finish."""
         settings = self.settings
-        self._rates = self._mutation.draw(settings.population - settings.elites, self._rng)
-        strings = breed(current.strings, current.costs, self._rates, settings, self._rng)
+        rates = self._mutation.draw(settings.population - settings.elites, self._rng)
+        strings = breed(current.strings, current.costs, rates, settings, self._rng)
         bottom = self._archive.bottom()
         if bottom is not None:
             strings[-1] = bottom
-        return strings
+        return self._settled(strings, rates)
 
     def _digest(self, values: Array, costs: Array) -> Array:
-        n = len(self._strings)
-        children = Generation.once(self._strings, values[:n], costs[:n])
+        del values  # they are in the brood
+        brood = self._brood
+        assert brood is not None  # noqa: S101 - something was asked
+        n = len(brood.strings)
+        children = Generation.once(brood.strings, brood.values, costs[:n])
         self._archive.add(children.strings, children.costs)
         if self._current is None:
             current = children.ranked()
@@ -128,7 +141,7 @@ class GeneticAlgorithm(Optimiser):
             self._archive.add(self._current.strings[: len(costs) - n], costs[n:])
             rivals = self._current.averaged(costs[n:])
             wins = rivals.winners(children, self.settings)
-            self._mutation.follow(self._rates, wins)
+            self._mutation.follow(brood.rates, wins)
             current = rivals.followed_by(children, wins)
         self._current = current
         self._chosen = self._most_trusted(current) if self.settings.noisy else None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ga.arrays import Array
@@ -31,3 +33,19 @@ def breed(
     """
     children = CROSSOVERS[settings.crossover](strings, costs, settings, rng)
     return MUTATIONS[settings.mutation](children, strings, rates, rng)
+
+
+@dataclass(frozen=True)
+class Brood:
+    """Children, in the order of the places that they compete for.
+
+    Parameters
+    ----------
+    strings : what the operators work on, shape (n, k), 0 .. 1
+    values : what is evaluated, shape (n, k), in the genes' units
+    rates : of their mutation, shape (n, 1)
+    """
+
+    strings: Array
+    values: Array
+    rates: Array

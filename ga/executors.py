@@ -6,34 +6,24 @@ A worker that dies takes no result with it: its candidates are evaluated again, 
 
 from __future__ import annotations
 
-import logging
-import math
 import os
 import pickle
 import signal
-import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
-from importlib import import_module
-from importlib.util import find_spec
-from multiprocessing import get_context, parent_process, resource_tracker
-from typing import Any, ParamSpec, TypeVar
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from typing import ParamSpec, TypeVar
 
+from ga.cluster import cluster
 from ga.errors import SettingsError
+from ga.interrupts import without_interrupts
+from ga.judging import Evaluate, Packed
 
 P = ParamSpec("P")
 T = TypeVar("T")
-
-PARTS = 1
-"""Tasks for each Dask worker in a generation; a task costs it a millisecond or two."""
-
-
-RECOUNT = 5.0
-"""How long the number of Dask workers is believed [s]."""
 
 
 @contextmanager
@@ -68,8 +58,8 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
         with Processes(workers) as processes:
             yield processes
     elif where == "local" or "://" in where:
-        with _dask(where, workers) as cluster:
-            yield cluster
+        with cluster(where, workers) as dask:
+            yield dask
     else:
         raise SettingsError(
             f"no workers {where!r}; expected threads, processes, local or the address of a Dask "
@@ -89,7 +79,7 @@ class Processes(Executor):
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run a function in one of the processes."""
-        with _without_interrupts():  # a process may be started
+        with without_interrupts():  # a process may be started
             try:
                 return self._pool.submit(fn, *args, **kwargs)
             except BrokenProcessPool:
@@ -97,9 +87,9 @@ class Processes(Executor):
                 self._pool = self._made()
                 return self._pool.submit(fn, *args, **kwargs)
 
-    def packed(self, function: object) -> bytes:
-        """Return a function as bytes that a process unpickles."""
-        return pickle.dumps(function)
+    def packed(self, evaluate: Evaluate) -> Packed:
+        """Return a cost as a process gets it."""
+        return Packed.of(pickle.dumps(evaluate))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes."""
@@ -109,20 +99,6 @@ class Processes(Executor):
         return ProcessPoolExecutor(
             self._workers, mp_context=get_context("spawn"), initializer=_depend_on_parent
         )
-
-
-@contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Put off Ctrl-C; a process that is started meanwhile will never see it."""
-    if sys.platform == "win32":
-        yield
-        return
-    resource_tracker.ensure_running()  # which would let Ctrl-C in again when it is started
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _depend_on_parent() -> None:
@@ -135,57 +111,3 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
-
-
-class DaskWorkers(Executor):
-    """The workers of a Dask client; candidates go to them in parts, a few for each worker."""
-
-    def __init__(self, client: Any) -> None:
-        self._client = client
-        self._executor = client.get_executor(pure=False)
-        self._counted, self._workers = -math.inf, 1
-
-    @property
-    def parts(self) -> int:
-        """Into how many tasks a generation is divided; workers are counted again now and then."""
-        if time.monotonic() > self._counted + RECOUNT:
-            self._counted, self._workers = time.monotonic(), len(self._client.ncores())
-        return max(1, PARTS * self._workers)
-
-    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Run a function on one of the workers."""
-        future: Future[T] = self._executor.submit(fn, *args, **kwargs)
-        return future
-
-    def packed(self, function: object) -> bytes:
-        """Return a function as bytes that a worker unpickles, even one of a notebook."""
-        content: bytes = import_module("cloudpickle").dumps(function)
-        return content
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Let go of the workers, which go on without us."""
-        del cancel_futures
-        self._executor.shutdown(wait)
-
-
-@contextmanager
-def _dask(where: str, workers: int) -> Iterator[DaskWorkers]:
-    if find_spec("distributed") is None:
-        raise SettingsError(
-            f"workers {where!r} need the package distributed; pip install stickslip[dask]"
-        )
-    distributed: Any = import_module("distributed")
-    with ExitStack() as stack:
-        scheduler = where
-        if where == "local":
-            with _without_interrupts():
-                cluster = distributed.LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    dashboard_address=":0",
-                    silence_logs=logging.ERROR,
-                )
-            scheduler = stack.enter_context(cluster)
-        client = stack.enter_context(distributed.Client(scheduler))
-        yield stack.enter_context(DaskWorkers(client))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import pickle
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -29,69 +31,174 @@ _FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, Cancel
 """The machine's fault, not the candidate's: the run ends, and can be resumed."""
 
 
-def judge_all(
-    population: Array, evaluate: Evaluate, executor: Executor | None, *, begins: bool
-) -> list[Outcome]:
-    """Return cost and reason of every row, in order, whatever the executor.
+class Judge:
+    """Evaluates generation after generation, in the caller's own thread or by workers.
 
-    Candidates whose worker died are tried alone, one after the other. So the one that kills its
-    worker is known, and the others have their cost.
+    Workers that have nothing to do begin with what is known of the next generation, so none waits
+    for the slowest. What is learned does not depend on it.
 
     Parameters
     ----------
-    population : shape (n, k)
     evaluate : cost of one candidate
     executor : where; None for the caller's own thread
-    begins : whether the first row is the start. What it raises is not a candidate's fault.
-
-    Raises
-    ------
-    Exception : what the start raises, or what no candidate is to blame for
     """
-    if executor is None:
-        return judge(evaluate, population, begins)
-    packed = getattr(executor, "packed", None)
-    sent: Evaluate | Packed = evaluate if packed is None else Packed(packed(evaluate))
-    parts = np.array_split(
-        population, min(getattr(executor, "parts", len(population)), len(population))
-    )
-    futures = [
-        executor.submit(judge, sent, part, begins and index == 0)
-        for index, part in enumerate(parts)
-    ]
-    try:
-        judged: list[Outcome | None] = []
-        for part, future in zip(parts, futures, strict=True):
-            judged += _received(future) or [None] * len(part)
-    finally:
-        for future in futures:
-            future.cancel()
-    return [
-        _judge_alone(sent, row, executor, begins and index == 0) if outcome is None else outcome
-        for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
-    ]
+
+    def __init__(self, evaluate: Evaluate, executor: Executor | None) -> None:
+        packed = getattr(executor, "packed", None)
+        self._evaluate: Evaluate | Packed = packed(evaluate) if packed else evaluate
+        self._executor = executor
+        self._begun: dict[bytes, _Place] = {}
+
+    def outcomes(self, population: Array, ahead: Array, *, begins: bool) -> list[Outcome]:
+        """Return cost and reason of every row, in order, whatever the executor.
+
+        Candidates whose worker died are tried alone, one after the other. So the one that kills
+        its worker is known, and the others have their cost.
+
+        Parameters
+        ----------
+        population : shape (n, k)
+        ahead : rows of the next population that are known already, shape (m, k)
+        begins : whether the first row is the start. What it raises is not a candidate's fault.
+
+        Raises
+        ------
+        Exception : what the start raises, or what no candidate is to blame for
+        """
+        if self._executor is None:
+            return judge(self._evaluate, population, begins)
+        places = [self._begun.pop(row.tobytes(), None) for row in population]
+        self.dismiss()
+        missing = [index for index, place in enumerate(places) if place is None]
+        sent = self._send(population[missing], self._executor, begins and 0 in missing)
+        for index, place in zip(missing, sent, strict=True):
+            places[index] = place
+        try:
+            begun = self._send(ahead, self._executor, begins=False)
+            self._begun = {row.tobytes(): place for row, place in zip(ahead, begun, strict=True)}
+            self._wait([place.task for place in places if place is not None])
+            judged = [place.outcome() for place in places if place is not None]
+        except BaseException:
+            for place in sent:
+                place.task.future.cancel()
+            raise
+        self._last = places
+        return [
+            self._alone(row, self._executor, begins and index == 0) if outcome is None else outcome
+            for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
+        ]
+
+    def dismiss(self) -> None:
+        """Call off what was begun and is not wanted any more."""
+        for place in self._begun.values():
+            place.task.future.cancel()
+        self._begun = {}
+
+    def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:
+        """Give rows (n, k) to the workers, in as many tasks as the executor likes."""
+        if not len(rows):
+            return []
+        parts = np.array_split(rows, min(getattr(executor, "parts", len(rows)), len(rows)))
+        calls = [(self._evaluate, part, begins and not n) for n, part in enumerate(parts)]
+        if together := getattr(executor, "submit_all", None):
+            futures = together(judge, calls)
+        else:
+            futures = [executor.submit(judge, *call) for call in calls]
+        return [
+            _Place(task, index)
+            for task, part in zip(map(_Task, futures), parts, strict=True)
+            for index in range(len(part))
+        ]
+
+    def _wait(self, tasks: list[_Task]) -> None:
+        """Let an executor that can receive several results in one message do so."""
+        together = getattr(self._executor, "result_all", None)
+        waiting = list(dict.fromkeys(tasks))
+        received = together([task.future for task in waiting]) if together else None
+        for task, outcomes in zip(waiting, received or (), strict=False):
+            task.outcomes = outcomes
+
+    def _alone(self, row: Array, executor: Executor, begins: bool) -> Outcome:
+        for _ in range(ALONE):
+            outcome = self._send(row[np.newaxis], executor, begins)[0].outcome()
+            if outcome is not None:
+                return outcome
+        return float("inf"), DIED
+
+
+class _Task:
+    """Some candidates at a worker."""
+
+    def __init__(self, future: Future[list[Outcome]]) -> None:
+        self.future = future
+
+    @cached_property
+    def outcomes(self) -> list[Outcome] | None:
+        """What the worker sends, as soon as it does; None if it died."""
+        try:
+            return self.future.result()
+        except BrokenExecutor:
+            return None
+        except Exception as error:
+            if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
+                return None
+            raise
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the outcome of a candidate will be found."""
+
+    task: _Task
+    index: int
+
+    def outcome(self) -> Outcome | None:
+        """Wait for the outcome; return None if the worker died."""
+        outcomes = self.task.outcomes
+        return None if outcomes is None else outcomes[self.index]
 
 
 @dataclass(frozen=True)
 class Packed:
     """A cost on its way to another process, where it is unpacked once and not for each task.
 
+    Unpacking a system of FMUs takes as long as running a candidate.
+
     Attributes
     ----------
-    content : of `pickle`; unpacking a system of FMUs takes as long as running a candidate
+    name : of the content, a hash
+    content : of `pickle`; None where each process has been told to `keep` it
     """
 
-    content: bytes
+    name: str
+    content: bytes | None
+
+    @classmethod
+    def of(cls, content: bytes) -> Packed:
+        """Give a content its name."""
+        return cls(hashlib.sha256(content).hexdigest(), content)
+
+    def keep(self) -> None:
+        """Store the content in this process, for tasks that come without."""
+        if self.content is not None:
+            _kept[self.name] = self.content
+
+    def forget(self) -> None:
+        """Drop what was kept."""
+        _kept.pop(self.name, None)
+        _unpacked.pop(self.name, None)
 
     def unpacked(self) -> Evaluate:
         """Return the cost, which stays for the next task."""
-        if self.content not in _unpacked:
+        if self.name not in _unpacked:
+            content = self.content or _kept[self.name]
             _unpacked.clear()
-            _unpacked[self.content] = pickle.loads(self.content)  # noqa: S301 - of our own making
-        return _unpacked[self.content]
+            _unpacked[self.name] = pickle.loads(content)  # noqa: S301 - of our own making
+        return _unpacked[self.name]
 
 
-_unpacked: dict[bytes, Evaluate] = {}
+_kept: dict[str, bytes] = {}
+_unpacked: dict[str, Evaluate] = {}
 
 
 def judge(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> list[Outcome]:
@@ -112,26 +219,3 @@ def _judge_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
         if is_start:
             raise
         return float("inf"), f"{type(error).__name__}: {error}"
-
-
-def _judge_alone(
-    evaluate: Evaluate | Packed, row: Array, executor: Executor, begins: bool
-) -> Outcome:
-    for _ in range(ALONE):
-        future = executor.submit(judge, evaluate, row[np.newaxis], begins)
-        outcomes = _received(future)
-        if outcomes is not None:
-            return outcomes[0]
-    return float("inf"), DIED
-
-
-def _received(future: Future[list[Outcome]]) -> list[Outcome] | None:
-    """Return what a worker sent, or None if it died."""
-    try:
-        return future.result()
-    except BrokenExecutor:
-        return None
-    except Exception as error:
-        if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
-            return None
-        raise

@@ -11,7 +11,7 @@ from typing import TypeVar
 from ga import checkpoint as files
 from ga.errors import Interrupted, NothingLearned, StateError
 from ga.generation import Candidate
-from ga.judging import Evaluate, judge_all
+from ga.judging import Evaluate, Judge
 from ga.optimiser import Optimiser
 
 AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
@@ -93,9 +93,10 @@ def _run(
     executor: Executor | None,
     on_generation: Callable[[AnyOptimiser], object],
 ) -> str:
+    judge = Judge(evaluate, executor)
     while (stopped := algorithm.stopped) is None:
         begins = algorithm.generation == 0
-        outcomes = judge_all(algorithm.ask(), evaluate, executor, begins=begins)
+        outcomes = judge.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
         algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
         if algorithm.best.cost == float("inf"):
             raise NothingLearned(

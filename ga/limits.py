@@ -60,6 +60,16 @@ class Limits:
         """
         if self.target is not None and best <= self.target:
             return f"the best cost {best:.6g} reached the threshold {self.target:.6g}"
+        if spent := self.spent(generations=generations, evaluations=evaluations, batch=batch):
+            return spent
+        if self.seconds is not None and seconds >= self.seconds:
+            return f"{self.seconds:g} s have passed"
+        if self.patience is not None and stagnant >= self.patience:
+            return f"stagnation: the best cost has not fallen by 1 % in {stagnant} evaluations"
+        return None
+
+    def spent(self, *, generations: int, evaluations: int, batch: int) -> str | None:
+        """Return which of the limits that are known beforehand ends the run, or None."""
         if self.generations is not None and generations >= self.generations:
             return f"all {self.generations} generations are done"
         if self.evaluations is not None and evaluations + batch > self.evaluations:
@@ -67,8 +77,4 @@ class Limits:
                 f"the budget of {self.evaluations} evaluations is used "
                 f"({evaluations} done, another generation takes {batch})"
             )
-        if self.seconds is not None and seconds >= self.seconds:
-            return f"{self.seconds:g} s have passed"
-        if self.patience is not None and stagnant >= self.patience:
-            return f"stagnation: the best cost has not fallen by 1 % in {stagnant} evaluations"
         return None

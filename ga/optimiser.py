@@ -79,6 +79,10 @@ class Optimiser(ABC):
         """Return the best candidate if it is not simply the cheapest evaluation so far."""
         return None
 
+    def _foreseen(self) -> Array:
+        """Return the rows of the next proposal that are certain already, shape (m, k)."""
+        return np.empty((0, len(self.names)))
+
     def ask(self) -> Array:
         """Return the candidates to evaluate next. The very first is the start.
 
@@ -139,6 +143,19 @@ class Optimiser(ABC):
         if self._best.cost <= self._progress[1] * (1 - PROGRESS):
             self._progress = self.evaluations, self._best.cost
         self._asked = None
+
+    @property
+    def ahead(self) -> Array:
+        """What the next `ask` will return, as far as that is known before this one's costs.
+
+        Shape (m, k), in the genes' units. Whoever has nothing better to do may begin with it. There
+        is none if the limits leave no next generation, and a method that starts anew forgets it.
+        """
+        asked = 0 if self._asked is None else len(self._asked)
+        none_left = self.limits.spent(
+            generations=self.generation + 1, evaluations=self.evaluations + asked, batch=self.batch
+        )
+        return np.empty((0, len(self.names))) if none_left or not asked else self._foreseen()
 
     @property
     def names(self) -> list[str]:

@@ -30,6 +30,8 @@ class Settings:
         lie between two steps.
     near_share : share of the first generation drawn around the start; the rest is drawn uniformly
     near_spread : standard deviation of that part, on the string's scale of [0, 1]
+    ahead : a generation is bred before the costs of the one before are known, so that no worker
+        waits for the slowest
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
     adaptive : the mutation rate follows what succeeds, see ``ga/rates.py``
     finish : one child in each generation is where a quadratic is lowest that is fitted to the
@@ -58,6 +60,7 @@ class Settings:
     resolution: float | None = None
     near_share: float = 0.8
     near_spread: float = 0.05
+    ahead: bool = True
     threshold: float | None = None
     adaptive: bool = True
     finish: float | None = 2.0
@@ -70,7 +73,15 @@ class Settings:
         self._check("generations", self.generations >= 1, "at least 1")
         self._check("elite_rate", self.elites < self.population, "small enough to leave a child")
         self._check("near_spread", self.near_spread > 0, "above 0")
-        for field in ("elite_rate", "mutation_rate", "crossover_rate", "k1", "k2", "near_share"):
+        for field in (
+            "elite_rate",
+            "mutation_rate",
+            "crossover_rate",
+            "k1",
+            "k2",
+            "near_share",
+            "ahead",
+        ):
             self._check(field, 0 <= getattr(self, field) <= 1, "from 0 to 1")
         if self.resolution is not None:
             self._check(
@@ -113,6 +124,7 @@ PAPER = Settings(
     encoding="linear",
     resolution=1e-4,
     near_share=0.0,
+    ahead=False,
     adaptive=False,
     finish=None,
     patience=None,

@@ -12,7 +12,7 @@ from benchmarks.learning.problem import cost, problem
 
 GOALS = {"threads": 1.9, "processes": 1.9, "Dask": 1.7}
 PLACES = {"threads": "threads", "processes": "processes", "Dask": "local"}
-GENERATIONS, ROUNDS = 10, 3
+EVALUATIONS, ROUNDS = 1000, 3
 
 
 def run(folder: Path, out: Path) -> dict[str, float]:
@@ -22,9 +22,9 @@ def run(folder: Path, out: Path) -> dict[str, float]:
         for name, where in PLACES.items():
             with ga.executor(where, 1) as one, ga.executor(where, 2) as two:
                 for executor in (one, two):  # prepares a simulation in each worker
-                    _learn(judge, executor, 2)
+                    _learn(judge, executor, 30)
                 rounds = [
-                    [_learn(judge, executor, GENERATIONS) for executor in (one, two)]
+                    [_learn(judge, executor, EVALUATIONS) for executor in (one, two)]
                     for _ in range(ROUNDS)
                 ]
             if len({history for pair in rounds for _, history in pair}) > 1:
@@ -36,8 +36,8 @@ def run(folder: Path, out: Path) -> dict[str, float]:
     return {f"two {name} / one": speed for name, speed in speeds.items()}
 
 
-def _learn(judge: ga.SimulatedCost, executor, generations: int) -> tuple[float, str]:
-    optimiser = ga.optimiser("default", problem(0), ga.Limits(generations=generations))
+def _learn(judge: ga.SimulatedCost, executor, evaluations: int) -> tuple[float, str]:
+    optimiser = ga.optimiser("default", problem(0), ga.Limits(evaluations=evaluations))
     begin = time.perf_counter()
     ga.learn(optimiser, judge, executor)
     return time.perf_counter() - begin, optimiser.history.to_csv()

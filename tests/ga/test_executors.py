@@ -89,7 +89,7 @@ def test_a_place_that_cannot_be_is_named(where, workers, message):
 
 
 def test_what_is_not_installed_is_named(monkeypatch):
-    monkeypatch.setattr("ga.executors.find_spec", lambda _: None)
+    monkeypatch.setattr("ga.cluster.find_spec", lambda _: None)
     needed = r"distributed.*stickslip\[dask\]"
     with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
         pass
