@@ -214,7 +214,7 @@ EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
 void clear_log(Log *log);
-void note_warning(Log *log, const char *call, double t);
+__attribute__((cold)) void note_warning(Log *log, const char *call, double t);
 void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
 
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
