@@ -3,11 +3,21 @@
 import tempfile
 from pathlib import Path
 
-from benchmarks import candidate, container, description, firmware, many_runs, workers
+from benchmarks import candidate, container, description, firmware, isolation, many_runs, workers
 from benchmarks.coupling import report
 from benchmarks.learning import speed
 
-BENCHMARKS = (report, candidate, container, workers, description, many_runs, firmware, speed)
+BENCHMARKS = (
+    report,
+    candidate,
+    container,
+    workers,
+    isolation,
+    description,
+    many_runs,
+    firmware,
+    speed,
+)
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:

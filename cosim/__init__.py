@@ -14,6 +14,7 @@ from cosim.errors import (
     ConnectionFault,
     CosimError,
     ExperimentError,
+    FmuCrashed,
     FmuError,
     ParameterError,
     SignalError,
@@ -22,6 +23,7 @@ from cosim.errors import (
 )
 from cosim.experiment import DefaultExperiment
 from cosim.fmu import Fmu
+from cosim.isolation.settings import Isolation
 from cosim.record import Deviation, Record
 from cosim.result import Result
 from cosim.scaling import Link, Scaling, ValueMap
@@ -44,7 +46,9 @@ __all__ = [
     "Deviation",
     "ExperimentError",
     "Fmu",
+    "FmuCrashed",
     "FmuError",
+    "Isolation",
     "Link",
     "ParameterError",
     "Record",

@@ -8,6 +8,7 @@ CosimError
     ExperimentError(ValueError)    times that make no run
     SspError(ValueError)           the file is no system structure package that can be read
     SimulationError(RuntimeError)  an FMU failed during a run
+        FmuCrashed                 it ended its process, or had to be ended with it
 """
 
 
@@ -41,3 +42,7 @@ class SspError(CosimError, ValueError):
 
 class SimulationError(CosimError, RuntimeError):
     """An FMU failed during a run; the simulation can be run again."""
+
+
+class FmuCrashed(SimulationError):
+    """An FMU ended the process it had for itself, or did not return; another can be started."""

@@ -11,7 +11,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
-import fmpy
 from lxml import etree
 
 import toolchain
@@ -187,6 +186,8 @@ class Fmu:
         return int(version[0])
 
     def _read_description(self) -> Any:
+        import fmpy  # late, for those who start quickly
+
         try:
             return fmpy.read_model_description(self.folder, validate=False)
         except Exception as fault:  # FMPy raises whatever it stumbles over

@@ -9,9 +9,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import toolchain
 from cosim import kernel
 from cosim.errors import FmuError
 from cosim.fmu import Fmu
+from cosim.kernel import marks
 from cosim.variables import SETTERS
 
 # On Windows, also look beside the binary for the libraries it brings along:
@@ -35,6 +37,7 @@ class Library:
 
     def __init__(self, fmu: Fmu) -> None:
         self._fmu = fmu
+        marks.note(fmu.path.name, "loading its binary")
         self._library = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
         self.calls: list[int] = []
@@ -77,11 +80,40 @@ class Library:
         try:
             function = getattr(self._library, name)
         except AttributeError:
-            raise FmuError(
-                f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
-                " which the standard requires"
-            ) from None
+            raise self._lacks(name) from None
         return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+    def _lacks(self, name: str) -> FmuError:
+        return FmuError(
+            f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
+            " which the standard requires"
+        )
+
+
+class UnloadedLibrary(Library):
+    """The functions of a binary that is only read; none has an address.
+
+    Raises
+    ------
+    FmuError
+        When the binary is no library or lacks a function.
+    """
+
+    def __init__(self, fmu: Fmu) -> None:
+        self._fmu = fmu
+        self.resources = ""
+        try:
+            self._names = toolchain.interface(fmu.binary.read_bytes()).exports
+        except (toolchain.NotALibrary, OSError) as fault:
+            raise FmuError(f"{fmu.binary}: {fault}") from fault
+        names = kernel.calls(fmu.version) if fmu.interface == "co_simulation" else []
+        self.calls = [self.address(name) for name in names]
+
+    def address(self, name: str) -> int:
+        """Return 0 for a function that is there, see Library."""
+        if name not in self._names:
+            raise self._lacks(name)
+        return 0
 
 
 @cache

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from cosim.coupling import Coupling
 from cosim.errors import ConnectionFault
@@ -132,6 +130,9 @@ def _strongly_connected(nodes: Sequence[str], edges: Sequence[Connection]) -> li
     """Return the nodes in groups that reach each other, each in the order given."""
     place = {node: i for i, node in enumerate(nodes)}
     rows, columns = [place[a] for a, _ in edges], [place[b] for _, b in edges]
+    from scipy.sparse import coo_array  # late, for those who start quickly
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(edges)), (rows, columns)), shape=(len(nodes), len(nodes)))
     _, labels = connected_components(graph, directed=True, connection="strong")
     groups: dict[int, list[str]] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from cosim.layout import Layout
 from cosim.record import Deviation, Record
 from cosim.result import Array
 from cosim.span import Span
+
+Room = Callable[[tuple[int, int]], Array]
 
 
 class Memory:
@@ -26,6 +29,7 @@ class Memory:
     layout : of a row
     record : what to keep
     time : (n_steps + 1,) s
+    room : makes arrays of a shape, for what is kept
 
     Raises
     ------
@@ -33,8 +37,10 @@ class Memory:
         When a span to sum up holds no point in time.
     """
 
-    def __init__(self, run: kernel.Run, layout: Layout, record: Record, time: Array) -> None:
-        self._run = run
+    def __init__(
+        self, run: kernel.Run, layout: Layout, record: Record, time: Array, room: Room = np.empty
+    ) -> None:
+        self._run, self._room = run, room
         self._time = time
         self._only_last = record.keep == "last"
         self._columns = [layout.columns[name] for name in layout.recorded]
@@ -64,10 +70,10 @@ class Memory:
         self._external = external
         run.external = external.ctypes.data if external.size else None
         if not run.used_again:
-            self._rows = np.empty((run.n_steps + 1, run.width))
+            self._rows = self._room((run.n_steps + 1, run.width))
             run.rows = self._rows.ctypes.data
         if self._recorded:
-            self._record = np.empty((len(self._time[:: self._every]), self._recorded))
+            self._record = self._room((len(self._time[:: self._every]), self._recorded))
             run.record = self._record.ctypes.data
 
     def state(self) -> Array:

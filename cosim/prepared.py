@@ -19,7 +19,7 @@ from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.loops import group
-from cosim.memory import Memory
+from cosim.memory import Memory, Room
 from cosim.once import claim, give_up
 from cosim.pace import Pace
 from cosim.record import Record
@@ -40,11 +40,16 @@ class Prepared:
     """The FMUs of a simulation, from the first instance to the last call.
 
     Attributes are those of ``Simulation``.
+
+    Parameters
+    ----------
+    room : makes arrays of a shape, for what is kept of a run
     """
 
-    def __init__(self, spec: Specification) -> None:
+    def __init__(self, spec: Specification, room: Room = np.empty) -> None:
         self.spec = spec
         self.pace: Pace | None = None
+        self._room = room
         self._variables: dict[str, Variable] = {}  # those that runs have set
         self._careful: set[str] = set()  # components that discarded a step and can take it back
         self._born: dict[str, int] = {}
@@ -76,7 +81,7 @@ class Prepared:
         )
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
         self._run.allows_nan = spec.allow_nan
-        self._memory = Memory(self._run, self._layout, record, self.time)
+        self._memory = Memory(self._run, self._layout, record, self.time, self._room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
@@ -137,6 +142,7 @@ class Prepared:
         self._bury()
         if self._ready:
             return
+        given = {slot.instance for slot in self._slots.values()}
         for name, slot in self._slots.items():
             if not slot.instance:
                 fmu = self.spec.system.components[name]
@@ -149,6 +155,13 @@ class Prepared:
                     raise SimulationError(
                         f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
                     )
+                if slot.instance in given:
+                    slot.instance = None
+                    raise SimulationError(
+                        f"{name}: {fmu.path.name} gives an instance that it has given before;"
+                        " it can serve one component only"
+                    )
+                given.add(slot.instance)
         self._ready = True
 
     def _bury(self) -> None:

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 import toolchain
 from cosim.names import suggestion
-from cosim.tables import write_parquet
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from cosim.system import System
 
 Array = NDArray[np.float64]
@@ -86,6 +86,8 @@ class Result:
 
     def frame(self) -> pd.DataFrame:
         """Return a table with the time (s) as index; ``attrs["units"]`` holds the units."""
+        import pandas as pd  # late, for those who start quickly
+
         index = pd.Index(self.time, name="time")
         frame = pd.DataFrame(self.values, index=index, columns=list(self.names))
         frame.attrs["units"] = self.units
@@ -105,6 +107,8 @@ class Result:
         CosimError
             When pyarrow is not installed.
         """
+        from cosim.tables import write_parquet
+
         write_parquet(Path(path), self.frame(), self.units)
         return Path(path)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from cosim.coupling import Coupling, Method
+from cosim.isolation.settings import Isolation
+from cosim.isolation.simulation import IsolatedSimulation
 from cosim.record import Record
 from cosim.simulation import Simulation
 
@@ -30,7 +32,9 @@ class Specification:
     compiled: bool = False
     tolerance: float | None = None
     allow_nan: bool = False
+    isolation: Isolation | Literal["process"] | None = None
 
     def prepare(self) -> Simulation:
-        """Instantiate the FMUs."""
-        return Simulation(self)
+        """Instantiate the FMUs, here or in a process of their own."""
+        limits = Isolation.of(self.isolation)
+        return Simulation(self) if limits is None else IsolatedSimulation(self, limits)

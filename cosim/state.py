@@ -12,6 +12,7 @@ from typing import Any
 
 from cosim import kernel
 from cosim.errors import SimulationError
+from cosim.kernel import marks
 from cosim.library import Library
 
 _log = logging.getLogger(__name__)
@@ -117,6 +118,7 @@ class StateAccess:
             raise SimulationError(f"{self._name}: {what}, though the FMU declares that it can")
 
     def _call(self, name: str, *arguments: Any) -> None:
+        marks.note(self._name, name)
         status = self._library.function(name)(self._instance, *arguments)
         if status == kernel.WARNING:
             _log.warning("%s: %s returned warning", self._name, name)

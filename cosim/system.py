@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from cosim.connections import check_end, check_feed, pairs, transform
 from cosim.coupling import Coupling, Method
 from cosim.errors import ConnectionFault, CosimError, ParameterError
 from cosim.fmu import Fmu, Interface
+from cosim.isolation.settings import Isolation
 from cosim.names import component_of, suggestion, variable_of
 from cosim.record import Record
 from cosim.scaling import PLAIN, Link, Transform
@@ -248,6 +249,7 @@ class System:
         compiled: bool = False,
         tolerance: float | None = None,
         allow_nan: bool = False,
+        isolation: Isolation | Literal["process"] | None = None,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
 
@@ -267,26 +269,27 @@ class System:
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
             takes 1e-5 (as FMPy does) and Co-Simulation is told none
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
+        isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
+            an Isolation says how long and how much memory they may take
 
         Raises
         ------
         ExperimentError, ConnectionFault, FmuError
         """
         kept = record if record is None or isinstance(record, Record) else Record(record).wanted
-        return Simulation(
-            Specification(
-                self.copy(),
-                step,
-                stop,
-                start,
-                kept,
-                coupling,
-                constant_step,
-                compiled,
-                tolerance,
-                allow_nan,
-            )
-        )
+        return Specification(
+            self.copy(),
+            step,
+            stop,
+            start,
+            kept,
+            coupling,
+            constant_step,
+            compiled,
+            tolerance,
+            allow_nan,
+            isolation,
+        ).prepare()
 
     def copy(self) -> System:
         """Return a system that can be changed without changing this one; FMUs are shared."""

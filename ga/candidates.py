@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self
 from uuid import uuid4
 
 import cosim
@@ -35,12 +36,15 @@ class SimulatedCost:
     cost : judges a result, 0 .. inf; picklable (a function of a module, not a lambda) if the
         workers are processes
     inputs : exposed input -> array, signal or number, the same for every candidate
+    isolation : ``process`` lets a candidate's FMUs crash without harm, see `cosim.Isolation`; that
+        of the specification if None
     """
 
     specification: cosim.Specification
     names: Sequence[str]
     cost: Callable[[cosim.Result], float]
     inputs: Mapping[str, Input] = field(default_factory=dict)
+    isolation: cosim.Isolation | Literal["process"] | None = None
     _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
 
     @property
@@ -71,7 +75,8 @@ class SimulatedCost:
     def close(self) -> None:
         """Free this cost's simulations in this process; a later call prepares them again."""
         for key in [key for key in _open if key[0] == self._token and key[1][0] == os.getpid()]:
-            _open.pop(key).close()
+            with suppress(cosim.FmuCrashed):  # the costs are known
+                _open.pop(key).close()
 
     def __enter__(self) -> Self:
         return self
@@ -87,5 +92,8 @@ class SimulatedCost:
     def _simulation(self) -> cosim.Simulation:
         key = self._token, (os.getpid(), threading.get_ident())
         if key not in _open:
-            _open[key] = self.specification.prepare()
+            specification = self.specification
+            if self.isolation is not None:
+                specification = replace(specification, isolation=self.isolation)
+            _open[key] = specification.prepare()
         return _open[key]

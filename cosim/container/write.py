@@ -23,7 +23,7 @@ from cosim.errors import ConnectionFault, ExperimentError, FmuError
 from cosim.experiment import DefaultExperiment
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
-from cosim.library import Library
+from cosim.library import UnloadedLibrary
 from cosim.loops import algebraic_loop, group
 from cosim.record import Record
 from cosim.ssp.members import zipped
@@ -32,7 +32,7 @@ from cosim.wiring import wire
 if TYPE_CHECKING:
     from cosim.system import System
 
-_KERNEL = ("kernel.h", "calls.h", "walk.h", "record.h", "steps.h", "instance.c")
+_KERNEL = ("kernel.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h", "instance.c")
 
 
 def write_fmu(
@@ -83,7 +83,7 @@ def write_fmu(
     order = [name for g in groups for name in g.components]
     shown = shown_variables(system, outputs, parameters)
     layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
-    libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+    libraries = {name: UnloadedLibrary(fmu) for name, fmu in system.components.items()}
     jacobi = coupling == "jacobi"
     run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
     if facades:

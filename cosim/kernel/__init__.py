@@ -21,11 +21,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 from numpy.typing import NDArray
 
 import toolchain
+from cosim.kernel import marks
 
 
 class Setting(Structure):
@@ -222,24 +222,40 @@ def doubles(values: NDArray[np.float64]) -> Any:
 
 
 @cache
-def load(steps: str | None = None) -> CDLL:
-    """Return the kernel's library, compiled on first use.
+def built(steps: str | None = None, *, marked: bool = False) -> Path:
+    """Return the path of the kernel's library, compiled on first use.
 
     Parameters
     ----------
     steps : text to compile in place of ``steps.h``
+    marked : whether it notes which call it is in, see ``marks.py``
 
     Raises
     ------
     toolchain.ToolchainError
     """
+    import fmpy  # a process that is given the library need not wait for it
+
     here = Path(__file__).parent
     headers = Path(fmpy.__file__).parent / "c-code"
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
     if steps is not None:
         files["steps.h"] = steps
     files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
-    library = CDLL(str(toolchain.shared_library("cosim_kernel", files, flags=_FLAGS)))
+    flags = (*_FLAGS, "-DMARKED") if marked else _FLAGS
+    return toolchain.shared_library("cosim_kernel", files, flags=flags)
+
+
+@cache
+def load(steps: str | None = None) -> CDLL:
+    """Return the kernel's library, as it is `built`.
+
+    Raises
+    ------
+    toolchain.ToolchainError
+    """
+    library = CDLL(str(marks.library(steps) or built(steps)))
+    marks.attach(library)
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = library.forget.restype = None

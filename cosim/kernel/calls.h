@@ -4,6 +4,7 @@
 #define COSIM_CALLS_H
 
 #include "kernel.h"
+#include "mark.h"
 
 #define LIKELY(condition) __builtin_expect(condition, 1)
 #define UNLIKELY(condition) __builtin_expect(condition, 0)
@@ -45,16 +46,19 @@ INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
     return true;
 }
 
-#define CALL(run, c, name)                                                                         \
-    ((c)->version == 2 ? passed(run, c, "fmi2" #name, (int)(c)->call.fmi2.name((c)->instance))     \
-                       : passed(run, c, "fmi3" #name, (int)(c)->call.fmi3.name((c)->instance)))
+#define CALL_OF(run, c, version, name)                                                             \
+    (MARK(c, "fmi" #version #name),                                                                \
+     passed(run, c, "fmi" #version #name, (int)(c)->call.fmi##version.name((c)->instance)))
+#define CALL(run, c, name) ((c)->version == 2 ? CALL_OF(run, c, 2, name) : CALL_OF(run, c, 3, name))
 
 INLINE bool set(Run *run, const Component *c, int version, const uint32_t *references, size_t n,
                 const double *values) {
     if (LIKELY(version == 2)) {
+        MARK(c, "fmi2SetReal");
         const fmi2Status status = c->call.fmi2.SetReal(c->instance, references, n, values);
         return passed(run, c, "fmi2SetReal", (int)status);
     }
+    MARK(c, "fmi3SetFloat64");
     const fmi3Status status = c->call.fmi3.SetFloat64(c->instance, references, n, values, n);
     return passed(run, c, "fmi3SetFloat64", (int)status);
 }
@@ -62,21 +66,26 @@ INLINE bool set(Run *run, const Component *c, int version, const uint32_t *refer
 INLINE bool get(Run *run, const Component *c, int version, const uint32_t *references, size_t n,
                 double *values) {
     if (LIKELY(version == 2)) {
+        MARK(c, "fmi2GetReal");
         const fmi2Status status = c->call.fmi2.GetReal(c->instance, references, n, values);
         return passed(run, c, "fmi2GetReal", (int)status);
     }
+    MARK(c, "fmi3GetFloat64");
     const fmi3Status status = c->call.fmi3.GetFloat64(c->instance, references, n, values, n);
     return passed(run, c, "fmi3GetFloat64", (int)status);
 }
 
 INLINE bool do_step(Run *run, const Component *c, int version) {
     const double t = run->t, h = run->h;
+    MARK_TIME(t);
     if (LIKELY(version == 2)) {
+        MARK(c, "fmi2DoStep");
         const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
         return passed(run, c, "fmi2DoStep", (int)status);
     }
     /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
     Answers *said = &run->said;
+    MARK(c, "fmi3DoStep");
     const fmi3Status status =
         c->call.fmi3.DoStep(c->instance, t, h, true, &said->event_handling_needed, &said->terminate,
                             &said->early, &said->last_successful_time);
@@ -141,6 +150,8 @@ INLINE bool get_outputs(Run *run, const Component *c, size_t n, double *row) {
 INLINE bool reset(Run *run, const Component *c) { return CALL(run, c, Reset); }
 
 INLINE bool set_values(Run *run, const Component *c, const Setting *s) {
+    MARK(c, "");
+    MARK_CALL(s->call);
     const int status = c->version == 2
                            ? (int)s->set.fmi2(c->instance, s->references, s->n, s->values)
                            : (int)s->set.fmi3(c->instance, s->references, s->n, s->values, s->n);
@@ -158,14 +169,15 @@ INLINE bool set_start_values(Run *run, const Component *c, bool late) {
 INLINE bool enter_initialization(Run *run, const Component *c) {
     const bool told = c->tolerance > 0.0;
     if (LIKELY(c->version == 2)) {
+        MARK(c, "fmi2SetupExperiment");
         const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance,
                                                                run->start, fmi2True, run->stop);
         TRY(passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c, false) &&
-            passed(run, c, "fmi2EnterInitializationMode",
-                   (int)c->call.fmi2.EnterInitializationMode(c->instance)));
+            CALL_OF(run, c, 2, EnterInitializationMode));
     } else {
-        TRY(set_start_values(run, c, false) &&
-            passed(run, c, "fmi3EnterInitializationMode",
+        TRY(set_start_values(run, c, false));
+        MARK(c, "fmi3EnterInitializationMode");
+        TRY(passed(run, c, "fmi3EnterInitializationMode",
                    (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
                                                              run->start, true, run->stop)));
     }

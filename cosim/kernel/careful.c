@@ -4,7 +4,7 @@
 enum { MOST_PARTS = 1024 };
 
 static int do_step(Facade *f, double t, double h) {
-    AnyCall *call = f->call[DO_STEP];
+    AnyCall *call = calling(f, DO_STEP);
     Answers *said = &f->said;
     if (f->version == 2) {
         return (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, !f->careful);
@@ -16,12 +16,12 @@ static int do_step(Facade *f, double t, double h) {
 }
 
 static fmi2Status begin(Facade *f) {
-    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)f->call[GET_STATE])(f->instance, &f->begun)));
+    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, &f->begun)));
     return f->begun ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
 }
 
 static fmi2Status go_back(Facade *f) {
-    AnyCall *call = f->call[SET_STATE];
+    AnyCall *call = calling(f, SET_STATE);
     return noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, f->begun));
 }
 

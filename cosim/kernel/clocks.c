@@ -2,7 +2,7 @@
 #include "facade.h"
 
 static fmi2Status ask(Facade *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
-    AnyCall *call = f->call[GET_INTERVAL];
+    AnyCall *call = calling(f, GET_INTERVAL);
     *qualifier = fmi3IntervalNotYetKnown;
     return noted(f, GET_INTERVAL,
                  (int)((fmi3GetIntervalDecimalTYPE *)call)(f->instance, &clock->reference, 1,
@@ -33,7 +33,7 @@ fmi2Status begin_clocks(Facade *f) {
 
 /* Before the discrete states are updated. */
 fmi2Status tick_clocks(Facade *f) {
-    AnyCall *call = f->call[SET_CLOCK];
+    AnyCall *call = calling(f, SET_CLOCK);
     const bool tick = true;
     for (size_t i = 0; i < f->n_clocks; i++) {
         Clock *clock = &f->clocks[i];

@@ -63,26 +63,34 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
         map_inputs(c, m->values);
     }
     if (c->version == 3) {
+        MARK(c, "fmi3SetFloat64");
         const fmi3Status status =
             c->call.fmi3.SetFloat64(c->instance, c->input_references, n, m->values, n);
         return passed(run, c, "fmi3SetFloat64", (int)status);
     }
+    MARK(c, "fmi2SetReal");
     const fmi2Status status = c->call.fmi2.SetReal(c->instance, c->input_references, n, m->values);
-    return passed(run, c, "fmi2SetReal", (int)status) &&
-           (!m->interpolates ||
-            passed(run, c, "fmi2SetRealInputDerivatives",
-                   (int)m->set_derivatives(c->instance, m->derivative_references,
-                                           n * (size_t)k->degree, m->derivative_orders,
-                                           m->derivatives)));
+    TRY(passed(run, c, "fmi2SetReal", (int)status));
+    if (!m->interpolates) {
+        return true;
+    }
+    MARK(c, "fmi2SetRealInputDerivatives");
+    return passed(run, c, "fmi2SetRealInputDerivatives",
+                  (int)m->set_derivatives(c->instance, m->derivative_references,
+                                          n * (size_t)k->degree, m->derivative_orders,
+                                          m->derivatives));
 }
 
 /* final: nobody will go back behind t. */
 static bool do_step_of(Run *run, const Component *c, double t, double h, bool final) {
+    MARK_TIME(t);
     if (c->version == 2) {
+        MARK(c, "fmi2DoStep");
         return passed(run, c, "fmi2DoStep", (int)c->call.fmi2.DoStep(c->instance, t, h, final));
     }
     fmi3Boolean event = false, terminate = false, early = false;
     fmi3Float64 reached = t + h;
+    MARK(c, "fmi3DoStep");
     const fmi3Status status =
         c->call.fmi3.DoStep(c->instance, t, h, final, &event, &terminate, &early, &reached);
     if ((terminate || early) && (unsigned)status <= fmi3Warning) {

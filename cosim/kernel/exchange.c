@@ -24,12 +24,12 @@ struct Integrator {
 const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
 
 static fmi2Status exchange(Facade *f, enum Call place, double *values, size_t n) {
-    AnyCall *call = f->call[place];
+    AnyCall *call = calling(f, place);
     return noted(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));
 }
 
 static fmi2Status set_time(Facade *f, double t) {
-    AnyCall *call = f->call[SET_TIME];
+    AnyCall *call = calling(f, SET_TIME);
     return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
 
@@ -138,7 +138,7 @@ fmi2Status restart_exchange(Facade *f) {
 }
 
 static fmi2Status count(Facade *f, enum Call place, size_t *n) {
-    AnyCall *call = f->call[place];
+    AnyCall *call = calling(f, place);
     if (f->version == 2) {
         return fmi2OK; /* the description says */
     }
@@ -224,7 +224,7 @@ void end_exchange(Facade *f) {
 }
 
 static fmi2Status completed_step(Facade *f, bool *event) {
-    AnyCall *call = f->call[COMPLETED_STEP];
+    AnyCall *call = calling(f, COMPLETED_STEP);
     bool enter = false, terminate = false;
     int status = fmi2OK;
     if (!f->notes_steps) {

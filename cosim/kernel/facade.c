@@ -12,6 +12,13 @@ static const char *const NAMES[][N_CALLS] = {{FACADE_CALLS(FMI2)}, {FACADE_CALLS
 #define LINE(place, fmi2, fmi3, interfaces) fmi2 " " fmi3 " " interfaces "\n"
 const char *facade_calls(void) { return FACADE_CALLS(LINE); }
 
+#ifdef MARKED
+AnyCall *calling(const Facade *f, enum Call place) {
+    MARK_CALL(NAMES[f->version - 2][place]);
+    return f->call[place];
+}
+#endif
+
 /* A warning is noted here and OK for the kernel. */
 fmi2Status answered(Facade *f, const char *call, int status) {
     if (status == fmi2OK) {
@@ -43,14 +50,14 @@ fmi2Status blamed(Facade *f, enum Call place, int reason) {
 }
 
 fmi2Status plain(Facade *f, enum Call place) {
-    return noted(f, place, ((int (*)(void *))f->call[place])(f->instance));
+    return noted(f, place, ((int (*)(void *))calling(f, place))(f->instance));
 }
 
 fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                                  fmi2String resources, const fmi2CallbackFunctions *callbacks,
                                  fmi2Boolean visible, fmi2Boolean logging) {
     Facade *f = callbacks->componentEnvironment;
-    AnyCall *call = f->call[f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS];
+    AnyCall *call = calling(f, f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS);
     if (f->version == 2) {
         type = f->model_exchange ? fmi2ModelExchange : fmi2CoSimulation;
         f->instance = ((fmi2InstantiateTYPE *)call)(name, type, token, resources, callbacks,
@@ -71,11 +78,11 @@ void facade_FreeInstance(fmi2Component c) {
     Facade *f = c;
     end_exchange(f);
     if (f->instance && f->begun) {
-        ((StateCall *)f->call[FREE_STATE])(f->instance, &f->begun);
+        ((StateCall *)calling(f, FREE_STATE))(f->instance, &f->begun);
     }
     f->begun = NULL;
     if (f->instance) {
-        ((void (*)(void *))f->call[FREE_INSTANCE])(f->instance);
+        ((void (*)(void *))calling(f, FREE_INSTANCE))(f->instance);
     }
     f->instance = NULL;
 }
@@ -98,7 +105,7 @@ fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fm
     if (f->version == 3) {
         return fmi2OK;
     }
-    AnyCall *call = f->call[SETUP_EXPERIMENT];
+    AnyCall *call = calling(f, SETUP_EXPERIMENT);
     return noted(f, SETUP_EXPERIMENT,
                  (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
                                                         start, has_stop, stop));
@@ -115,7 +122,7 @@ fmi2Status facade_EnterInitializationMode(fmi2Component c) {
     if (f->version == 2) {
         TRY_STATUS(plain(f, ENTER_INITIALIZATION));
     } else {
-        AnyCall *call = f->call[ENTER_INITIALIZATION];
+        AnyCall *call = calling(f, ENTER_INITIALIZATION);
         TRY_STATUS(noted(
             f, ENTER_INITIALIZATION,
             (int)((fmi3EnterInitializationModeTYPE *)call)(
@@ -143,7 +150,7 @@ fmi2Status facade_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
 
 /* Once: whether another call is due, and whether the FMU wants to end. */
 static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
-    AnyCall *call = f->call[UPDATE_DISCRETE_STATES];
+    AnyCall *call = calling(f, UPDATE_DISCRETE_STATES);
     bool nominals, states, defined;
     double next;
     int status;

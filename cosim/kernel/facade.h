@@ -8,6 +8,7 @@
 
 #include "course.h"
 #include "kernel.h"
+#include "mark.h"
 #include <math.h>
 
 typedef void AnyCall(void);
@@ -152,6 +153,11 @@ typedef struct {
 enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED, OUT_OF_MEMORY, NO_SUCH_TIME };
 
 /* Each returns an FMI status or a Reason. */
+#ifdef MARKED
+AnyCall *calling(const Facade *f, enum Call place);
+#else
+#define calling(f, place) ((f)->call[place])
+#endif
 fmi2Status plain(Facade *f, enum Call place);
 fmi2Status noted(Facade *f, enum Call place, int status);     /* what the FMU returned */
 fmi2Status answered(Facade *f, const char *call, int status); /* likewise */

@@ -10,6 +10,8 @@ bool save(Run *run, int64_t first, int64_t end) {
         const Component *c = &run->components[i];
         Member *m = &run->coupling->members[i];
         const char *call = NAME(c, "fmi2GetFMUstate", "fmi3GetFMUState");
+        MARK(c, "");
+        MARK_CALL(call);
         TRY(passed(run, c, call, m->save(c->instance, &m->state)));
         TRY(m->state || fail(run, c, call, NO_STATE));
         TRY(m->proven || c->n_outputs == 0 ||
@@ -39,6 +41,8 @@ bool restore(Run *run, int64_t first, int64_t end) {
     for (int64_t i = first; i < end; i++) {
         const Component *c = &run->components[i];
         Member *m = &run->coupling->members[i];
+        MARK(c, "");
+        MARK_CALL(NAME(c, "fmi2SetFMUstate", "fmi3SetFMUState"));
         const int status = m->restore(c->instance, m->state);
         TRY(passed(run, c, NAME(c, "fmi2SetFMUstate", "fmi3SetFMUState"), status));
         TRY(m->proven || c->n_outputs == 0 || came_back(run, c, m));
@@ -50,8 +54,10 @@ void forget(Run *run) {
     for (int64_t i = 0; run->coupling && i < run->coupling->n_members; i++) {
         Member *m = &run->coupling->members[i];
         Component *c = &run->components[i];
-        if (m->state && c->instance && m->discard(c->instance, &m->state) == fmi2Fatal) {
-            c->instance = NULL;
+        if (m->state && c->instance) {
+            MARK(c, "");
+            MARK_CALL(NAME(c, "fmi2FreeFMUstate", "fmi3FreeFMUState"));
+            c->instance = m->discard(c->instance, &m->state) == fmi2Fatal ? NULL : c->instance;
         }
         m->state = NULL;
     }

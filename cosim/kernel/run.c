@@ -20,6 +20,7 @@ static bool get_initial(Run *run, const Component *c) {
 }
 
 static bool initialise(Run *run) {
+    MARK_TIME(NAN);
     if (run->n_external) {
         const size_t size = (size_t)run->n_external * sizeof *run->rows;
         memcpy(run->rows, run->external, size);
@@ -188,6 +189,7 @@ enum Outcome advance(Run *run) {
     if (run->done < run->n_steps) {
         return HALTED;
     }
+    MARK_TIME(run->stop);
     FOR_EACH_COMPONENT(c) {
         if (!terminate(run, c)) {
             return FAILED;

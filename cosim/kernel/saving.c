@@ -12,7 +12,7 @@ typedef struct {
 static size_t inputs_size(const Facade *f) { return f->n_inputs * sizeof(double); }
 
 static fmi2Status call_on(Facade *f, enum Call place, void **state) {
-    return noted(f, place, ((StateCall *)f->call[place])(f->instance, state));
+    return noted(f, place, ((StateCall *)calling(f, place))(f->instance, state));
 }
 
 /* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
@@ -44,7 +44,7 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     f->passed = saved->passed;
     memcpy(f->before, saved->inputs, inputs_size(f));
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
-    AnyCall *call = f->call[SET_STATE];
+    AnyCall *call = calling(f, SET_STATE);
     TRY_STATUS(noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, saved->state)));
     return facade_go_on(f);
 }

@@ -4,6 +4,7 @@
 
 fmi2Status transfer(Facade *f, const Group *g) {
     int status;
+    MARK_CALL(g->name);
     if (f->version == 2) {
         status = ((int (*)(void *, const uint32_t *, size_t, void *))g->call)(
             f->instance, g->references, g->n, g->values);

@@ -6,8 +6,9 @@ import ctypes
 import itertools
 import locale
 import os
+import signal
 import sys
-from ctypes import Structure, c_int, c_size_t
+from ctypes import Structure, c_int, c_size_t, c_void_p
 
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
@@ -16,6 +17,7 @@ from fmucheck.running.exchange import finished
 
 _CYCLES = 200
 _LEAK = 32  # bytes a cycle that are told
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGSEGV, signal.SIGFPE, signal.SIGABRT)
 
 
 class _Memory(Structure):
@@ -81,7 +83,7 @@ def memory_callbacks_used(bench: Bench) -> Claims:
 
 @rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2.1", advice="leave settings of the process alone")
 def changes_the_process(bench: Bench) -> Claims:
-    """It changes the working folder, the locale or the rounding mode of the process."""
+    """It changes folder, locale, rounding, signal handlers or open files of the process."""
     finished(bench)
     for (name, old), (_, new) in zip(bench.before, settings(), strict=True):
         if old != new:
@@ -96,4 +98,22 @@ def settings() -> Settings:
     if hasattr(library, "fegetround"):
         library.fegetround.restype = c_int
         found.append(("rounding mode", library.fegetround()))
+    if sys.platform != "win32":
+        found += [(f"handler of {s.name}", _handler(library, s)) for s in _SIGNALS]
+        found += [(f"file {file}", "open" if _is_open(file) else "closed") for file in range(3)]
     return found
+
+
+def _handler(library: ctypes.CDLL, number: int) -> int | None:
+    """Return the address of what a signal calls; in `sigaction` it comes first."""
+    action = (c_void_p * 32)()
+    library.sigaction(number, None, action)
+    return action[0]
+
+
+def _is_open(file: int) -> bool:
+    try:
+        os.fstat(file)
+    except OSError:
+        return False
+    return True

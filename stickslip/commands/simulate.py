@@ -10,6 +10,7 @@ from typing import Any
 
 import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
+from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 from stickslip.results import claim_folder
@@ -69,6 +70,7 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write what is kept there"
     )
+    add_isolation(parser)
     parser.set_defaults(run=run)
 
 
@@ -105,6 +107,7 @@ def run(options: argparse.Namespace) -> None:
         record=record,
         tolerance=options.tolerance,
         allow_nan=options.allow_nan,
+        isolation=isolation_of(options),
     ) as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:

@@ -269,3 +269,15 @@ def test_warnings_are_counted_and_no_flood(rigs, caplog):
     (record,) = caplog.records
     assert "t = 0 s" in record.getMessage()
     assert record.getMessage().endswith("(warnings in this run: 10)")
+
+
+def test_a_warning_in_a_process_of_its_own_is_logged_here(tmp_path, caplog):
+    system = cosim.System()
+    system.add("a", faults.write(tmp_path / "a.fmu", "DoStep 4 1"))
+    with (
+        system.prepare(step=0.1, stop=1.0, isolation="process") as simulation,
+        caplog.at_level(logging.WARNING),
+    ):
+        simulation.run()
+    (record,) = caplog.records
+    assert record.getMessage().startswith("a: fmi2DoStep returned warning at t = 0.3 s")

@@ -1,0 +1,348 @@
+/* An FMU that does what resources/behaviour.txt says: "DoStep segv 3" crashes in the third step.
+ * FMI 2.0 and FMI 3.0 in one library; y' = k u. With fragile set, a tenth of all k crash. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fenv.h>
+#include <fmi2Functions.h>
+#include <fmi3Functions.h>
+#include <locale.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { U, Y, K, FRAGILE, N_REALS, TIME = 99 };
+
+typedef struct {
+    double real[N_REALS], time;
+    const fmi2CallbackFunctions *callbacks;
+    fmi3LogMessageCallback log;
+    fmi3InstanceEnvironment environment;
+} Model;
+
+static char when[64], what[64], place[4096];
+static int due = 1;
+static Model *last;
+
+static void say(const Model *m, int status, const char *message) {
+    if (m && m->callbacks) {
+        m->callbacks->logger(m->callbacks->componentEnvironment, "hostile", (fmi2Status)status,
+                             "error", message);
+    } else if (m && m->log) {
+        m->log(m->environment, (fmi3Status)status, "error", message);
+    }
+}
+
+__attribute__((noinline)) static int overflow(volatile char *above) {
+    volatile char here[4096];
+    here[0] = above ? (char)(above[0] + 1) : 0;
+    return overflow(here) + here[0];
+}
+
+static void *chat(void *m) {
+    for (;;) {
+        say(m, 3, "from outside");
+        usleep(100);
+    }
+    return NULL;
+}
+
+static void leak(void) {
+    for (;;) {
+        volatile char *room = malloc(1 << 24);
+        for (size_t i = 0; i < 1 << 24; i += 4096) {
+            room[i] = 1; /* also where there was none */
+        }
+    }
+}
+
+static void ignore(int number) { (void)number; }
+
+static void flood(void) {
+    for (;;) {
+        puts("there is no end to what I have to say about every step that I was asked to make");
+    }
+}
+
+static void flood_log(const Model *m) {
+    for (;;) {
+        say(m, 1, "this step was almost too much for me");
+    }
+}
+
+static void sleep_elsewhere(void) {
+    if (fork() == 0) {
+        for (;;) {
+            sleep(1000);
+        }
+    }
+}
+
+static void change(void) {
+    const int ours[] = {SIGINT, SIGTERM, SIGSEGV, SIGFPE, SIGPIPE, SIGCHLD, SIGALRM};
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; i++) {
+        signal(ours[i], ignore);
+    }
+}
+
+/* What an FMU may return with; everything else does not return, or leaves something behind. */
+static int act(Model *m) {
+#define IF(name) if (strcmp(what, name) == 0)
+    IF("segv") { *(volatile int *)8 = 1; }
+    IF("abort") { abort(); }
+    IF("fpe") { raise(SIGFPE); }
+    IF("ill") { __builtin_trap(); }
+    IF("bus") { raise(SIGBUS); }
+    IF("kill") { raise(SIGKILL); }
+    IF("exit0") { exit(0); }
+    IF("exit7") { exit(7); }
+    IF("_exit0") { _exit(0); }
+    IF("overflow") { return overflow(NULL); }
+    IF("hang") {
+        for (volatile bool waiting = true; waiting;) {
+        }
+    }
+    IF("stop") { raise(SIGSTOP); }
+    IF("leak") { leak(); }
+    IF("flood") { flood(); }
+    IF("flood_log") { flood_log(m); }
+    IF("last_words") {
+        fputs("assertion failed: x > 0\n", stderr);
+        abort();
+    }
+    IF("deaf") {
+        change();
+        raise(SIGSTOP);
+    }
+    IF("fork") { fork(); }
+    IF("daemon") { sleep_elsewhere(); }
+    IF("daemon_segv") {
+        sleep_elsewhere();
+        *(volatile int *)8 = 1;
+    }
+    IF("chdir") { return chdir("/"); }
+    IF("locale") { setlocale(LC_ALL, "C.UTF-8"); }
+    IF("flush") {
+#ifdef __x86_64__
+        __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
+#endif
+    }
+    IF("round") { fesetround(FE_UPWARD); }
+    IF("signals") { change(); }
+    IF("close") {
+        for (int i = 0; i < 1024; i++) {
+            close(i);
+        }
+    }
+    IF("close_standard") {
+        for (int i = 0; i < 3; i++) {
+            close(i);
+        }
+    }
+    IF("scribble") {
+        for (int i = 0; i < 1024; i++) {
+            (void)!write(i, "{\"error\": 1}{\"error\": 1}", 24);
+        }
+    }
+    IF("chat") {
+        pthread_t thread;
+        pthread_create(&thread, NULL, chat, m);
+    }
+    IF("fail_format") {
+        say(m, 3, "50 %n of it failed %s");
+        return 3;
+    }
+    IF("format") { say(m, 3, "50 %n of it failed"); }
+    IF("fail") {
+        say(m, 3, "I do not want to");
+        return 3;
+    }
+    return 0;
+}
+
+static int call(Model *m, const char *name) {
+    return strcmp(when, name) == 0 && --due == 0 ? act(m) : 0;
+}
+
+/* The behaviour lies two folders above the library. */
+__attribute__((constructor)) static void load(void) {
+    Dl_info self;
+    if (!dladdr((void *)load, &self) || strlen(self.dli_fname) > 4000) {
+        return;
+    }
+    strcpy(place, self.dli_fname);
+    for (int i = 0; i < 3; i++) {
+        char *slash = strrchr(place, '/');
+        if (slash) {
+            *slash = '\0';
+        }
+    }
+    strcat(place, "/resources/behaviour.txt");
+    FILE *file = fopen(place, "r");
+    if (file) {
+        (void)!fscanf(file, "%60s %60s %d", when, what, &due);
+        fclose(file);
+    }
+    call(NULL, "load");
+}
+
+__attribute__((destructor)) static void unload(void) { call(NULL, "unload"); }
+
+static void start(Model *m) {
+    const double reals[N_REALS] = {1.0, 0.0, 1.0, 0.0};
+    memcpy(m->real, reals, sizeof reals);
+}
+
+static Model *instantiate(const char *token, const Model *face) {
+    Model *m = calloc(1, sizeof *m);
+    if (!m) {
+        return NULL;
+    }
+    *m = *face;
+    start(m);
+    if (strcmp(when, "Instantiate") == 0 && --due == 0) {
+        if (strcmp(what, "null") == 0) {
+            return NULL;
+        }
+        if (strcmp(what, "say_null") == 0) {
+            return say(m, 3, "no licence"), NULL;
+        }
+        if (strcmp(what, "garbage") == 0) {
+            return (Model *)(size_t)16;
+        }
+        if (strcmp(what, "same") == 0 && last) {
+            return last;
+        }
+        act(m);
+    }
+    if (strcmp(token, "hostile") != 0) {
+        say(m, 3, "wrong token");
+        free(m);
+        return NULL;
+    }
+    return last = m;
+}
+
+static int step(Model *m, double t, double h) {
+    const double place_of_k = 7.0 * m->real[K];
+    const int status = call(m, "DoStep");
+    if (m->real[FRAGILE] > 0.0 && t > 0.05 && place_of_k - floor(place_of_k) < 0.1) {
+        *(volatile int *)8 = 1;
+    }
+    m->real[Y] += h * m->real[K] * m->real[U];
+    m->time = t + h;
+    return status;
+}
+
+static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (r[i] >= N_REALS) {
+            return 3;
+        }
+        m->real[r[i]] = v[i];
+    }
+    return call(m, "SetReal");
+}
+
+static int get(Model *m, const unsigned r[], size_t n, double v[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (r[i] >= N_REALS && r[i] != TIME) {
+            return 3;
+        }
+        v[i] = r[i] == TIME ? m->time : m->real[r[i]];
+    }
+    return call(m, "GetReal");
+}
+
+/* FMI 2.0 */
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
+                               const fmi2String names[]) {
+    return (void)c, (void)on, (void)n, (void)names, fmi2OK;
+}
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
+                              fmi2Boolean logging) {
+    const Model face = {.callbacks = callbacks};
+    (void)name, (void)resources, (void)visible, (void)logging, (void)type;
+    return instantiate(guid, &face);
+}
+void fmi2FreeInstance(fmi2Component c) {
+    call(c, "FreeInstance");
+    free(c);
+}
+fmi2Status fmi2Reset(fmi2Component c) { return start(c), (fmi2Status)call(c, "Reset"); }
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d,
+                               fmi2Boolean e, fmi2Real f) {
+    (void)a, (void)b, (void)d, (void)e, (void)f;
+    return (fmi2Status)call(c, "SetupExperiment");
+}
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    return (fmi2Status)call(c, "EnterInitializationMode");
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    return (fmi2Status)call(c, "ExitInitializationMode");
+}
+fmi2Status fmi2Terminate(fmi2Component c) { return (fmi2Status)call(c, "Terminate"); }
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                       const fmi2Real v[]) {
+    return (fmi2Status)set(c, r, n, v);
+}
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]) {
+    return (fmi2Status)get(c, r, n, v);
+}
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last_) {
+    (void)last_;
+    return (fmi2Status)step(c, t, h);
+}
+
+/* FMI 3.0 */
+const char *fmi3GetVersion(void) { return "3.0"; }
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String names[]) {
+    return (void)c, (void)on, (void)n, (void)names, fmi3OK;
+}
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                         fmi3Boolean visible, fmi3Boolean logging,
+                                         fmi3Boolean events, fmi3Boolean early,
+                                         const fmi3ValueReference required[], size_t n,
+                                         fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log,
+                                         fmi3IntermediateUpdateCallback update) {
+    const Model face = {.log = log, .environment = environment};
+    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early;
+    (void)required, (void)n, (void)update;
+    return instantiate(token, &face);
+}
+void fmi3FreeInstance(fmi3Instance c) { fmi2FreeInstance(c); }
+fmi3Status fmi3Reset(fmi3Instance c) { return (fmi3Status)fmi2Reset(c); }
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b, fmi3Float64 d,
+                                       fmi3Boolean e, fmi3Float64 f) {
+    (void)a, (void)b, (void)d, (void)e, (void)f;
+    return (fmi3Status)call(c, "EnterInitializationMode");
+}
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+    return (fmi3Status)call(c, "ExitInitializationMode");
+}
+fmi3Status fmi3Terminate(fmi3Instance c) { return (fmi3Status)call(c, "Terminate"); }
+fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                          const fmi3Float64 v[], size_t nv) {
+    return (void)nv, (fmi3Status)set(c, r, n, v);
+}
+fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3Float64 v[],
+                          size_t nv) {
+    return (void)nv, (fmi3Status)get(c, r, n, v);
+}
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean last_,
+                      fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
+                      fmi3Float64 *reached) {
+    (void)last_;
+    *event = *terminate = *early = false;
+    *reached = t + h;
+    return (fmi3Status)step(c, t, h);
+}

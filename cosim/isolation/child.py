@@ -1,0 +1,200 @@
+"""The child: prepares a simulation and runs it as it is told."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import logging
+import os
+import pickle
+import select
+import signal
+import struct
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from cosim import kernel
+from cosim.isolation.answers import HEAD, LOST, read, send
+from cosim.isolation.shared import Shared
+from cosim.kernel import marks
+from cosim.result import Array, Result
+from cosim.simulation import Simulation
+
+
+def main(name: str, size: int) -> None:
+    """Serve the parent at the other ends of standard input and output until it is gone."""
+    requests, replies = _take_pipes()
+    shared = Shared.open(name, size)
+    threading.Thread(target=_watch, args=(requests,), daemon=True).start()
+    own = os.getpid()
+
+    def reply(**what: object) -> None:
+        if os.getpid() != own:  # an FMU has forked, and this is the other one
+            os._exit(0)
+        try:
+            send(replies, json.dumps(what).encode())
+        except OSError:  # an FMU has closed it
+            os._exit(LOST)
+
+    order = _receive(requests)
+    marks.use(shared.mark, Path(order["kernel"]))
+    _limit(order["memory"])
+    reply()
+    served = _Served(order["specification"], shared, reply)
+    what = ""
+    while what != "close":
+        what, arguments = _receive(requests)
+        served.do(what, arguments)
+    _unload()
+
+
+_LINES = 100  # of the log, for each answer
+
+
+class _Kept(logging.Handler):
+    """Keeps what is logged until the parent is told."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines: list[tuple[int, str]] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if len(self._lines) < _LINES:
+            self._lines.append((record.levelno, record.getMessage()[:2000]))
+
+    def take(self) -> list[tuple[int, str]]:
+        lines, self._lines = self._lines, []
+        return lines
+
+
+class _Served:
+    def __init__(self, specification: Any, shared: Shared, reply: Callable[..., None]) -> None:
+        self._specification, self._shared, self._reply = specification, shared, reply
+        self._simulation: Simulation | None = None
+        self._logged = _Kept()
+        logging.getLogger("cosim").addHandler(self._logged)
+
+    def do(self, what: str, arguments: dict[str, Any]) -> None:
+        """Do what the parent asks for and tell it what came out."""
+        marks.note("", "")
+        try:
+            answer = getattr(self, what)(**arguments)
+        except MemoryError:
+            answer = {"error": "MemoryError", "message": ""}
+        except Exception as error:  # noqa: BLE001 - raised again where it was asked for
+            answer = {"error": type(error).__name__, "message": str(error)}
+        self._reply(**answer, logged=self._logged.take())
+
+    def prepare(self) -> dict[str, object]:
+        self._simulation = Simulation(self._specification, self._room)
+        return {"accuracy": self._simulation.accuracy}
+
+    def run(self, **arguments: Any) -> dict[str, object]:
+        return self._ran("run", arguments)
+
+    def resume(self, **arguments: Any) -> dict[str, object]:
+        return self._ran("resume", arguments)
+
+    def save(self, path: str) -> dict[str, object]:
+        self._prepared.save(path)
+        return {}
+
+    def close(self) -> dict[str, object]:
+        if self._simulation:
+            self._simulation.close()
+        marks.note("", "unloading its binary")
+        return {}
+
+    @property
+    def _prepared(self) -> Simulation:
+        assert self._simulation is not None  # noqa: S101 - the parent begins with prepare
+        return self._simulation
+
+    def _room(self, shape: tuple[int, int]) -> Array:
+        return self._shared.numbers[: shape[0] * shape[1]].reshape(shape)
+
+    def _ran(self, how: str, arguments: dict[str, Any]) -> dict[str, object]:
+        simulation = self._prepared
+        kernel.load().plain_arithmetic()
+        if arguments.pop("progress", False):
+            arguments["progress"] = lambda t: self._reply(progress=t)
+        result: Result = getattr(simulation, how)(**arguments)
+        pace = simulation.pace
+        self._show(result)
+        return {
+            "shape": result.values.shape,
+            "stopped": result.stopped,
+            "sums": result.sum_of_squares,
+            "effort": dict(simulation.effort),
+            "pace": pace and [pace.looks, pace.overruns, pace.worst],
+        }
+
+    def _show(self, result: Result) -> None:
+        """Lay values and times of a result where the parent finds them."""
+        place = self._room(result.values.shape)
+        if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
+            place[:] = result.values.copy()
+        numbers = self._shared.numbers
+        numbers[len(numbers) - len(result.time) :] = result.time
+
+
+def _unload() -> NoReturn:
+    """Let the libraries end, as at the end of any process, but keep all that they may still use."""
+    if sys.platform != "win32":
+        ctypes.CDLL(None).exit(0)
+    os._exit(0)
+
+
+def _take_pipes() -> tuple[int, int]:
+    """Return requests and replies, at places of their own; what FMUs print goes elsewhere."""
+    pipes = os.dup(0), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)
+    os.close(nothing)
+    return pipes
+
+
+def _receive(requests: int) -> Any:
+    """Return the next request."""
+    try:
+        (length,) = HEAD.unpack(read(requests, HEAD.size))
+        return pickle.loads(read(requests, length))  # noqa: S301 - our parent's
+    except (OSError, struct.error):  # an FMU has closed the pipe, or the parent is gone
+        os._exit(LOST)
+
+
+def _watch(requests: int) -> None:
+    """End all when the parent is gone, even while an FMU is busy."""
+    if sys.platform != "win32":
+        poll = select.poll()
+        poll.register(requests, 0)  # which still tells when the other end is closed
+        poll.poll()
+        _end()
+
+
+def _end() -> NoReturn:
+    """End this process with all that an FMU has started."""
+    if sys.platform != "win32":
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
+
+
+def _limit(memory: float) -> None:
+    """Limit the memory (MB) that is taken from now on, and the stack; leave no core files."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if sys.platform == "linux":
+        _, most = resource.getrlimit(resource.RLIMIT_STACK)
+        stack = 2**26 if most == resource.RLIM_INFINITY else min(2**26, most)
+        resource.setrlimit(resource.RLIMIT_STACK, (stack, most))
+        status = Path("/proc/self/status").read_text()
+        used = 1024 * int(status.split("VmData:")[1].split()[0])
+        limit = used + int(memory * 1e6)
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))

@@ -1,0 +1,248 @@
+"""The child as its parent sees it: started, asked, watched, ended."""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty
+from typing import IO, TYPE_CHECKING, NoReturn
+
+from cosim import kernel
+from cosim.errors import FmuCrashed
+from cosim.isolation.answers import NONSENSE, Answers, HeardAnswers, Reply, send
+from cosim.isolation.parcel import pack
+from cosim.isolation.settings import Isolation
+from cosim.isolation.shared import Made
+from cosim.isolation.verdict import Death, crashed
+
+if TYPE_CHECKING:
+    from cosim.specification import Specification
+
+MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
+_LOOK = 0.05  # s between two looks at the mark
+_START_UP = 60.0  # s that Python may take to start
+_GRACE = 2.0  # s that a child has to die in peace
+_RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
+_START = Path(__file__).with_name("start.py")
+
+
+class Process:
+    """A child that prepares a simulation and runs it.
+
+    Parameters
+    ----------
+    order : names of the components as they step
+    n : numbers that a result may have
+    """
+
+    def __init__(
+        self, specification: Specification, limits: Isolation, order: Sequence[str], n: int
+    ) -> None:
+        self._system, self._order, self._limits = specification.system, order, limits
+        self._parent = os.getpid()
+        self._printed, self._tail = 0, b""
+        self._peak = self._inherited = 0.0  # MB
+        library = kernel.built(marked=True)
+        parcel = pack(specification, kernel=str(library), memory=limits.memory)
+        made = Made(n)
+        self.shared = made.shared
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", str(_START), made.name, str(made.size)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                pass_fds=made.files,
+                start_new_session=True,
+                env=_environment(),
+            )
+        finally:
+            made.close_files()
+        pipes = self._process.stdin, self._process.stdout, self._process.stderr
+        self._requests, replies, printed = (pipe for pipe in pipes if pipe)
+        self._answers = (HeardAnswers if sys.platform == "win32" else Answers)(replies)
+        self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
+        self._drain.start()
+        self._send(parcel)
+        self._wait(_START_UP, math.inf)
+
+    def ask(
+        self,
+        what: str,
+        arguments: Mapping[str, object],
+        progress: Callable[[float], object] | None = None,
+        slack: float = 0.0,
+    ) -> Reply:
+        """Let the child do something and return its answer.
+
+        Parameters
+        ----------
+        progress : is called with the time reached (s) now and then
+        slack : s that a step may take beyond the patience for it
+
+        Raises
+        ------
+        FmuCrashed
+            When it died of it, or had to be ended; it is gone then.
+        """
+        self._send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
+        while True:
+            reply = self._wait(self._limits.patience + slack, self._limits.timeout or math.inf)
+            if "progress" not in reply:
+                break
+            if progress:
+                progress(reply["progress"])
+        if reply is NONSENSE:
+            self._die(Death("or a call before it wrote into files that are not its own"))
+        if reply.get("error") == "MemoryError":
+            self._die(Death(f"took more than the {self._limits.memory:g} MB it may"))
+        return reply
+
+    def end(self) -> None:
+        """End the child with all that it started; once is enough, and a forked process may not."""
+        if self._parent != os.getpid() or self._process.returncode is not None:
+            return
+        self._kill()
+        self._ended(_GRACE)
+        self._let_go()
+
+    def leave(self) -> None:
+        """Let a child that was told to close end by itself.
+
+        Raises
+        ------
+        FmuCrashed
+            When it does not, or not well.
+        """
+        patience = self._limits.timeout or self._limits.patience
+        status = self._ended(patience)
+        if status is None:
+            self._die(self._hung(patience))
+        self._kill()
+        self._let_go()
+        if status:
+            raise self._crashed(self._verdict(status))
+
+    def _send(self, message: bytes) -> None:
+        with suppress(OSError):  # it is dead, which is noticed on waiting for its answer
+            send(self._requests.fileno(), message)
+
+    def _wait(self, patience: float, limit: float) -> Reply:
+        """Return the next answer; nothing may stand still, or take in all, longer than that (s)."""
+        waited = still = 0.0
+        seen = self._mark()
+        while True:
+            try:
+                reply = self._answers.get(timeout=_LOOK)
+            except Empty:
+                if self._ended(0.0) is not None:  # what it has started still holds the pipe
+                    self._die(None)
+                waited += _LOOK  # not by the clock, which goes on while all of us are suspended
+                now = self._mark()
+                still = still + _LOOK if now == seen else 0.0
+                seen = now
+                if still >= patience or (waited >= limit and still):
+                    self._die(self._hung(min(patience, limit)))
+                if waited >= limit:
+                    self._die(Death(f"was going on when the {limit:g} s for all were over"))
+                continue
+            if reply is None:
+                self._die(None)
+            return reply
+
+    def _mark(self) -> tuple[object, ...]:
+        """Return what must change as long as all is well: the time, or before it runs, the call."""
+        mark = self.shared.mark
+        return (mark.t,) if math.isfinite(mark.t) else (mark.component, mark.call)
+
+    def _hung(self, seconds: float) -> Death:
+        return Death(f"did not return within {seconds:g} s")
+
+    def _die(self, death: Death | None) -> NoReturn:
+        """Raise what is to be said; where nobody knows yet, the exit status tells."""
+        status = None if death else self._ended(_GRACE)
+        self._kill()
+        self._ended(_GRACE)
+        self._let_go()
+        if self._printed > MOST_TEXT:
+            death = Death(f"printed more than {MOST_TEXT / 1e6:.0f} MB")
+        raise self._crashed(death or self._verdict(status))
+
+    def _verdict(self, status: int | None) -> Death:
+        memory = self._limits.memory
+        near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
+        return Death.of(status, self._said(), memory if near else None)
+
+    def _ended(self, timeout: float) -> int | None:
+        """Return the exit status if it ends within a time (s); note the memory that it had."""
+        if sys.platform == "win32":
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout)
+            return self._process.returncode
+        import resource
+
+        end = time.monotonic() + timeout
+        while self._process.returncode is None:
+            try:
+                ended, status, usage = os.wait4(self._process.pid, os.WNOHANG)
+            except ChildProcessError:  # the program takes no interest in its children
+                self._process.returncode = 0
+                break
+            if ended:
+                self._process.returncode = os.waitstatus_to_exitcode(status)
+                self._peak = usage.ru_maxrss / _RUSAGE
+                ours = resource.getrusage(resource.RUSAGE_SELF)
+                self._inherited = ours.ru_maxrss / _RUSAGE  # as Linux counts, until it began
+            elif time.monotonic() >= end:
+                break
+            else:
+                time.sleep(0.002)
+        return self._process.returncode
+
+    def _crashed(self, death: Death) -> FmuCrashed:
+        return crashed(self.shared.mark, self._system, self._order, death)
+
+    def _said(self) -> str:
+        lines = self._tail.decode(errors="replace").split("\n")
+        text = next((line for line in reversed(lines) if line.strip()), "")
+        return "".join(c if c.isprintable() else " " for c in text).strip()[:200]
+
+    def _kill(self) -> None:
+        if sys.platform == "win32":
+            self._process.kill()
+        else:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+
+    def _let_go(self) -> None:
+        self._drain.join(_GRACE)
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            if pipe:
+                pipe.close()
+
+    def _take(self, pipe: IO[bytes]) -> None:
+        """Take what FMUs print; keep the end of it, and end those that print without end."""
+        with suppress(OSError, ValueError):
+            while part := pipe.read(2**16):
+                self._printed += len(part)
+                self._tail = (self._tail + part)[-2000:]
+                if self._printed > MOST_TEXT:
+                    self._kill()
+
+
+def _environment() -> dict[str, str]:
+    """Return ours, with the way to our modules, and without threads that nobody needs."""
+    return os.environ | {
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        "OPENBLAS_NUM_THREADS": "1",
+    }

@@ -1,0 +1,52 @@
+"""What FMUs in a process of their own may take."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Self
+
+from cosim.errors import ExperimentError
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """Run FMUs in a process of their own, within limits.
+
+    Attributes
+    ----------
+    timeout : s on the clock that preparing, one run or closing may take; any time if None, as long
+        as time goes on in the simulation, see ``patience``
+    patience : s on the clock that one call before the first step, or one step, may take
+    memory : MB (10^6 bytes) that the FMUs may take, on Linux
+
+    Raises
+    ------
+    ExperimentError
+        When one is not positive.
+    """
+
+    timeout: float | None = None
+    patience: float = 30.0
+    memory: float = 4096.0
+
+    def __post_init__(self) -> None:
+        for name in ("timeout", "patience", "memory"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < math.inf:
+                raise ExperimentError(f"isolation: {name} is {value}, expected a positive number")
+
+    @classmethod
+    def of(cls, what: Isolation | Literal["process"] | None) -> Self | Isolation | None:
+        """Return the settings behind a word.
+
+        Raises
+        ------
+        ExperimentError
+            When the word is unknown.
+        """
+        if what is None or isinstance(what, Isolation):
+            return what
+        if what != "process":
+            raise ExperimentError(f"isolation is {what!r}, expected 'process', Isolation() or None")
+        return cls()

@@ -1,0 +1,224 @@
+"""A simulation whose FMUs live in a process of their own."""
+
+from __future__ import annotations
+
+import builtins
+import logging
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, NoReturn
+from weakref import finalize
+
+import numpy as np
+
+import cosim.errors
+from cosim.coupling import Coupling
+from cosim.errors import CosimError, FmuCrashed, SimulationError
+from cosim.experiment import check_tolerance, count_steps
+from cosim.isolation.answers import Reply
+from cosim.isolation.parcel import Tabulated, portable_inputs
+from cosim.isolation.process import Process
+from cosim.isolation.settings import Isolation
+from cosim.layout import Layout
+from cosim.loops import group
+from cosim.pace import Pace
+from cosim.record import Record
+from cosim.result import Result
+from cosim.scenario import Scenario
+from cosim.signals import Input
+from cosim.simulation import Simulation
+
+if TYPE_CHECKING:
+    from cosim.specification import Specification
+
+
+_log = logging.getLogger(__name__)
+
+
+class IsolatedSimulation(Simulation):
+    """Runs a system in a child process: a simulation like any other, at nearly its speed.
+
+    What an FMU does to its process, it does to the child. A crash, an exit or a hang becomes
+    FmuCrashed, which names component, call and time; the next run starts another child. What FMUs
+    print is shown in that error only.
+    """
+
+    def __init__(self, spec: Specification, limits: Isolation) -> None:
+        self.spec, self._limits = spec, limits
+        n_steps = count_steps(spec.start, spec.stop, spec.step)
+        check_tolerance(spec.tolerance)
+        groups = group(spec.system, Coupling.of(spec.coupling))
+        self.time = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        self.order = [name for members in groups for name in members.components]
+        self.pace = None
+        self._layout = Layout.of(spec.system, Record.of(spec.record))
+        self._accuracy, self._effort = 0, dict[str, int]()
+        self._process: Process | None = None
+        self._living()
+
+    @property
+    def accuracy(self) -> int:
+        """The declared order: the coupling's error falls with step^accuracy."""
+        return self._accuracy
+
+    @property
+    def effort(self) -> Mapping[str, int]:
+        """What the last run took, see Simulation."""
+        return self._effort
+
+    def run(
+        self,
+        parameters: Mapping[str, object] | None = None,
+        inputs: Mapping[str, Input] | None = None,
+        *,
+        scenario: Scenario | None = None,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Result:
+        """Run from the start, see Simulation; starts a child where there is none.
+
+        Raises
+        ------
+        FmuCrashed
+            When an FMU ended the child or did not return; besides what Simulation raises.
+        """
+        return self._run_there(
+            "run", inputs, scenario, until, real_time, progress, parameters=dict(parameters or {})
+        )
+
+    def resume(
+        self,
+        path: str | os.PathLike[str],
+        inputs: Mapping[str, Input] | None = None,
+        *,
+        scenario: Scenario | None = None,
+        until: float | None = None,
+        real_time: float | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Result:
+        """Go on from a saved state, see Simulation.
+
+        Raises
+        ------
+        FmuCrashed
+            When an FMU ended the child or did not return; besides what Simulation raises.
+        """
+        where = str(Path(path).absolute())
+        return self._run_there("resume", inputs, scenario, until, real_time, progress, path=where)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the state that the last run halted in to a file, see Simulation."""
+        self._ask("save", {"path": str(Path(path).absolute())})
+        return Path(path)
+
+    def close(self) -> None:
+        """Free the FMUs and end the child. A closed simulation starts another when it runs.
+
+        Raises
+        ------
+        FmuCrashed
+            When an FMU crashes even then.
+        """
+        process = self._process
+        if process is None:
+            return
+        try:
+            self._ask("close")
+            process.leave()
+        finally:
+            self._give_up()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            self.close()
+        except FmuCrashed:
+            if error is None:
+                raise
+
+    def _run_there(
+        self,
+        how: str,
+        inputs: Mapping[str, Input] | None,
+        scenario: Scenario | None,
+        until: float | None,
+        real_time: float | None,
+        progress: Callable[[float], object] | None,
+        **more: object,
+    ) -> Result:
+        self.pace = None
+        slack = max(self.spec.step, 1.0) / real_time if real_time and real_time > 0 else 0.0
+        arguments = more | {
+            "inputs": portable_inputs(inputs or {}, self.time),
+            "scenario": Tabulated.of(scenario, self.time),
+            "until": until,
+            "real_time": real_time,
+            "progress": progress is not None,
+        }
+        reply = self._ask(how, arguments, progress, slack)
+        self._effort = reply["effort"]
+        if real_time and reply["pace"]:
+            looks, overruns, worst = reply["pace"]
+            self.pace = Pace(real_time, looks=looks, overruns=overruns, worst=worst)
+        return self._result_of(reply)
+
+    def _result_of(self, reply: Reply) -> Result:
+        """Take a result out of the memory that both see, before the next run overwrites it."""
+        numbers = self._living().shared.numbers
+        n, width = reply["shape"]
+        time = numbers[len(numbers) - n :].copy()
+        values = numbers[: n * width].reshape(n, width).copy()
+        names, system = self._layout.recorded, self.spec.system
+        return Result(time, values, names, system, reply["stopped"], reply["sums"])
+
+    def _ask(
+        self,
+        what: str,
+        arguments: Mapping[str, object] = MappingProxyType({}),
+        progress: Callable[[float], object] | None = None,
+        slack: float = 0.0,
+    ) -> Reply:
+        process = self._living()
+        try:
+            reply = process.ask(what, dict(arguments), progress, slack)
+        except BaseException:  # also Ctrl-C: the child is in the middle of something
+            self._give_up()
+            raise
+        for level, line in reply.get("logged", ()):
+            _log.log(level, line)
+        if "error" in reply:
+            _raise(reply)
+        return reply
+
+    def _living(self) -> Process:
+        """Return the child; start one and prepare the simulation in it where there is none."""
+        if self._process is None:
+            rows = len(self.time) + 1
+            n = rows * (len(self._layout.recorded) + 1)
+            self._process = Process(self.spec, self._limits, self.order, n)
+            self._end = finalize(self, self._process.end)
+            try:
+                self._accuracy = self._ask("prepare")["accuracy"]
+            except BaseException:
+                self._give_up()
+                raise
+        return self._process
+
+    def _give_up(self) -> None:
+        self._process = None
+        self._end()
+
+
+def _raise(reply: Reply) -> NoReturn:
+    """Raise here what was raised in the child."""
+    kind = getattr(cosim.errors, reply["error"], None) or getattr(builtins, reply["error"], None)
+    if isinstance(kind, type) and issubclass(kind, CosimError | ValueError | TypeError | OSError):
+        raise kind(reply["message"])
+    raise SimulationError(f"{reply['error']}: {reply['message']}")

@@ -1,0 +1,17 @@
+"""The first lines of a child: ``python start.py SHARED SIZE``.
+
+The package ``cosim`` would import all it has, which takes longer than many a run; a child needs a
+third of it. So it has an empty package of that name, whose modules it imports one by one.
+"""
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+if __name__ == "__main__":
+    package = ModuleType("cosim")
+    package.__path__ = [str(Path(__file__).parent.parent)]
+    sys.modules["cosim"] = package
+    from cosim.isolation.child import main
+
+    main(sys.argv[1], int(sys.argv[2]))

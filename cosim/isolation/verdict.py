@@ -1,0 +1,82 @@
+"""What is said of a child that died: who was called, which call it was, when, and what happened."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cosim import kernel
+from cosim.errors import FmuCrashed
+from cosim.isolation.answers import LOST
+from cosim.kernel.marks import Mark
+
+if TYPE_CHECKING:
+    from cosim.system import System
+
+_UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # the time says nothing of these
+
+
+@dataclass(frozen=True)
+class Death:
+    """How a child ended.
+
+    Attributes
+    ----------
+    what : happened, such as ``died of SIGSEGV``
+    said : the last line that was printed
+    """
+
+    what: str
+    said: str = ""
+
+    @classmethod
+    def of(cls, status: int | None, said: str, memory: float | None = None) -> Death:
+        """Return what an exit status says; None stands for a child that could not be reached.
+
+        ``memory`` (MB) is what it might take where it came near that, else None.
+        """
+        if status is None or status == LOST:
+            return cls("or a call before it closed files that are not its own", said)
+        if status < 0:
+            limit = f" (it may take {memory:g} MB of memory)" if memory else ""
+            return cls(f"died of {_signal_name(-status)}{limit}", said)
+        return cls(f"ended its process with status {status}", said)
+
+
+def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> FmuCrashed:
+    """Return the error that says it all in one line.
+
+    Parameters
+    ----------
+    mark : the call it was in
+    order : names of the components as they step
+    """
+    call = mark.call.decode(errors="replace") or "its process"
+    place = _place(mark, len(order))
+    name = mark.name.decode(errors="replace") if place is None else order[place]
+    if name in system.components:
+        name = f"{name} ({system.components[name].path.name})"
+    name = name or ", ".join(sorted({fmu.path.name for fmu in system.components.values()}))
+    when = ""
+    if not any(word in call for word in _UNTIMED):
+        when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"
+    said = f"; it printed: {death.said}" if death.said else ""
+    return FmuCrashed(f"{name}: {call} {death.what}{when}{said}")
+
+
+def _place(mark: Mark, n: int) -> int | None:
+    if not (mark.component and mark.first):
+        return None
+    place, rest = divmod(mark.component - mark.first, ctypes.sizeof(kernel.Component))
+    return None if rest or not 0 <= place < n else int(place)
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

@@ -1,0 +1,59 @@
+"""Which call an FMU is in, written down where another process can read it."""
+
+from __future__ import annotations
+
+import math
+from ctypes import CDLL, Structure, addressof, c_char, c_double, c_void_p
+from pathlib import Path
+
+
+class Mark(Structure):
+    """The last call that was begun: ``Mark`` of ``mark.h``, and what Python adds to it."""
+
+    _fields_ = (
+        ("first", c_void_p),
+        ("component", c_void_p),
+        ("t", c_double),
+        ("call", c_char * 64),
+        ("name", c_char * 512),
+    )
+
+    def begin(self, name: str, call: str) -> None:
+        """Note a call that the kernel does not make: on whom, and which."""
+        self.component = None
+        self.t = math.nan
+        self.name, self.call = name.encode()[:511], call.encode()[:63]
+
+
+_place: list[tuple[Mark, Path]] = []
+
+
+def use(mark: Mark, kernel: Path) -> None:
+    """Let all that is called in this process from now on be noted in ``mark``.
+
+    Parameters
+    ----------
+    kernel : its library, built with marks
+    """
+    _place.append((mark, kernel))
+
+
+def note(name: str, call: str) -> None:
+    """Note a call that the kernel does not make, where notes are taken."""
+    for mark, _ in _place:
+        mark.begin(name, call)
+
+
+def library(steps: str | None) -> Path | None:
+    """Return the library that takes notes, None where there are no notes."""
+    from cosim import kernel
+
+    for _, path in _place:
+        return path if steps is None else kernel.built(steps, marked=True)
+    return None
+
+
+def attach(kernel: CDLL) -> None:
+    """Tell a library of the kernel where to take its notes."""
+    for mark, _ in _place:
+        kernel.mark_in(c_void_p(addressof(mark)))

@@ -1,0 +1,29 @@
+"""Systems of one hostile FMU, and what a process has left behind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+import cosim
+from benchmarks.hostile import fmus
+
+Hostile = Callable[..., cosim.System]
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory) -> Hostile:
+    """Make a system: ``hostile("DoStep segv 3")``."""
+    folder = tmp_path_factory.mktemp("hostile")
+
+    def make(behaviour: str = "", version: int = 2) -> cosim.System:
+        path = folder / f"{behaviour or 'clean'} {version}.fmu"
+        if not path.exists():
+            fmus.write(path, behaviour, version=version)
+        system = cosim.System("loop")
+        system.add("plant", path)
+        system.expose("u", "plant.u")
+        return system
+
+    return make

@@ -1,0 +1,235 @@
+"""What an FMU does to its process, it does to the child."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cosim
+from benchmarks.hostile import fmus
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+
+LIMITS = cosim.Isolation(timeout=60.0)
+
+
+def children() -> set[int]:
+    """Return the processes below this one, also those that are dead but not waited for."""
+    parents = {}
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit():
+            try:
+                stat = (folder / "stat").read_text()
+            except OSError:
+                continue  # it has just ended
+            parents[int(folder.name)] = int(stat.rpartition(")")[2].split()[1])
+    found: set[int] = set()
+    new = {os.getpid()}
+    while new:
+        new = {child for child, parent in parents.items() if parent in new}
+        found |= new
+    return found
+
+
+def open_files() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+def run(system, limits=LIMITS, **arguments):
+    with system.prepare(step=0.01, stop=0.1, isolation=limits) as simulation:
+        return simulation.run(**arguments)
+
+
+@pytest.mark.parametrize(
+    "behaviour",
+    [
+        "DoStep chdir",
+        "DoStep locale",
+        "load flush",
+        "Instantiate round",
+        "load signals",
+        "DoStep fork 3",
+        "DoStep daemon",
+        "DoStep chat",
+        "DoStep close_standard",
+    ],
+)
+def test_what_it_changes_is_left_behind(hostile, behaviour):
+    here, files = (Path.cwd(), signal.getsignal(signal.SIGINT)), open_files()
+    result = run(hostile(behaviour))
+    assert np.allclose(result["plant.y"], 0.01 * np.arange(11))
+    assert (Path.cwd(), signal.getsignal(signal.SIGINT)) == here
+    assert sys.float_info.min / 2 > 0
+    assert not children()
+    assert open_files() == files
+
+
+def test_numbers_near_zero_stay_what_they_are(hostile):
+    """With flush to zero the step of 1e-310 would be none."""
+    for behaviour in ("", "load flush", "Instantiate flush"):
+        result = run(hostile(behaviour), parameters={"plant.k": 1e-308})
+        assert result["plant.y"][1] == 1e-308 * 0.01
+
+
+def test_the_next_run_has_another_child(hostile):
+    """A tenth of all k crash where fragile is set."""
+    with hostile().prepare(step=0.01, stop=0.1, isolation=LIMITS) as simulation:
+        for k, fragile, dies in [
+            (0.5, 1, False),
+            (1.01, 1, True),
+            (1.01, 0, False),
+            (2.0, 1, True),
+        ]:
+            parameters = {"plant.k": k, "plant.fragile": fragile}
+            if dies:
+                with pytest.raises(
+                    cosim.FmuCrashed, match=r"fmi2DoStep died of SIGSEGV at t = 0.06"
+                ):
+                    simulation.run(parameters)
+                assert not children()
+            else:
+                assert simulation.run(parameters)["plant.y"][-1] == pytest.approx(0.1 * k)
+                assert len(children()) == 1
+
+
+def test_a_binary_is_never_loaded_here(hostile):
+    run(hostile())
+    assert "hostile.so" not in Path("/proc/self/maps").read_text()
+
+
+def test_nothing_is_left_of_many_crashes(hostile):
+    with pytest.raises(cosim.FmuCrashed):
+        run(hostile("DoStep segv"))
+    gc.collect()
+    files, memory = open_files(), Path("/proc/self/maps").read_text().count("memfd:stickslip")
+    for _ in range(3):
+        with pytest.raises(cosim.FmuCrashed):
+            run(hostile("DoStep segv"))
+    gc.collect()
+    assert open_files() == files
+    assert Path("/proc/self/maps").read_text().count("memfd:stickslip") == memory
+    assert not children()
+
+
+def test_who_forgets_to_close_leaves_nothing(hostile):
+    simulation = hostile("DoStep daemon").prepare(step=0.01, stop=0.1, isolation="process")
+    simulation.run()
+    (child,) = (pid for pid in children() if os.getpgid(pid) == pid)
+    del simulation
+    gc.collect()
+    assert is_gone(child)
+
+
+def test_the_call_is_named_at_every_place(hostile):
+    calls = {
+        "fmi3InstantiateCoSimulation": "Instantiate",
+        "fmi3EnterInitializationMode": "EnterInitializationMode",
+        "fmi3ExitInitializationMode": "ExitInitializationMode",
+        "fmi3SetFloat64": "SetReal 5",
+        "fmi3GetFloat64": "GetReal 5",
+        "fmi3DoStep": "DoStep 5",
+        "fmi3Terminate": "Terminate",
+        "fmi3FreeInstance": "FreeInstance",
+    }
+    for call, words in calls.items():
+        name, *count = words.split()
+        behaviour = " ".join([name, "kill", *count])
+        with pytest.raises(cosim.FmuCrashed, match=rf"plant \(.*\): {call} died of SIGKILL"):
+            run(hostile(behaviour, 3))
+
+
+def test_among_many_the_culprit_is_named(tmp_path):
+    """Twenty FMUs at a time, of which the fourteenth crashes."""
+    system = cosim.System("many")
+    for i in range(20):
+        behaviour = "DoStep abort 2" if i == 13 else f"never {i}"
+        system.add(f"c{i}", fmus.write(tmp_path / f"f{i}.fmu", behaviour))
+    with pytest.raises(cosim.FmuCrashed, match=r"^c13 \(f13.fmu\): fmi2DoStep died of SIGABRT"):
+        run(system)
+
+
+def test_more_instances_than_some_can_have(tmp_path):
+    fmu = cosim.Fmu(fmus.write(tmp_path / "f.fmu"))
+    system = cosim.System("many")
+    for i in range(1_100):
+        system.add(f"c{i}", fmu)
+    result = run(system)
+    assert np.allclose(result.values[-1], 0.1)
+
+
+SCRIPT = """
+import os, sys, cosim
+system = cosim.System("loop")
+system.add("plant", sys.argv[1])
+simulation = system.prepare(step=0.01, stop=0.1, isolation="process")
+print(simulation._process._process.pid, flush=True)
+print(simulation.run()["plant.y"][-1], flush=True)
+"""
+
+
+def start(hostile, behaviour):
+    path = hostile(behaviour).components["plant"].path
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    return subprocess.Popen(
+        [sys.executable, "-c", SCRIPT, path], stdout=subprocess.PIPE, stderr=-3, env=environment
+    )
+
+
+def is_gone(group, seconds=10.0):
+    for _ in range(int(seconds / 0.02)):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        if all(is_zombie(pid) for pid in members(group)):
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def members(group):
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit():
+            try:
+                if os.getpgid(int(folder.name)) == group:
+                    yield folder
+            except ProcessLookupError:
+                continue
+
+
+def is_zombie(folder):
+    try:
+        return (folder / "stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_a_script_needs_no_guard(hostile):
+    with start(hostile, "") as process:
+        child, last = process.stdout.read().split()
+    assert process.returncode == 0
+    assert float(last) == pytest.approx(0.1)
+    assert is_gone(int(child))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_it_ends_with_its_parent_however_that_ends(hostile, number):
+    with start(hostile, "DoStep hang") as process:
+        child = int(process.stdout.readline())
+        process.send_signal(number)
+        process.wait(30)
+    assert process.returncode != 0
+    assert is_gone(child)
+
+
+def test_an_export_does_not_load_what_it_packs(tmp_path, hostile):
+    path = cosim.write_fmu(hostile("load segv"), tmp_path / "packed.fmu", step=0.01)
+    assert path.is_file()

@@ -1,0 +1,135 @@
+"""In a process of its own a system does what it does here, bit for bit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cosim
+from benchmarks.coupling import ring
+from cosim.signals import Table
+
+STEP, STOP = 1e-3, 0.5
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    return tmp_path_factory.mktemp("ring")
+
+
+def loop(fmus, version=2):
+    system = ring.system(fmus, version)
+    system.connections.pop("controller.y")
+    system.expose("y", "controller.y")
+    return system
+
+
+def both(system, how, **arguments):
+    spec = cosim.Specification(system, STEP, STOP, **how)
+    with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:
+        assert there.order == here.order
+        assert there.accuracy == here.accuracy
+        assert np.array_equal(there.time, here.time)
+        results = here.run(**arguments), there.run(**arguments)
+        assert there.effort == here.effort
+        return results
+
+
+def assert_same(one, other):
+    assert other.names == one.names
+    assert other.time.tobytes() == one.time.tobytes()
+    assert other.values.tobytes() == one.values.tobytes()
+    assert other.values.shape == one.values.shape
+    assert other.sum_of_squares == one.sum_of_squares
+    assert other.units == one.units
+    assert other.stopped == one.stopped
+
+
+SUM = cosim.Record(sum_of_squares={"v": "mass.v"})
+HOW = {
+    "plain": {},
+    "jacobi": {"coupling": "jacobi"},
+    "some": {"record": cosim.Record(["mass.v", "y"], every=7)},
+    "last": {"record": cosim.Record("mass.*", keep="last")},
+    "sums": {"record": SUM},
+    "compiled": {"compiled": True, "constant_step": True},
+}
+NOISE = cosim.Scenario().add_noise("mass.v", 0.1, seed=3).set("y", 0.2, at=0.1)
+RUNS = {
+    "number": {"inputs": {"y": 0.3}, "parameters": {"controller.K_p": 50.0}},
+    "function": {"inputs": {"y": lambda t: np.sin(t)}},
+    "table": {"inputs": {"y": Table(np.array([0.0, 0.1003, 0.1003, 1]), np.array([0, 0, 1, 1.0]))}},
+    "scenario": {"inputs": {"y": 0.3}, "scenario": NOISE},
+}
+
+
+@pytest.mark.parametrize("how", HOW.values(), ids=HOW)
+def test_whatever_is_recorded(fmus, how):
+    assert_same(*both(loop(fmus), how, inputs={"y": 0.3}))
+
+
+def test_whatever_is_fed(fmus):
+    spec = cosim.Specification(loop(fmus, 3), STEP, STOP)
+    with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:
+        for arguments in RUNS.values():
+            assert_same(here.run(**arguments), there.run(**arguments))
+
+
+def test_a_result_outlives_the_next_run_and_the_child(fmus):
+    with loop(fmus).prepare(step=STEP, stop=STOP, isolation="process") as simulation:
+        one = simulation.run(inputs={"y": 0.3})
+        kept = one.values.copy()
+        simulation.run(inputs={"y": -0.3})
+    assert np.array_equal(one.values, kept)
+
+
+def test_events_and_model_exchange_behind_a_facade(tmp_path):
+    models = pytest.importorskip("models")
+    system = cosim.System("push")
+    system.add("stage", models.build_fmu("stage", tmp_path), interface="model_exchange")
+    system.expose("u", "stage.u")
+    assert_same(*both(system, {}, inputs={"u": 20.0}))
+
+
+def test_state_progress_and_pace(tmp_path):
+    models = pytest.importorskip("models")
+    system = cosim.System("push")
+    system.add("stage", models.build_fmu("stage", tmp_path))
+    system.expose("u", "stage.u")
+    spec = cosim.Specification(system, STEP, STOP)
+    reached = []
+    with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:
+        whole = here.run(inputs={"u": 20.0})
+        there.run(inputs={"u": 20.0}, until=0.2)
+        path = there.save(tmp_path / "state")
+        rest = there.resume(path, inputs={"u": 20.0}, progress=reached.append)
+        assert_same(here.resume(path, inputs={"u": 20.0}), rest)
+        assert np.array_equal(rest["stage.v"], whole["stage.v"][200:])
+        assert reached[-1] == STOP
+        assert reached == sorted(reached)
+        there.run(inputs={"u": 20.0}, real_time=50.0)
+        assert there.pace.looks == 50
+
+
+def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
+    system = loop(fmus)
+    with pytest.raises(cosim.ExperimentError, match="does not divide"):
+        system.prepare(step=0.3, stop=1.0, isolation="process")
+    with pytest.raises(cosim.ExperimentError, match="expected 'process'"):
+        system.prepare(step=0.1, stop=1.0, isolation="thread")
+    with pytest.raises(cosim.ExperimentError, match="timeout is 0"):
+        cosim.Isolation(timeout=0)
+    with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
+        with pytest.raises(cosim.ParameterError, match="no variable 'K_q'"):
+            simulation.run({"controller.K_q": 1.0})
+        with pytest.raises(cosim.SignalError, match="not finite"):
+            simulation.run(inputs={"y": np.nan})
+        with pytest.raises(cosim.SignalError, match="expected numbers"):
+            simulation.run(inputs={"y": "a lot"})
+        with pytest.raises(cosim.ExperimentError, match="none of the points"):
+            simulation.run(inputs={"y": 1.0}, until=1e-9)
+        with pytest.raises(cosim.SimulationError, match="halt a run"):
+            simulation.save("nowhere")
+        assert simulation.run(inputs={"y": 1.0}).stopped is None
