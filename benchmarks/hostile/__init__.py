@@ -4,8 +4,9 @@ from benchmarks.hostile import (
     archives,
     binaries,
     descriptions,
+    folders,
     learning,
-    system,
+    statuses,
     systems,
     tables,
     xml,
@@ -17,10 +18,11 @@ CASES: list[Case] = [
     *xml.CASES,
     *descriptions.CASES,
     *binaries.CASES,
+    *statuses.CASES,
     *systems.CASES,
     *tables.CASES,
     *learning.CASES,
-    *system.CASES,
+    *folders.CASES,
 ]
 """All of them, group by group."""
 

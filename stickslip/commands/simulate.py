@@ -48,6 +48,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
     )
+    parser.add_argument(
+        "--allow-nan", action="store_true", help="go on where an output is NaN or infinite"
+    )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
     parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
@@ -112,6 +115,7 @@ def _simulate(options: argparse.Namespace) -> None:
             step=experiment.step,
             record=record,
             tolerance=options.tolerance,
+            allow_nan=options.allow_nan,
             isolation=isolation_of(options),
         )
     except cosim.ExperimentError as fault:
