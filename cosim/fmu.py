@@ -187,7 +187,7 @@ class Fmu:
         binary = binaries / place / (self.identifier + platform.suffix)
         if binary.is_file():
             return binary
-        libraries = sorted((binaries / place).glob(f"*{platform.suffix}"))
+        libraries = [p for p in (binaries / place).glob(f"*{platform.suffix}") if p.is_file()]
         if len(libraries) != 1:
             present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
             raise FmuError(
