@@ -48,7 +48,7 @@ def wrong_encoding(document: Document) -> Claims:
         yield document.name, f"is encoded in {encoding}"
 
 
-@rule(Severity.NOTE, fmi2="", fmi3="", advice="export it as FMI 2.0 or 3.0 to have it judged")
+@rule(Severity.ERROR, fmi2="", fmi3="", advice="export it as FMI 2.0 or 3.0 to have it judged")
 def fmi1_is_not_judged(document: Document) -> Claims:
     """An FMU of FMI 1.0, of which nothing more is judged."""
     if (claimed_version(document) or "").startswith("1."):
