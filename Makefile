@@ -30,9 +30,11 @@ format: .venv/checked ## format Python and C
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $$(git ls-files '*.c' '*.h')
 
-sanitize: .venv/tested ## run the tests of the C with undefined behaviour trapped
-	STICKSLIP_CFLAGS="-fsanitize=undefined -fno-sanitize=function -fsanitize-trap=undefined" \
-	    $(BIN)/python -m pytest tests/models tests/conformance tests/cosim
+sanitize: .venv/tested ## run the tests of the C, built by gcc with its sanitizers (Linux)
+	STICKSLIP_CC=gcc STICKSLIP_CFLAGS="-O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-error" \
+	    ASAN_OPTIONS=detect_leaks=0 STICKSLIP_CACHE="$$PWD/.sanitized" \
+	    LD_PRELOAD="$$(gcc -print-file-name=libasan.so):$$(gcc -print-file-name=libubsan.so)" \
+	    $(BIN)/python -m pytest tests/models tests/conformance tests/cosim tests/ga
 
 bench: .venv/tested ## measure speed, as ratios inside one run
 	$(BIN)/python -m benchmarks

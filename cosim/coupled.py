@@ -231,6 +231,8 @@ class Coupled:
         if self._group[name].iterated or self._coupling.adaptive:
             keeper = self._facades.get(name) or library
             member.save, member.restore, member.discard = keeper.state_calls()
+            member.outputs = (ctypes.c_double * slot.n_outputs)()
+            member.again = (ctypes.c_double * slot.n_outputs)()
         if interpolates:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]

@@ -68,4 +68,4 @@ def _ask(library: Library, name: str, instance: int, kind: int, answer: Any) -> 
     """Return what an FMU says about its last step; None when it says nothing."""
     prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
     status = prototype(library.address(name))(instance, kind, ctypes.byref(answer))
-    return answer.value if status <= 1 else None
+    return answer.value if status in {0, 1} else None

@@ -45,6 +45,7 @@ class Facade:
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
     tolerance : relative, of Model Exchange; that which the FMU proposes where None
+    careful : whether a step that is discarded is taken back and tried in parts
     """
 
     def __init__(
@@ -56,6 +57,8 @@ class Facade:
         ahead: Sequence[bool],
         arrays: Mapping[str, Variable],
         tolerance: float | None,
+        *,
+        careful: bool = False,
     ) -> None:
         self._arrays = arrays
         self._inputs = batches(library, self._owners(inputs), "Set")
@@ -83,6 +86,7 @@ class Facade:
             ),
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
+            careful=careful,
         )
         self.c.call[:] = _addresses(fmu, library)
         if fmu.interface == "model_exchange":
@@ -148,6 +152,11 @@ class Facade:
             place[:] = memory[name]
         self.c.time, self.c.next_event = map(float, memory["times"])
         return int(kernel.load().facade_go_on(ctypes.byref(self.c)))
+
+    def lose(self) -> None:
+        """Let go of an instance that may not be called any more."""
+        self.c.instance = self.c.begun = None
+        kernel.load().facade_FreeInstance(ctypes.byref(self.c))
 
     def _places(self) -> dict[str, NDArray[Any]]:
         n = int(self.c.n_inputs)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
+import logging
 from collections.abc import Iterable, Mapping
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from cosim import kernel
+from cosim import fatal, kernel
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling
 from cosim.errors import SimulationError
@@ -28,7 +30,11 @@ from cosim.variables import Variable
 from cosim.wiring import wire
 
 if TYPE_CHECKING:
+    from cosim.facade import Facade
     from cosim.specification import Specification
+
+
+_log = logging.getLogger(__name__)
 
 
 class Prepared:
@@ -42,15 +48,22 @@ class Prepared:
     """
 
     def __init__(self, spec: Specification, room: Room = np.empty) -> None:
-        system = spec.system
+        self.spec = spec
+        self.pace: Pace | None = None
+        self._room = room
+        self._variables: dict[str, Variable] = {}  # those that runs have set
+        self._careful: set[str] = set()  # components that discarded a step and can take it back
+        self._born: dict[str, int] = {}
+        self._warned: set[tuple[str, bytes]] = set()
+        self._build()
+
+    def _build(self) -> None:
+        spec, system = self.spec, self.spec.system
         coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
         check_tolerance(spec.tolerance)
         jacobi = coupling.method == "jacobi"
         groups = group(system, coupling)
-        self.spec = spec
-        self.pace: Pace | None = None
-        self._variables: dict[str, Variable] = {}  # those that runs have set
         self._varies_step = all(fmu.varies_step for fmu in system.components.values())
         self._halted = self._ready = False
         self.order = [name for members in groups for name in members.components]
@@ -67,9 +80,11 @@ class Prepared:
             self._libraries,
             jacobi=jacobi,
             tolerance=spec.tolerance,
+            careful=self._careful,
         )
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
-        self._memory = Memory(self._run, self._layout, record, self.time, room)
+        self._run.allows_nan = spec.allow_nan
+        self._memory = Memory(self._run, self._layout, record, self.time, self._room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
@@ -96,6 +111,7 @@ class Prepared:
     def close(self) -> None:
         """Free the FMUs. A closed simulation instantiates them again when it runs."""
         self._halted = self._ready = False
+        self._bury()
         self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)
@@ -126,14 +142,15 @@ class Prepared:
 
     def _instantiate(self) -> None:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
+        self._bury()
         if self._ready:
             return
         given = {slot.instance for slot in self._slots.values()}
         for name, slot in self._slots.items():
             if not slot.instance:
-                self._coupled.lose(name)
                 fmu = self.spec.system.components[name]
                 claim(fmu, name, self)
+                self._born[name] = fatal.times(fmu.binary)
                 arguments = (name, fmu.token, self._libraries[name].resources)
                 self._kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
@@ -150,16 +167,53 @@ class Prepared:
                 given.add(slot.instance)
         self._ready = True
 
+    def _bury(self) -> None:
+        """Let go of instances whose FMU answered fatal, here or elsewhere, without a call."""
+        for name, slot in self._slots.items():
+            if self._born.get(name, 0) < fatal.times(self.spec.system.components[name].binary):
+                self._lose(name, slot)
+
+    def _lose(self, name: str, slot: kernel.Component) -> None:
+        slot.instance = None
+        self._coupled.lose(name)
+        if facade := self._facades.get(name):
+            facade.lose()
+        self._ready = False
+
+    def _mourn(self, name: str) -> None:
+        """Take note that an FMU answered fatal."""
+        fatal.declare(self.spec.system.components[name].binary)
+        self._bury()
+
+    def _warn(self) -> None:
+        """Log the warnings of a run, once for each component and call."""
+        for name, slot in self._slots.items():
+            log = slot.log.contents
+            if log.warnings:
+                again = (name, log.warned) in self._warned
+                self._warned.add((name, log.warned))
+                said = log.warning.decode(errors="replace").strip()
+                _log.log(
+                    logging.DEBUG if again else logging.WARNING,
+                    "%s: %s returned warning at t = %.9g s%s (warnings in this run: %d)",
+                    name,
+                    log.warned.decode(),
+                    log.warned_at,
+                    f"; the FMU says: {said}" if said else "",
+                    log.warnings,
+                )
+                log.warnings = 0
+
     def _failure(self) -> SimulationError:
         run = self._run
         name = self.order[run.failed]
         slot = self._slots[name]
-        subject = (
-            self._layout.outputs[name][run.output] if run.status == kernel.NOT_FINITE else name
-        )
-        what = kernel.STATUS.get(run.status, f"returned the unknown status {run.status}")
+        of_output = run.status in {kernel.NOT_FINITE, kernel.RESTORED_WRONGLY}
+        subject = self._layout.outputs[name][run.output] if of_output else name
+        unknown = f"returned the unknown status {slot.log.contents.unknown}"
+        what = kernel.STATUS.get(run.status, unknown)
         facade = self._facades.get(name)
-        call = (facade.c.called if facade else None) or run.call
+        call = (facade.c.called if facade and not of_output else None) or run.call
         if run.done < 0:
             when = "during initialisation"
         elif run.done == run.n_steps:
@@ -170,9 +224,23 @@ class Prepared:
         message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
         if run.status == kernel.NOT_SOLVED:
             return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
-        if run.call.endswith(b"Reset"):
+        if run.status == kernel.FATAL:
+            self._mourn(name)
+        elif run.status == kernel.PENDING and call == b"fmi2DoStep":
+            self._cancel(name, slot, facade)
+        elif run.call.endswith(b"Reset"):
+            self._kernel.forget(run)
             self._kernel.release(slot)  # the next run instantiates it anew
         return SimulationError(message)
+
+    def _cancel(self, name: str, slot: kernel.Component, facade: Facade | None) -> None:
+        """End a step that goes on by itself, or else leave the instance to it."""
+        instance = facade.c.instance if facade else slot.instance
+        if self._libraries[name].function("fmi2CancelStep")(ctypes.c_void_p(instance)) not in {
+            0,
+            1,
+        }:
+            self._lose(name, slot)
 
 
 def _said(slot: kernel.Component) -> str:

@@ -95,7 +95,9 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return toolchain.write_whole(Path(path), self.frame().to_csv(lineterminator="\n"))
+        return toolchain.write_whole(
+            Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan")
+        )
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals; units are in the metadata of the columns.

@@ -6,8 +6,11 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from cosim.checkpoint import Checkpoint
 from cosim.coupling import Coupling
+from cosim.ending import last_outputs
 from cosim.errors import ExperimentError, SimulationError
 from cosim.result import Result
 from cosim.scenario import Scenario
@@ -66,9 +69,12 @@ class Simulation(Stepping):
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
         values = self._values(parameters or {})
-        external = self._feed(values, inputs or {}, scenario)
-        self._begin(values, external)
-        return self._step(0, self._place(until), real_time, progress)
+
+        def attempt() -> Result:
+            self._begin(values, self._feed(values, inputs or {}, scenario))
+            return self._step(0, self._place(until), real_time, progress)
+
+        return self._carefully(attempt)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
@@ -94,6 +100,8 @@ class Simulation(Stepping):
         memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
         for owner, facade in self._facades.items():
             memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
+        for name, slot in self._slots.items():
+            memory[f"{name}/outputs"] = last_outputs(slot)
         starts = {n: float(v) for n, v in self._starts.items() if isinstance(v, int | float)}
         identity, done = self._identity(), self._run.done
         return Checkpoint(identity, done, row, states, starts, memory).write(path)
@@ -132,28 +140,49 @@ class Simulation(Stepping):
                 f"{path} is at t = {reached:.9g} s already, there is no step left"
             )
         parameters = self.spec.system.parameters
-        external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
-        self._begin(parameters, external)
-        self._advance(0)  # initialised, the FMUs are in a mode that takes a state
-        try:
-            for name in self.order:
-                self._state_of(name).restore(checkpoint.states[name])
-                self._recall(name, checkpoint)
-            self._coupled.recall(checkpoint.memory_of(""))
-            self._memory.go_on(checkpoint.step, checkpoint.row)
-        except (KeyError, ValueError, IndexError, TypeError) as fault:
-            raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
-        return self._step(checkpoint.step, last, real_time, progress)
+
+        def attempt() -> Result:
+            external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
+            self._begin(parameters, external)
+            self._advance(0)  # initialised, the FMUs are in a mode that takes a state
+            try:
+                for name in self.order:
+                    self._state_of(name).restore(checkpoint.states[name])
+                    self._recall(name, checkpoint)
+                self._coupled.recall(checkpoint.memory_of(""))
+                self._memory.go_on(checkpoint.step, checkpoint.row)
+            except (KeyError, ValueError, IndexError, TypeError) as fault:
+                raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
+            self._compare(path, checkpoint)
+            return self._step(checkpoint.step, last, real_time, progress)
+
+        return self._carefully(attempt)
 
     def _state_of(self, name: str) -> StateAccess:
         facade = self._facades.get(name)
         instance = facade.c.instance if facade else self._slots[name].instance
         version = self.spec.system.components[name].version
-        return StateAccess(name, version, self._libraries[name], instance)
+        return StateAccess(name, version, self._libraries[name], instance, self._mourn)
+
+    def _compare(self, path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
+        """Check that the FMUs give the outputs again that they gave when their state was saved."""
+        for name, slot in self._slots.items():
+            now = last_outputs(slot)
+            then = checkpoint.memory_of(name).get("outputs", now)
+            wrong = ~np.isclose(now, then, rtol=1e-6, atol=1e-9, equal_nan=True)
+            if wrong.any():
+                place = int(np.argmax(wrong))
+                self._ready = False
+                raise SimulationError(
+                    f"{self._layout.outputs[name][place]}: is {now[place]:.9g} after its FMU took"
+                    f" the state from {path}, but was {then[place]:.9g} when that was saved: the"
+                    " FMU does not bring back its state, though it declares that it can"
+                )
 
     def _recall(self, name: str, checkpoint: Checkpoint) -> None:
         facade = self._facades.get(name)
-        if facade and facade.recall(checkpoint.memory_of(name)) > 1:
+        memory = checkpoint.memory_of(name)
+        if facade and "times" in memory and facade.recall(memory) not in {0, 1}:
             raise SimulationError(f"{name}: {(facade.c.called or b'').decode()} failed on resuming")
 
     def _identity(self) -> str:

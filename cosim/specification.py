@@ -31,6 +31,7 @@ class Specification:
     constant_step: bool = False
     compiled: bool = False
     tolerance: float | None = None
+    allow_nan: bool = False
     isolation: Isolation | Literal["process"] | None = None
 
     def prepare(self) -> Simulation:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Mapping
 
@@ -20,6 +21,16 @@ from cosim.settings import check_length
 from cosim.signals import Input, Table, sample_inputs
 from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
+
+_log = logging.getLogger(__name__)
+
+
+class _Discarded(Exception):
+    """A component discarded a step that it can do in parts."""
+
+    def __init__(self, component: str) -> None:
+        super().__init__(component)
+        self.component = component
 
 
 class Stepping(Prepared):
@@ -96,15 +107,29 @@ class Stepping(Prepared):
         elif progress:
             look = max(1, look // 100)
         halt = first
-        while halt < last:
-            halt = min(halt + look, last)
-            if end := self._advance(halt):
-                return self._ended(end, first)
-            if self.pace:
-                self.pace.keep(self.time[halt])
-            if progress:
-                progress(float(self.time[halt]))
+        try:
+            while halt < last:
+                halt = min(halt + look, last)
+                if end := self._advance(halt):
+                    return self._ended(end, first)
+                if self.pace:
+                    self.pace.keep(self.time[halt])
+                if progress:
+                    progress(float(self.time[halt]))
+        finally:
+            self._warn()
         return self._result(*self._memory.kept(first, last))
+
+    def _carefully(self, attempt: Callable[[], Result]) -> Result:
+        """Run; again, and with more care, where an FMU discards a step that it can take back."""
+        while True:
+            try:
+                return attempt()
+            except _Discarded as discarded:
+                _log.info("%s discards steps: they are tried in parts", discarded.component)
+                self._careful.add(discarded.component)
+                self.close()
+                self._build()
 
     def _advance(self, halt: int) -> Ending | None:
         self._halted = False
@@ -118,11 +143,21 @@ class Stepping(Prepared):
             facade = self._facades.get(name)
             end = ending(self._run, self._slots[name], facade, self._libraries[name])
             if end is None:
+                if self._can_take_back(name):
+                    raise _Discarded(name)
                 raise self._failure()
             return end
         if outcome == kernel.HALTED:
             self._halted = True
         return None
+
+    def _can_take_back(self, name: str) -> bool:
+        """Whether the failure is a step that was discarded and has not been tried in parts."""
+        fmu, facade = self.spec.system.components[name], self._facades.get(name)
+        call = (facade.c.called if facade else None) or self._run.call
+        able = fmu.interface == "co_simulation" and fmu.restores_state and fmu.varies_step
+        discarded = self._run.status == kernel.DISCARD and call.endswith(b"DoStep")
+        return able and discarded and name not in self._careful
 
     def _ended(self, end: Ending, first: int) -> Result:
         """Return what there is of a run from a step on that an FMU ended.

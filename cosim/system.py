@@ -256,6 +256,7 @@ class System:
         constant_step: bool = False,
         compiled: bool = False,
         tolerance: float | None = None,
+        allow_nan: bool = False,
         isolation: Isolation | Literal["process"] | None = None,
     ) -> Simulation:
         """Instantiate the FMUs for any number of runs.
@@ -275,6 +276,7 @@ class System:
         tolerance : relative, of the solver of Model Exchange and of those within FMUs.
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
             takes 1e-5 (as FMPy does) and Co-Simulation is told none
+        allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
         isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
             an Isolation says how long and how much memory they may take
 
@@ -293,6 +295,7 @@ class System:
             constant_step,
             compiled,
             tolerance,
+            allow_nan,
             isolation,
         ).prepare()
 

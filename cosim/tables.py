@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -60,9 +61,9 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
     table = table.cast(arrow.schema(fields, table.schema.metadata))
     import pyarrow.parquet  # a module of its own
 
-    partial = path.with_name(f".{path.name}.part")
-    pyarrow.parquet.write_table(table, partial)
-    partial.replace(path)
+    stream = io.BytesIO()
+    pyarrow.parquet.write_table(table, stream)
+    toolchain.write_whole(path, stream.getvalue())
 
 
 def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:

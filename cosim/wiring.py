@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -31,11 +31,13 @@ def wire(
     *,
     jacobi: bool,
     tolerance: float | None,
+    careful: Collection[str] = (),
 ) -> tuple[kernel.Run, dict[str, Facade]]:
     """Return a run that lacks its times, its memory and the instances of the FMUs.
 
     With it come the facades of the components that need one. ``tolerance`` is the relative one of
-    all solvers; where None, each FMU has the one that it proposes.
+    all solvers; where None, each FMU has the one that it proposes. ``careful`` components take back
+    steps that they discard.
     """
     facades: dict[str, Facade] = {}
     columns, width = layout.columns, len(layout.columns)
@@ -71,7 +73,9 @@ def wire(
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
         targets = [(target, offset >= width) for offset, target in inputs[name]]
-        if facade := _facade(system, name, libraries[name], outputs, targets, tolerance):
+        if facade := _facade(
+            system, name, libraries[name], outputs, targets, tolerance, careful=name in careful
+        ):
             facades[name] = facade
             facade.dress(slot)
     kinds = {(c.version, c.n_inputs > 0, c.n_outputs > 0) for c in components}
@@ -110,16 +114,18 @@ def _facade(
     outputs: Sequence[str],
     targets: Sequence[tuple[str, bool]],
     tolerance: float | None,
+    *,
+    careful: bool,
 ) -> Facade | None:
     """Return a facade for a component that the kernel does not take as it is."""
     fmu = system.components[name]
     read = [system.variable(output) for output in outputs]
     fed = [system.variable(target) for target, _ in targets]
-    if not wants_facade(fmu, [*read, *fed]):
+    if not (careful or wants_facade(fmu, [*read, *fed])):
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
     arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
-    return Facade(fmu, library, read, fed, ahead, arrays, tolerance)
+    return Facade(fmu, library, read, fed, ahead, arrays, tolerance, careful=careful)
 
 
 def fed_inputs(

@@ -18,6 +18,7 @@ _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {
     "schema-violation",
     "bad-model-identifier",
+    "bad-dimension",
     "not-a-library",
     "wrong-architecture",
     "binary-missing",

@@ -27,6 +27,7 @@ from stickslip.commands import (
     reproduce,
     simulate,
     validate,
+    verify,
 )
 from stickslip.errors import StickslipError
 
@@ -41,6 +42,7 @@ COMMANDS = (
     learn,
     fleet,
     validate,
+    verify,
     export,
 )
 EXPECTED = (

@@ -5,6 +5,7 @@ StickslipError(Exception)
     RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
     HarmfulError(RuntimeError)          a compensator that makes its loop worse
+    ResultsError(RuntimeError)          a folder of results that is not what its manifest says
 """
 
 
@@ -26,3 +27,7 @@ class IdentificationError(StickslipError, RuntimeError):
 
 class HarmfulError(StickslipError, RuntimeError):
     """A compensator makes the loop worse that it is for."""
+
+
+class ResultsError(StickslipError, RuntimeError):
+    """A folder of results has no manifest, or is not what its manifest says."""

@@ -20,6 +20,7 @@ from stickslip.learned_report import write_estimation_report
 from stickslip.loop import build_fmus
 from stickslip.parameters import LUGRE
 from stickslip.recording import Description, Finding, Reading, check_recording, read_recording
+from stickslip.result_folder import staged
 from stickslip.setup import VALIDATION, Datasheet
 from toolchain import write_whole
 
@@ -108,13 +109,13 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         When a file cannot be written.
     """
     document = estimation_document(learned.estimation, learned.loop, learned.seed)
-    write_whole(folder / "learned.json", json.dumps(document, indent=2) + "\n")
     warnings, harmless = _guarded(learned)
-    if harmless or force:
-        models.build_fmu("compensator", folder, start=learned.compensator)
-    else:
-        (folder / "compensator.fmu").unlink(missing_ok=True)
-    write_estimation_report(learned.estimation, learned.findings, folder)
+    command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
+    with staged(folder, command, without=["compensator.fmu"]) as desk:
+        write_whole(desk / "learned.json", json.dumps(document, indent=2) + "\n")
+        if harmless or force:
+            models.build_fmu("compensator", desk, start=learned.compensator)
+        write_estimation_report(learned.estimation, learned.findings, desk)
     return warnings
 
 

@@ -17,7 +17,8 @@ from stickslip.report.markup import Html, element, paragraph
 from stickslip.report.markup import table as markup_table
 from stickslip.report.picture import Picture
 from stickslip.report.shown import figure
-from stickslip.results import manifest, staged, write_json, write_loop, write_table
+from stickslip.result_folder import staged
+from stickslip.results import command_of, write_json, write_loop, write_table
 from toolchain import write_whole
 
 
@@ -32,7 +33,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         When a file cannot be written.
     """
     estimation = reproduction.estimation
-    with staged(folder) as desk:
+    with staged(folder, command_of(reproduction.options, mode="record")) as desk:
         write_table(reproduction.table2(), desk / "table2.csv")
         write_table(reproduction.validation.table(), desk / "table4.csv")
         write_table(reproduction.attribution, desk / "attribution.csv")
@@ -51,8 +52,6 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
             write_whole(desk / f"{name}.svg", picture.svg)
         further = sections(reproduction, drawn)
         write_estimation_report(estimation, reproduction.findings, desk, further)
-        content = manifest(reproduction.options, desk, mode="record")
-        write_json(content, desk / "manifest.json")
 
 
 def pictures(reproduction: RecordReproduction) -> dict[str, Picture]:

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -16,44 +12,25 @@ import cosim
 import models
 from cosim.control import VelocityLoop
 from stickslip.default_input import pack_input
-from stickslip.errors import UsageError
 from stickslip.learned import learned_document
 from stickslip.report import write_report
 from stickslip.reproduction import Options, Reproduction
+from stickslip.result_folder import staged
 from stickslip.setup import VALIDATION
 from toolchain import write_whole
 
 
-def claim_folder(folder: Path) -> None:
-    """Make the folder and try to write there, before the work begins.
-
-    Raises
-    ------
-    UsageError
-        When that is not possible.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise UsageError(
-            f"{folder}: cannot write there ({error.strerror}); choose another folder with --out"
-        ) from None
-
-
 def write_results(reproduction: Reproduction, folder: Path) -> None:
-    """Write tables, report, learned.json, compensator.fmu, loop.ssp and manifest.json.
+    """Write tables, report, learned.json, compensator.fmu and loop.ssp.
 
-    All of it is written beside first and then moved, so an earlier result stays whole until a new
-    one is complete.
+    An earlier result stays whole until the new one is complete.
 
     Raises
     ------
     OSError
         When a file cannot be written.
     """
-    with staged(folder) as desk:
+    with staged(folder, command_of(reproduction.options)) as desk:
         write_table(reproduction.table2(), desk / "table2.csv")
         write_table(reproduction.validation.table(), desk / "table4.csv")
         write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
@@ -61,33 +38,17 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         models.build_fmu("compensator", desk, start=reproduction.learned.values)
         write_loop(reproduction.system, reproduction.identification.loop, desk / "loop.ssp")
         write_report(reproduction, desk)
-        write_json(manifest(reproduction.options, desk), desk / "manifest.json")
 
 
-@contextmanager
-def staged(folder: Path) -> Iterator[Path]:
-    """Give a folder to write in; at the end of the block its files move, when all are whole."""
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".writing-") as staging:
-        desk = Path(staging)
-        yield desk
-        for path in desk.iterdir():
-            path.replace(folder / path.name)
-
-
-def manifest(options: Options, folder: Path, **command: object) -> dict[str, object]:
-    """Return what was run and the hashes of the files in a folder."""
+def command_of(options: Options, **more: object) -> dict[str, object]:
+    """Return what the manifest says of a reproduction."""
     return {
-        "command": {
-            "set": {f"drive.{name}": value for name, value in options.truth.items()},
-            "seed": options.seed,
-            "preset": options.preset,
-            "feed": options.feed,
-            **command,
-        },
-        "sha256": {
-            path.name: hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in sorted(folder.iterdir())
-        },
+        "name": "reproduce",
+        "set": {f"drive.{name}": value for name, value in options.truth.items()},
+        "seed": options.seed,
+        "preset": options.preset,
+        "feed": options.feed,
+        **more,
     }
 
 

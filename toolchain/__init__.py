@@ -11,7 +11,7 @@ The ground floor of the house: it knows C files and platforms, nothing of FMI or
 
 from toolchain.binaries import binaries, standard_functions
 from toolchain.binary import Interface, interface
-from toolchain.cache import cache_directory, write_whole
+from toolchain.cache import cache_directory
 from toolchain.compiler import shared_library
 from toolchain.errors import (
     CompilationFailed,
@@ -20,9 +20,11 @@ from toolchain.errors import (
     ToolchainError,
     WrongExports,
 )
+from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
 from toolchain.reading import MOST_TEXT, parse_json, parse_toml, read_whole
 from toolchain.universal import universal
+from toolchain.whole import refuse_odd, sync_folder, write_whole
 
 __all__ = [
     "MOST_TEXT",
@@ -38,11 +40,15 @@ __all__ = [
     "cache_directory",
     "host_platform",
     "interface",
+    "is_at",
+    "lock",
     "parse_json",
     "parse_toml",
     "read_whole",
+    "refuse_odd",
     "shared_library",
     "standard_functions",
+    "sync_folder",
     "universal",
     "write_whole",
 ]

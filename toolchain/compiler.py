@@ -14,9 +14,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from toolchain.binary import interface
-from toolchain.cache import cache_directory, write_whole
+from toolchain.cache import cache_directory
 from toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
 from toolchain.platforms import Platform, host_platform
+from toolchain.whole import write_whole
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
@@ -46,7 +47,9 @@ def shared_library(
     files : relative path -> text of every source and header. Headers in ``system/`` are found
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
     platform : what to build for; the machine's own by default
-    flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's
+    flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's;
+        ``$STICKSLIP_CC`` names a system compiler to take for this machine, which may know more of
+        them than ziglang does
     standalone : on Windows, link with the system alone instead of a C runtime, which may be absent
         there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
     exports : the names that the library must export, these and no others; not looked at if None
@@ -60,7 +63,7 @@ def shared_library(
     if bare:
         files = {**files, **_standalone()}
     command = [
-        *(sys.executable, "-m", "ziglang", "cc", "-target", target.target),
+        *_compiler(target),
         *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
         *os.environ.get("STICKSLIP_CFLAGS", "").split(),
         *sorted(path for path in files if path.endswith(".c")),
@@ -75,6 +78,13 @@ def shared_library(
             _check_exports(linked, exports, library.name)
         write_whole(library, linked)
     return library
+
+
+def _compiler(target: Platform) -> list[str]:
+    own = os.environ.get("STICKSLIP_CC")
+    if own and target == host_platform():
+        return ["env", own, "-Wno-unknown-pragmas"]
+    return [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
 
 
 @cache

@@ -1,6 +1,16 @@
 """Hostile inputs of every kind, what we make of them and what FMPy does."""
 
-from benchmarks.hostile import archives, binaries, descriptions, learning, systems, tables, xml
+from benchmarks.hostile import (
+    archives,
+    binaries,
+    descriptions,
+    folders,
+    learning,
+    statuses,
+    systems,
+    tables,
+    xml,
+)
 from benchmarks.hostile.case import GROUPS, Case
 
 CASES: list[Case] = [
@@ -8,9 +18,11 @@ CASES: list[Case] = [
     *xml.CASES,
     *descriptions.CASES,
     *binaries.CASES,
+    *statuses.CASES,
     *systems.CASES,
     *tables.CASES,
     *learning.CASES,
+    *folders.CASES,
 ]
 """All of them, group by group."""
 

@@ -161,9 +161,9 @@ def _odd(name: str, about: str, says: str, **fields: object) -> Case:
 
 
 _DAMAGED = [
-    _made(4, "archive-empty", "a file of 0 bytes", "the file is empty", bytes),
+    _made(4, "empty-file", "a file of 0 bytes", "the file is empty", bytes),
     _made(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
-    _made(4, "archive-head-only", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
+    _made(4, "head-only-file", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
     _made(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
     _made(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
     _made(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),

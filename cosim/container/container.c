@@ -158,8 +158,7 @@ void container_free(Container *x) {
 Status container_reset(Container *x) {
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
-        c->log->severity = 0;
-        c->log->message[0] = '\0';
+        clear_log(c->log);
         if (c->instance && !reset(&x->run, c)) {
             release(c);
         }

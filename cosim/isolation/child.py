@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import logging
 import os
 import pickle
 import select
@@ -50,20 +51,42 @@ def main(name: str, size: int) -> None:
     _unload()
 
 
+_LINES = 100  # of the log, for each answer
+
+
+class _Kept(logging.Handler):
+    """Keeps what is logged until the parent is told."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines: list[tuple[int, str]] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if len(self._lines) < _LINES:
+            self._lines.append((record.levelno, record.getMessage()[:2000]))
+
+    def take(self) -> list[tuple[int, str]]:
+        lines, self._lines = self._lines, []
+        return lines
+
+
 class _Served:
     def __init__(self, specification: Any, shared: Shared, reply: Callable[..., None]) -> None:
         self._specification, self._shared, self._reply = specification, shared, reply
         self._simulation: Simulation | None = None
+        self._logged = _Kept()
+        logging.getLogger("cosim").addHandler(self._logged)
 
     def do(self, what: str, arguments: dict[str, Any]) -> None:
         """Do what the parent asks for and tell it what came out."""
         marks.note("", "")
         try:
-            self._reply(**getattr(self, what)(**arguments))
+            answer = getattr(self, what)(**arguments)
         except MemoryError:
-            self._reply(error="MemoryError", message="")
+            answer = {"error": "MemoryError", "message": ""}
         except Exception as error:  # noqa: BLE001 - raised again where it was asked for
-            self._reply(error=type(error).__name__, message=str(error))
+            answer = {"error": type(error).__name__, "message": str(error)}
+        self._reply(**answer, logged=self._logged.take())
 
     def prepare(self) -> dict[str, object]:
         self._simulation = Simulation(self._specification, self._room)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import logging
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -31,6 +32,9 @@ from cosim.simulation import Simulation
 
 if TYPE_CHECKING:
     from cosim.specification import Specification
+
+
+_log = logging.getLogger(__name__)
 
 
 class IsolatedSimulation(Simulation):
@@ -187,6 +191,8 @@ class IsolatedSimulation(Simulation):
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise
+        for level, line in reply.get("logged", ()):
+            _log.log(level, line)
         if "error" in reply:
             _raise(reply)
         return reply

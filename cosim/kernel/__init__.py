@@ -48,9 +48,19 @@ class Change(Structure):
 
 
 class Log(Structure):
-    """The gravest message of a component."""
+    """What a component has said since the last run began."""
 
-    _fields_ = (("callbacks", c_void_p * 5), ("severity", c_int32), ("message", c_char * 1024))
+    _fields_ = (
+        ("callbacks", c_void_p * 5),
+        ("severity", c_int32),
+        ("reason", c_int32),
+        ("unknown", c_int32),
+        ("message", c_char * 1024),
+        ("warnings", c_int64),
+        ("warned", c_char_p),
+        ("warned_at", c_double),
+        ("warning", c_char * 1024),
+    )
 
 
 class Disturbance(Structure):
@@ -162,6 +172,7 @@ class Run(Structure):
         ("initial", c_void_p),
         ("coupling", c_void_p),
         ("unsolved", c_void_p),
+        ("allows_nan", c_int64),
         ("disturbed", c_int64),
         ("changes", POINTER(Change)),
         ("n_changes", c_int64),
@@ -178,27 +189,30 @@ class Run(Structure):
 
 # Two neighbours copied as one would wait until both have arrived in memory. A loop of calls that
 # begins within a line of the cache costs some percent more or less, as chance has it.
-_FLAGS = ("-fno-slp-vectorize", "-falign-loops=64")
+_FLAGS = ("-fno-tree-slp-vectorize", "-falign-loops=64")
 
 FINISHED, PAUSED, FAILED, HALTED = range(4)
 
 SIDE_BY_SIDE, SCATTERED, NONE = range(3)  # how a component finds its inputs in a row
 
 # Values of ``Run.status``: FMI statuses, then the kernel's own reasons.
-DISCARD = 2
-NOT_FINITE = 100
-TERMINATED = 101
-NOT_SOLVED = 103
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+NOT_FINITE, TERMINATED, RETURNED_EARLY, NOT_SOLVED = range(100, 104)
+UNKNOWN_STATUS, NO_STATE, RESTORED_WRONGLY = range(104, 107)
 STATUS = {
-    2: "returned discard",
-    3: "returned error",
-    4: "returned fatal",
-    5: "returned pending",
+    DISCARD: "returned discard",
+    ERROR: "returned error",
+    FATAL: "returned fatal",
+    PENDING: "returned pending, though nobody asked it to go on by itself",
     NOT_FINITE: "gave a value that is not finite",
     TERMINATED: "asked to terminate the simulation",
-    102: "returned early though that was not allowed",
+    RETURNED_EARLY: "returned early though that was not allowed",
+    NO_STATE: "gave no state, though the FMU declares that it can",
+    RESTORED_WRONGLY: "did not bring back the state: this output differs from what it was then",
     110: "came to no end of events at one time or within one step",
     111: "could not integrate",
+    112: "needs more memory than there is",
+    113: "gave a time that cannot be",
 }
 
 

@@ -203,6 +203,9 @@ bool begin_coupled(Run *run) {
     for (int64_t i = 0; i < k->n_loops; i++) {
         k->loops[i].known = false; /* so that a run depends on nothing before it */
     }
+    for (int64_t i = 0; i < k->n_members; i++) {
+        k->members[i].proven = false;
+    }
     for (int64_t i = 0; run->disturbed && i < k->n_members; i++) {
         const Component *c = &run->components[i];
         TRY(get_outputs(run, c, c->n_outputs, k->given));

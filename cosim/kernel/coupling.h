@@ -35,8 +35,11 @@ typedef struct {
     fmi2SetRealInputDerivativesTYPE *set_derivatives;
     StateCall *save, *discard;
     RestoreCall *restore;
-    void *state;   /* at the begin of the step */
-    int64_t every; /* its step in steps of the run */
+    void *state;     /* at the begin of the step */
+    double *outputs; /* (n_outputs) then */
+    double *again;   /* (n_outputs) when it was restored */
+    int64_t proven;  /* not 0: in this run outputs have moved and come back */
+    int64_t every;   /* its step in steps of the run */
 } Member;
 
 /* Equations w = G(w): G goes once through the components with w for the values they lack. */

@@ -35,6 +35,9 @@ class Member(Structure):
         ("discard", c_void_p),
         ("restore", c_void_p),
         ("state", c_void_p),
+        ("outputs", POINTER(c_double)),
+        ("again", POINTER(c_double)),
+        ("proven", c_int64),
         ("every", c_int64),
     )
 

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+enum { MOST_STATES = 20000 };                            /* the solver's matrix is dense */
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
 static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
 
@@ -17,6 +18,7 @@ struct Integrator {
     double begin, end;         /* of the communication step, s */
     bool moving;               /* an input changes within the step */
     fmi2Status status;         /* of an FMI call that CVode made */
+    const char *discarded;     /* the last such call that returned discard */
 };
 
 const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
@@ -62,6 +64,10 @@ static fmi2Status set_point(Facade *f, double t, double *x) {
 /* What CVode is told: 0 done, 1 try a smaller step, -1 give up. */
 static int answer(Facade *f, fmi2Status status) {
     f->integrator->status = status;
+    if (status == fmi2Discard) { /* it may yet come right */
+        f->integrator->discarded = f->called;
+        f->called = NULL;
+    }
     return OK(status) ? 0 : status == fmi2Discard ? 1 : -1;
 }
 
@@ -101,7 +107,12 @@ static fmi2Status solver_failed(Facade *f) {
     if (status > fmi2Discard) {
         return status; /* the FMU is to blame; f->called says where */
     }
+    if (status == fmi2Discard) {
+        f->called = f->integrator->discarded;
+        return status;
+    }
     f->called = "CVode";
+    f->log.reason = SOLVER_FAILED;
     return (fmi2Status)SOLVER_FAILED;
 }
 
@@ -153,19 +164,27 @@ fmi2Status begin_exchange(Facade *f) {
     if (!in || cvode->SUNContext_Create(0, &in->context)) {
         return solver_failed(f);
     }
+    if (f->n_states > MOST_STATES || f->n_indicators > MOST_STATES) {
+        return blamed(f, f->n_states > MOST_STATES ? COUNT_STATES : COUNT_INDICATORS,
+                      OUT_OF_MEMORY);
+    }
     in->n = f->n_states ? f->n_states : 1;
     in->begin = f->time;
     cvode->SUNContext_ClearErrHandlers(in->context);
     cvode->SUNContext_PushErrHandler(in->context, complain, f);
     in->states = cvode->N_VNew_Serial((int64_t)in->n, in->context);
     in->tolerances = cvode->N_VNew_Serial((int64_t)in->n, in->context);
+    if (!in->states || !in->tolerances) {
+        return blamed(f, GET_STATES, OUT_OF_MEMORY);
+    }
     in->x = cvode->N_VGetArrayPointer_Serial(in->states);
     in->atol = cvode->N_VGetArrayPointer_Serial(in->tolerances);
     TRY_STATUS(read_states(f));
     in->matrix = cvode->SUNDenseMatrix((int64_t)in->n, (int64_t)in->n, in->context);
     in->solver = cvode->SUNLinSol_Dense(in->states, in->matrix, in->context);
     void *memory = in->memory = cvode->CVodeCreate(CV_BDF, in->context);
-    const bool failed = cvode->CVodeInit(memory, derivatives, f->time, in->states) ||
+    const bool failed = !in->matrix || !in->solver || !memory ||
+                        cvode->CVodeInit(memory, derivatives, f->time, in->states) ||
                         cvode->CVodeSetUserData(memory, f) ||
                         cvode->CVodeSVtolerances(memory, f->tolerance, in->tolerances) ||
                         cvode->CVodeRootInit(memory, (int)f->n_indicators, indicators) ||
@@ -222,7 +241,8 @@ static fmi2Status completed_step(Facade *f, bool *event) {
             (int)((fmi3CompletedIntegratorStepTYPE *)call)(f->instance, true, &enter, &terminate);
     }
     *event = *event || enter;
-    return noted(f, COMPLETED_STEP, OK(status) && terminate ? TERMINATED : status);
+    TRY_STATUS(noted(f, COMPLETED_STEP, status));
+    return terminate ? blamed(f, COMPLETED_STEP, TERMINATED) : fmi2OK;
 }
 
 /* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
@@ -314,7 +334,7 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
         const double next = fmin(fmin(f->next_event, f->next_tick), f->next_jump);
         bool event = false;
         if (i == MAX_EVENTS) {
-            return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+            return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
         }
         TRY_STATUS(integrate(f, next < in->end && !is_due(in->end, next) ? next : in->end, &event));
         const bool jumps = is_due(f->next_jump, f->time);

@@ -19,14 +19,34 @@ AnyCall *calling(const Facade *f, enum Call place) {
 }
 #endif
 
-fmi2Status noted(Facade *f, enum Call place, int status) {
-    if (!OK(status)) {
-        f->called = NAMES[f->version - 2][place];
-        if (status == fmi2Fatal) {
-            f->instance = NULL;
-        }
+/* A warning is noted here and OK for the kernel. */
+fmi2Status answered(Facade *f, const char *call, int status) {
+    if (status == fmi2OK) {
+        return fmi2OK;
+    }
+    if (status == fmi2Warning) {
+        note_warning(&f->log, call, f->time);
+        return fmi2OK;
+    }
+    f->called = call;
+    if (status == fmi2Fatal) {
+        f->instance = NULL;
+    }
+    if ((unsigned)status > (f->version == 2 ? (unsigned)fmi2Pending : (unsigned)fmi3Fatal)) {
+        f->log.unknown = status;
+        f->log.reason = status = UNKNOWN_STATUS;
     }
     return (fmi2Status)status;
+}
+
+fmi2Status noted(Facade *f, enum Call place, int status) {
+    return answered(f, NAMES[f->version - 2][place], status);
+}
+
+fmi2Status blamed(Facade *f, enum Call place, int reason) {
+    f->called = NAMES[f->version - 2][place];
+    f->log.reason = reason;
+    return (fmi2Status)reason;
 }
 
 fmi2Status plain(Facade *f, enum Call place) {
@@ -57,6 +77,10 @@ fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String toke
 void facade_FreeInstance(fmi2Component c) {
     Facade *f = c;
     end_exchange(f);
+    if (f->instance && f->begun) {
+        ((StateCall *)calling(f, FREE_STATE))(f->instance, &f->begun);
+    }
+    f->begun = NULL;
     if (f->instance) {
         ((void (*)(void *))calling(f, FREE_INSTANCE))(f->instance);
     }
@@ -147,7 +171,8 @@ static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
     }
     f->states_changed = f->states_changed || nominals || states;
     f->next_event = defined ? next : INFINITY;
-    return noted(f, UPDATE_DISCRETE_STATES, status);
+    TRY_STATUS(noted(f, UPDATE_DISCRETE_STATES, status));
+    return isnan(f->next_event) ? blamed(f, UPDATE_DISCRETE_STATES, NO_SUCH_TIME) : fmi2OK;
 }
 
 /* Until nothing is due any more. */
@@ -158,14 +183,14 @@ fmi2Status update_discrete_states(Facade *f) {
         TRY_STATUS(again ? fmi2OK : tick_clocks(f));
         TRY_STATUS(update_once(f, &again, &terminate));
         if (terminate) {
-            return noted(f, UPDATE_DISCRETE_STATES, TERMINATED);
+            return blamed(f, UPDATE_DISCRETE_STATES, TERMINATED);
         }
         TRY_STATUS(again ? fmi2OK : after_ticks(f));
         if (!again && !is_due(f->next_tick, f->time)) {
             return fmi2OK;
         }
     }
-    return noted(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+    return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
 }
 
 fmi2Status handle_event(Facade *f, bool with_inputs) {
@@ -192,8 +217,7 @@ fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], s
 }
 
 static fmi2Status step_fmi2(Facade *f, double t, double h) {
-    AnyCall *call = calling(f, DO_STEP);
-    TRY_STATUS(noted(f, DO_STEP, (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, fmi2True)));
+    TRY_STATUS(step_once(f, t, h));
     f->time = t + h;
     return fmi2OK;
 }
@@ -202,24 +226,24 @@ static fmi2Status step_fmi2(Facade *f, double t, double h) {
 static fmi2Status step_fmi3(Facade *f, double t, double h) {
     const double last = t + h;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
-        AnyCall *call = calling(f, DO_STEP);
-        bool event = false, terminate = false, early = false;
         const bool ticks = f->next_tick < last && !is_due(last, f->next_tick);
         const double end = ticks ? f->next_tick : last;
-        double reached = end;
         h = ticks ? end - t : h;
-        TRY_STATUS(noted(f, DO_STEP,
-                         (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, true, &event, &terminate,
-                                                       &early, &reached)));
-        const bool whole = !early || end - reached <= 1e-12 * fabs(end);
+        TRY_STATUS(step_once(f, t, h));
+        const Answers *said = &f->said;
+        const double reached = said->last_successful_time;
+        if (said->early && !(reached >= t && reached <= end + NEAR * fabs(end))) {
+            return blamed(f, DO_STEP, NO_SUCH_TIME);
+        }
+        const bool whole = !said->early || end - reached <= 1e-12 * fabs(end);
         f->time = whole ? end : reached;
-        if (terminate) {
-            return noted(f, DO_STEP, TERMINATED);
+        if (said->terminate) {
+            return blamed(f, DO_STEP, TERMINATED);
         }
-        if (early && !f->event_mode) {
-            return noted(f, DO_STEP, RETURNED_EARLY);
+        if (said->early && !f->event_mode) {
+            return blamed(f, DO_STEP, RETURNED_EARLY);
         }
-        if (f->event_mode && (event || is_due(f->next_tick, f->time))) {
+        if (f->event_mode && (said->event_handling_needed || is_due(f->next_tick, f->time))) {
             TRY_STATUS(handle_event(f, false));
         }
         if (whole && !ticks) {
@@ -228,7 +252,7 @@ static fmi2Status step_fmi3(Facade *f, double t, double h) {
         t = f->time;
         h = last - t;
     }
-    return noted(f, DO_STEP, TOO_MANY_EVENTS);
+    return blamed(f, DO_STEP, TOO_MANY_EVENTS);
 }
 
 fmi2Status facade_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {

@@ -107,6 +107,8 @@ typedef struct {
     double next;            /* s; infinite where it is not known */
 } Clock;
 
+typedef int StateCall(void *instance, void **state);
+
 typedef struct Integrator Integrator;
 typedef struct Cvode Cvode;
 
@@ -142,10 +144,13 @@ typedef struct {
     Clock *clocks;
     int64_t running; /* initialisation is over */
     int64_t states_changed;
+    int64_t careful; /* a discarded step is taken back, and tried in parts */
+    void *begun;     /* the state at the begin of a part */
+    Answers said;
 } Facade;
 
 /* Beside TERMINATED and the others of enum Reason. */
-enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED = 111 };
+enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED, OUT_OF_MEMORY, NO_SUCH_TIME };
 
 /* Each returns an FMI status or a Reason. */
 #ifdef MARKED
@@ -154,7 +159,10 @@ AnyCall *calling(const Facade *f, enum Call place);
 #define calling(f, place) ((f)->call[place])
 #endif
 fmi2Status plain(Facade *f, enum Call place);
-fmi2Status noted(Facade *f, enum Call place, int status);
+fmi2Status noted(Facade *f, enum Call place, int status);     /* what the FMU returned */
+fmi2Status answered(Facade *f, const char *call, int status); /* likewise */
+fmi2Status blamed(Facade *f, enum Call place, int reason);    /* a Reason */
+fmi2Status step_once(Facade *f, double t, double h);          /* DoStep; its answers are in said */
 fmi2Status transfer(Facade *f, const Group *group);
 fmi2Status set_groups(Facade *f, const Groups *groups);
 fmi2Status handle_event(Facade *f, bool with_inputs);

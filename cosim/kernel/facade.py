@@ -21,7 +21,7 @@ from ctypes import (
     c_void_p,
 )
 
-from cosim.kernel import Log, load
+from cosim.kernel import Answers, Log, load
 
 # In the order of ``enum Stored``; what is none of these is text.
 STORED = (
@@ -134,6 +134,9 @@ class Facade(Structure):
         ("clocks", POINTER(Clock)),
         ("running", c_int64),
         ("states_changed", c_int64),
+        ("careful", c_int64),
+        ("begun", c_void_p),
+        ("said", Answers),
     )
 
 

@@ -11,6 +11,7 @@ const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
 const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
 
 static bool graver(Log *log, int status) {
+    status = (unsigned)status > fmi2Pending ? fmi2Pending : status; /* none is no less grave */
     if (!log || status <= log->severity) { /* an FMU may have lost where it belongs */
         return false;
     }
@@ -52,12 +53,27 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
     }
 }
 
+void clear_log(Log *log) {
+    log->severity = log->reason = log->unknown = 0;
+    log->warnings = 0;
+    log->message[0] = log->warning[0] = '\0';
+}
+
+void note_warning(Log *log, const char *call, double t) {
+    if (log->warnings++ == 0) {
+        log->warned = call;
+        log->warned_at = t;
+        if (log->severity <= fmi2Warning) {
+            memcpy(log->warning, log->message, sizeof log->warning);
+        }
+    }
+}
+
 void instantiate(Component *c, const char *name, const char *token, const char *resources) {
     Log *log = c->log;
     MARK_FIRST(c);
     c->used = 0;
-    log->severity = 0;
-    log->message[0] = '\0';
+    clear_log(log);
     if (c->version == 2) {
         MARK(c, "fmi2Instantiate");
         log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, log};

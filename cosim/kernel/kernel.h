@@ -92,11 +92,17 @@ typedef struct {
     double sum;
 } SumOfSquares;
 
-/* The gravest message of a component since the last run began, and how FMI 2.0 gets at it. */
+/* What a component has said since the last run began. */
 typedef struct {
-    fmi2CallbackFunctions callbacks;
+    fmi2CallbackFunctions callbacks; /* how FMI 2.0 gets at it */
     int32_t severity;
-    char message[1024];
+    int32_t reason;     /* of the facade's own, when it is what failed */
+    int32_t unknown;    /* the status that no standard has, when that is why */
+    char message[1024]; /* the gravest */
+    int64_t warnings;   /* calls that returned warning; of the first of them: */
+    const char *warned;
+    double warned_at; /* s */
+    char warning[1024];
 } Log;
 
 /* How a component finds its inputs in a row. */
@@ -148,7 +154,15 @@ typedef struct {
 enum Outcome { FINISHED, PAUSED, FAILED, HALTED };
 
 /* Why a run failed beyond what an FMI status says. */
-enum Reason { NOT_FINITE = 100, TERMINATED = 101, RETURNED_EARLY = 102, NOT_SOLVED = 103 };
+enum Reason {
+    NOT_FINITE = 100,
+    TERMINATED,
+    RETURNED_EARLY,
+    NOT_SOLVED,
+    UNKNOWN_STATUS, /* it is in the component's log */
+    NO_STATE,
+    RESTORED_WRONGLY,
+};
 
 typedef struct {
     Component *components; /* in the order in which they step */
@@ -182,6 +196,7 @@ typedef struct {
     struct Loop *initial;      /* what must agree before the first step, or NULL; see coupling.h */
     struct Coupling *coupling; /* NULL where inputs hold and nothing is solved or repeated */
     struct Loop *unsolved;
+    int64_t allows_nan;    /* not 0: values need not be finite */
     int64_t disturbed;     /* not 0: some components have disturbances */
     const Change *changes; /* n_changes, in the order of their steps */
     int64_t n_changes, next_change;
@@ -198,6 +213,8 @@ EXPORT const char *fmi2_calls(void); /* names separated by blanks */
 EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
+void clear_log(Log *log);
+__attribute__((cold)) void note_warning(Log *log, const char *call, double t);
 void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
 
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;

@@ -27,8 +27,7 @@ static bool initialise(Run *run) {
         memcpy(run->rows + run->width, run->external, size);
     }
     FOR_EACH_COMPONENT(c) {
-        c->log->severity = 0;
-        c->log->message[0] = '\0';
+        clear_log(c->log);
         TRY(!c->used || reset(run, c));
         c->used = 1;
         TRY(enter_initialization(run, c));
@@ -79,6 +78,9 @@ static bool finite(Run *run, int64_t n, const Component *end) {
 static bool trace_back(Run *run, int64_t first) {
     const int64_t last = run->done;
     const Component *failed = run->components + run->failed;
+    if (run->allows_nan) {
+        return false;
+    }
     for (int64_t n = first; n <= last; n++) {
         if (!finite(run, n, run->components + run->n_components)) {
             return false;
@@ -93,7 +95,8 @@ static bool trace_back(Run *run, int64_t first) {
 /* Check the rows up to the last step done, and record what is kept of them. */
 static bool close_rows(Run *run) {
     const int64_t first = run->closed + 1, last = run->done;
-    if (UNLIKELY(!looks_finite(row_of(run, first), (last - first + 1) * run->width))) {
+    if (!run->allows_nan &&
+        UNLIKELY(!looks_finite(row_of(run, first), (last - first + 1) * run->width))) {
         for (int64_t n = first; n <= last; n++) {
             TRY(finite(run, n, run->components + run->n_components));
         }
@@ -153,6 +156,7 @@ enum Outcome advance(Run *run) {
     if (run->done < 0) {
         run->block_start = 0;
         run->closed = -1;
+        run->t = run->start;
         run->said = (Answers){false, false, false, run->start};
         for (int64_t i = 0; i < run->n_sums; i++) {
             run->sums[i].sum = 0.0;

@@ -9,8 +9,6 @@ typedef struct {
     double inputs[]; /* before and after, 2 n_inputs */
 } Saved;
 
-typedef int StateCall(void *instance, void **state);
-
 static size_t inputs_size(const Facade *f) { return f->n_inputs * sizeof(double); }
 
 static fmi2Status call_on(Facade *f, enum Call place, void **state) {
@@ -25,7 +23,7 @@ fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
         saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f));
     }
     if (!saved) {
-        return noted(f, GET_STATE, fmi2Error);
+        return blamed(f, GET_STATE, OUT_OF_MEMORY);
     }
     saved->time = f->time;
     saved->next_event = f->next_event;
@@ -33,7 +31,8 @@ fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     saved->passed = f->passed;
     memcpy(saved->inputs, f->before, inputs_size(f));
     memcpy(saved->inputs + f->n_inputs, f->after, inputs_size(f));
-    return call_on(f, GET_STATE, &saved->state);
+    TRY_STATUS(call_on(f, GET_STATE, &saved->state));
+    return saved->state ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
 }
 
 fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
@@ -57,7 +56,7 @@ fmi2Status facade_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Saved *saved = *state;
     fmi2Status status = fmi2OK;
     if (saved) {
-        status = call_on(f, FREE_STATE, &saved->state);
+        status = saved->state && f->instance ? call_on(f, FREE_STATE, &saved->state) : fmi2OK;
         free(saved);
     }
     *state = NULL;

@@ -16,11 +16,7 @@ fmi2Status transfer(Facade *f, const Group *g) {
         status = ((int (*)(void *, const uint32_t *, size_t, void *, size_t))g->call)(
             f->instance, g->references, g->n, g->values, g->n_values);
     }
-    if (!OK(status)) {
-        f->called = g->name;
-        f->instance = status == fmi2Fatal ? NULL : f->instance;
-    }
-    return (fmi2Status)status;
+    return answered(f, g->name, status);
 }
 
 fmi2Status set_groups(Facade *f, const Groups *groups) {

@@ -7,6 +7,7 @@ import shutil
 import stat
 import zipfile
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -103,6 +104,6 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
                     shutil.copyfileobj(source, copy)
             except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError) as fault:
                 archive.damaged[name] = str(fault)
-                if target.is_file():
+                with suppress(OSError):  # its name may be too long to be asked for
                     target.unlink()
     return frozenset(seen - archive.damaged.keys())

@@ -8,6 +8,8 @@ from fmucheck.description.model import Description, Dimension, Variable
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
 
+_MOST = 10**8  # elements
+
 
 def length(dimension: Dimension, description: Description) -> int | None:
     """Return the initial length of a dimension, ``None`` when it cannot be told."""
@@ -29,13 +31,15 @@ def size(variable: Variable, description: Description) -> int | None:
 
 @rule(Severity.ERROR, fmi2=None, fmi3="2.4.7.2", advice="give either start or valueReference")
 def bad_dimension(description: Description) -> Claims:
-    """A dimension has no length, two, or one of 0."""
+    """A dimension has no length, two, one of 0, or one that makes an array nobody could hold."""
     for v in description.variables:
         for d in v.dimensions:
             if (d.start is None) == (d.reference is None):
                 yield v.place, "a Dimension needs either start or valueReference"
             elif length(d, description) == 0:
                 yield v.place, "a dimension has length 0"
+        if (elements := size(v, description)) is not None and elements > _MOST:
+            yield v.place, f"the array has {elements} elements"
 
 
 @rule(Severity.ERROR, fmi2=None, fmi3="2.4.7.2", advice="refer to a structural parameter of UInt64")

@@ -2,7 +2,8 @@
 
 #include "model.h"
 
-bool exchange_update(Instance *i, double *next) {
+Status exchange_update(Instance *i, bool *defined, double *next) {
+    *defined = IS_SAMPLED;
     *next = 0.0;
 #if IS_SAMPLED
     double *values = i->now.values;
@@ -10,8 +11,11 @@ bool exchange_update(Instance *i, double *next) {
                          (const Inputs *)(values + INPUTS_AT),
                          (const Parameters *)(values + PARAMETERS_AT));
     i->now.stale = true;
+    if (!(*next > values[0]))
+        return instance_report(i, ERROR, "logStatusError",
+                               "t = %g s is too many samples after the last event", values[0]);
 #endif
-    return IS_SAMPLED;
+    return OK;
 }
 
 Status exchange_enter(Instance *i, Phase phase) {
@@ -20,8 +24,9 @@ Status exchange_enter(Instance *i, Phase phase) {
 }
 
 Status exchange_set_time(Instance *i, double time) {
-    i->now.stale = true;
-    return instance_set_time(i, time);
+    const Status status = instance_set_time(i, time);
+    i->now.stale = i->now.stale || status == OK;
+    return status;
 }
 
 static Status require_count(Instance *i, size_t count) {
@@ -35,12 +40,12 @@ static Status require_count(Instance *i, size_t count) {
 Status exchange_set_states(Instance *i, const double states[], size_t count) {
     if (require_count(i, count) != OK)
         return ERROR;
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; k++)
         if (!is_finite(states[k]))
             return instance_report(i, DISCARD, "logStatusDiscard", "%s = %g is not possible",
                                    VARIABLES[STATES_AT + k].name, states[k]);
+    for (size_t k = 0; k < count; k++)
         i->now.values[STATES_AT + k] = states[k];
-    }
     i->now.stale = true;
     return OK;
 }

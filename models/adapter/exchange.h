@@ -4,8 +4,8 @@
 
 #include "instance.h"
 
-/* Take what is due now. Returns whether there is a next event; *next then receives its time. */
-bool exchange_update(Instance *instance, double *next);
+/* Take what is due now. *defined: whether there is a next event, whose time is then *next. */
+Status exchange_update(Instance *instance, bool *defined, double *next);
 
 /* Go from event mode to continuous-time mode or back. */
 Status exchange_enter(Instance *instance, Phase phase);

@@ -1,7 +1,6 @@
 /* FMI 2.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
 #include "fmi2.h"
 
-#include "heap.h"
 #include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
@@ -17,6 +16,7 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[]) {
     REQUIRE(ANY);
+    NEED(!nCategories || categories);
     return (fmi2Status)instance_log(c, loggingOn, nCategories, categories);
 }
 
@@ -25,6 +25,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible,
                               fmi2Boolean loggingOn) {
     Logger logger = {emit, NULL, NULL, loggingOn};
+    if (fmuType != fmi2ModelExchange && fmuType != fmi2CoSimulation)
+        return NULL;
     if (functions) {
         logger.callback = (void (*)(void))functions->logger;
         logger.environment = functions->componentEnvironment;
@@ -64,6 +66,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
     fmi2Status fmi2Get##Name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,           \
                              fmi2Type_ value[]) {                                                  \
         REQUIRE(ANY);                                                                              \
+        NEED(!nvr || (vr && value));                                                               \
         Instance *i = c;                                                                           \
         instance_refresh(i);                                                                       \
         for (size_t k = 0; k < nvr; k++) {                                                         \
@@ -76,10 +79,13 @@ fmi2Status fmi2Reset(fmi2Component c) {
     fmi2Status fmi2Set##Name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,           \
                              const fmi2Type_ value[]) {                                            \
         REQUIRE(ALIVE);                                                                            \
+        NEED(!nvr || (vr && value));                                                               \
         for (size_t k = 0; k < nvr; k++)                                                           \
             if (instance_check(c, vr[k], TYPE, __func__) != OK ||                                  \
-                instance_set(c, vr[k], (double)value[k], __func__) != OK)                          \
+                instance_accepts(c, vr[k], (double)value[k], __func__) != OK)                      \
                 return fmi2Error;                                                                  \
+        for (size_t k = 0; k < nvr; k++)                                                           \
+            instance_put(c, vr[k], (double)value[k]);                                              \
         return fmi2OK;                                                                             \
     }
 
@@ -91,17 +97,20 @@ ACCESS(Boolean, fmi2Boolean, BOOLEAN)
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                          fmi2String value[]) {
     REQUIRE(ANY);
+    NEED(!nvr || (vr && value));
     return nvr ? (fmi2Status)instance_check(c, vr[0], STRING, __func__) : fmi2OK;
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                          const fmi2String value[]) {
     REQUIRE(ALIVE);
+    NEED(!nvr || (vr && value));
     return nvr ? (fmi2Status)instance_check(c, vr[0], STRING, __func__) : fmi2OK;
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     REQUIRE(ANY);
+    NEED(FMUstate);
     return (fmi2Status)instance_save(c, FMUstate);
 }
 
@@ -112,28 +121,26 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     REQUIRE(ANY);
-    if (FMUstate) {
-        heap_free(*FMUstate);
-        *FMUstate = NULL;
-    }
-    return fmi2OK;
+    return FMUstate ? (fmi2Status)instance_forget(c, FMUstate) : fmi2OK;
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     REQUIRE(ANY);
-    *size = snapshot_size();
-    return fmi2OK;
+    NEED(size);
+    return (fmi2Status)instance_serialized_size(c, FMUstate, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte state[],
                                  size_t size) {
     REQUIRE(ANY);
+    NEED(state);
     return (fmi2Status)instance_serialize(c, FMUstate, (uint8_t *)state, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte state[], size_t size,
                                    fmi2FMUstate *FMUstate) {
     REQUIRE(ANY);
+    NEED(state && FMUstate);
     return (fmi2Status)instance_deserialize(c, (const uint8_t *)state, size, FMUstate);
 }
 
@@ -156,6 +163,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
     REQUIRE(STEPPING | FAILED | TERMINATED);
+    NEED(value);
     if (s != fmi2LastSuccessfulTime)
         return fmi2Discard;
     *value = ((Instance *)c)->now.values[0];
@@ -168,6 +176,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     REQUIRE(STEPPING | FAILED | TERMINATED);
+    NEED(value);
     if (s != fmi2Terminated)
         return fmi2Discard;
     *value = fmi2False;
@@ -183,6 +192,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    NEED((!nUnknown || (unknown && dvUnknown)) && (!nKnown || (known && dvKnown)));
     return (fmi2Status)slopes_multiply(c, DIRECTIONAL, (Chosen){unknown, nUnknown},
                                        (Chosen){known, nKnown}, dvKnown, dvUnknown, __func__);
 }

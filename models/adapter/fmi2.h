@@ -16,4 +16,11 @@
             return fmi2Error;                                                                      \
     } while (0)
 
+/* Leave it unless the tool gave what must not be NULL. */
+#define NEED(given)                                                                                \
+    do {                                                                                           \
+        if (!(given))                                                                              \
+            return (fmi2Status)instance_lacks(c, __func__);                                        \
+    } while (0)
+
 #endif

@@ -9,8 +9,12 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     REQUIRE(EVENT);
-    *info = (fmi2EventInfo){0};
-    info->nextEventTimeDefined = exchange_update(c, &info->nextEventTime);
+    NEED(info);
+    bool defined;
+    double next;
+    if (exchange_update(c, &defined, &next) != OK)
+        return fmi2Error;
+    *info = (fmi2EventInfo){.nextEventTimeDefined = defined, .nextEventTime = next};
     return fmi2OK;
 }
 
@@ -25,6 +29,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c,
                                        fmi2Boolean *enterEventMode,
                                        fmi2Boolean *terminateSimulation) {
     REQUIRE(CONTINUOUS);
+    NEED(enterEventMode && terminateSimulation);
     *enterEventMode = fmi2False;
     *terminateSimulation = fmi2False;
     return fmi2OK;
@@ -37,11 +42,13 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
     REQUIRE(CONTINUOUS);
+    NEED(!nx || x);
     return (fmi2Status)exchange_set_states(c, x, nx);
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
     REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nx || derivatives);
     return (fmi2Status)exchange_get_derivatives(c, derivatives, nx);
 }
 
@@ -53,10 +60,12 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], s
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
     REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nx || x);
     return (fmi2Status)exchange_get_states(c, x, nx);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
     REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nx || x_nominal);
     return (fmi2Status)exchange_get_nominals(c, x_nominal, nx);
 }

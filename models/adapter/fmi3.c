@@ -1,7 +1,6 @@
 /* FMI 3.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
 #include "fmi3.h"
 
-#include "heap.h"
 #include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
@@ -15,6 +14,7 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[]) {
     REQUIRE(ANY);
+    NEED(!nCategories || categories);
     return (fmi3Status)instance_log(instance, loggingOn, nCategories, categories);
 }
 
@@ -68,6 +68,7 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
                              size_t count, fmi3##Name values[], size_t nValues) {                  \
         REQUIRE(ANY);                                                                              \
         REQUIRE_COUNT(count, nValues);                                                             \
+        NEED(!count || (references && values));                                                    \
         Instance *i = instance;                                                                    \
         instance_refresh(i);                                                                       \
         for (size_t k = 0; k < count; k++) {                                                       \
@@ -81,10 +82,13 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
                              size_t count, const fmi3##Name values[], size_t nValues) {            \
         REQUIRE(ALIVE);                                                                            \
         REQUIRE_COUNT(count, nValues);                                                             \
+        NEED(!count || (references && values));                                                    \
         for (size_t k = 0; k < count; k++)                                                         \
             if (instance_check(instance, references[k], TYPE, __func__) != OK ||                   \
-                instance_set(instance, references[k], (double)values[k], __func__) != OK)          \
+                instance_accepts(instance, references[k], (double)values[k], __func__) != OK)      \
                 return fmi3Error;                                                                  \
+        for (size_t k = 0; k < count; k++)                                                         \
+            instance_put(instance, references[k], (double)values[k]);                              \
         return fmi3OK;                                                                             \
     }
 
@@ -99,6 +103,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
     REQUIRE_COUNT(nKnowns, nSeed);
     REQUIRE_COUNT(nUnknowns, nSensitivity);
+    NEED((!nUnknowns || (unknowns && sensitivity)) && (!nKnowns || (knowns && seed)));
     return (fmi3Status)slopes_multiply(instance, DIRECTIONAL, (Chosen){unknowns, nUnknowns},
                                        (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
 }
@@ -110,12 +115,14 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
     REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
     REQUIRE_COUNT(nUnknowns, nSeed);
     REQUIRE_COUNT(nKnowns, nSensitivity);
+    NEED((!nUnknowns || (unknowns && seed)) && (!nKnowns || (knowns && sensitivity)));
     return (fmi3Status)slopes_multiply(instance, ADJOINT, (Chosen){unknowns, nUnknowns},
                                        (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     REQUIRE(ANY);
+    NEED(FMUState);
     return (fmi3Status)instance_save(instance, FMUState);
 }
 
@@ -126,28 +133,26 @@ fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     REQUIRE(ANY);
-    if (FMUState) {
-        heap_free(*FMUState);
-        *FMUState = NULL;
-    }
-    return fmi3OK;
+    return FMUState ? (fmi3Status)instance_forget(instance, FMUState) : fmi3OK;
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
     REQUIRE(ANY);
-    *size = snapshot_size();
-    return fmi3OK;
+    NEED(size);
+    return (fmi3Status)instance_serialized_size(instance, FMUState, size);
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte state[],
                                  size_t size) {
     REQUIRE(ANY);
+    NEED(state);
     return (fmi3Status)instance_serialize(instance, FMUState, state, size);
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte state[], size_t size,
                                    fmi3FMUState *FMUState) {
     REQUIRE(ANY);
+    NEED(state && FMUState);
     return (fmi3Status)instance_deserialize(instance, state, size, FMUState);
 }
 
@@ -162,6 +167,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
                       fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     REQUIRE(STEPPING);
+    NEED(eventHandlingNeeded && terminateSimulation && earlyReturn && lastSuccessfulTime);
     const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
     *eventHandlingNeeded = false;
     *terminateSimulation = false;

@@ -16,6 +16,13 @@
             return fmi3Error;                                                                      \
     } while (0)
 
+/* Leave it unless the tool gave what must not be NULL. */
+#define NEED(given)                                                                                \
+    do {                                                                                           \
+        if (!(given))                                                                              \
+            return (fmi3Status)instance_lacks(instance, __func__);                                 \
+    } while (0)
+
 /* Leave it unless as many values came as there are scalar variables. */
 #define REQUIRE_COUNT(references, values)                                                          \
     do {                                                                                           \

@@ -13,12 +13,13 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
                                     fmi3Boolean *valuesOfContinuousStatesChanged,
                                     fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
     REQUIRE(EVENT);
+    NEED(discreteStatesNeedUpdate && terminateSimulation && nominalsOfContinuousStatesChanged &&
+         valuesOfContinuousStatesChanged && nextEventTimeDefined && nextEventTime);
     *discreteStatesNeedUpdate = false;
     *terminateSimulation = false;
     *nominalsOfContinuousStatesChanged = false;
     *valuesOfContinuousStatesChanged = false;
-    *nextEventTimeDefined = exchange_update(instance, nextEventTime);
-    return fmi3OK;
+    return (fmi3Status)exchange_update(instance, nextEventTimeDefined, nextEventTime);
 }
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
@@ -32,6 +33,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
                                        fmi3Boolean *enterEventMode,
                                        fmi3Boolean *terminateSimulation) {
     REQUIRE(CONTINUOUS);
+    NEED(enterEventMode && terminateSimulation);
     *enterEventMode = false;
     *terminateSimulation = false;
     return fmi3OK;
@@ -45,12 +47,14 @@ fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
 fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
                                    size_t nContinuousStates) {
     REQUIRE(CONTINUOUS);
+    NEED(!nContinuousStates || continuousStates);
     return (fmi3Status)exchange_set_states(instance, continuousStates, nContinuousStates);
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
                                              size_t nContinuousStates) {
     REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nContinuousStates || derivatives);
     return (fmi3Status)exchange_get_derivatives(instance, derivatives, nContinuousStates);
 }
 
@@ -65,23 +69,27 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndica
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
                                    size_t nContinuousStates) {
     REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nContinuousStates || continuousStates);
     return (fmi3Status)exchange_get_states(instance, continuousStates, nContinuousStates);
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
                                              size_t nContinuousStates) {
     REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    NEED(!nContinuousStates || nominals);
     return (fmi3Status)exchange_get_nominals(instance, nominals, nContinuousStates);
 }
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators) {
     REQUIRE(ANY);
+    NEED(nEventIndicators);
     *nEventIndicators = 0;
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
     REQUIRE(ANY);
+    NEED(nContinuousStates);
     *nContinuousStates = DERIVATIVES_COUNT;
     return fmi3OK;
 }

@@ -78,7 +78,11 @@ Instance *instance_new(const char *name, const char *token, bool model_exchange,
     return i;
 }
 
-void instance_free(Instance *i) { heap_free(i); }
+void instance_free(Instance *i) {
+    if (i)
+        instance_forget_all(i);
+    heap_free(i);
+}
 
 Status instance_require(Instance *i, int phases, const char *call) {
     if ((int)i->now.phase & phases)
@@ -144,9 +148,11 @@ Status instance_step(Instance *i, double time, double h) {
     if (done)
         return OK;
     i->now.phase = FAILED;
-    return instance_report(i, ERROR, "logStatusError",
-                           "the state is not finite after the step from t = %g s to %g s", time,
-                           time + h);
+    return instance_report(
+        i, ERROR, "logStatusError",
+        "the state is not finite after the step from t = %g s to %g s, or the step"
+        " is too long",
+        time, time + h);
 }
 
 Status instance_terminate(Instance *i) {
@@ -176,6 +182,10 @@ Status instance_check(Instance *i, uint32_t reference, Type type, const char *ca
     return OK;
 }
 
+Status instance_lacks(Instance *i, const char *call) {
+    return instance_report(i, ERROR, "logStatusError", "%s: an argument is NULL", call);
+}
+
 Status instance_mismatch(Instance *i, size_t references, size_t values, const char *call) {
     return instance_report(i, ERROR, "logStatusError", "%s: %zu values for %zu scalar variables",
                            call, values, references);
@@ -187,7 +197,7 @@ Status instance_unavailable(Instance *i, const char *call) {
     return instance_report(i, ERROR, "logStatusError", "%s is not available in " MODEL_NAME, call);
 }
 
-Status instance_set(Instance *i, uint32_t reference, double value, const char *call) {
+Status instance_accepts(Instance *i, uint32_t reference, double value, const char *call) {
     const Variable *variable = &VARIABLES[reference];
     if (!((int)i->now.phase & variable->settable))
         return instance_report(i, ERROR, "logStatusError", "%s: %s cannot be set in phase '%s'",
@@ -195,56 +205,22 @@ Status instance_set(Instance *i, uint32_t reference, double value, const char *c
     if (!(value >= variable->minimum && value <= variable->maximum))
         return instance_report(i, ERROR, "logStatusError", "%s: %s = %g is outside %g .. %g", call,
                                variable->name, value, variable->minimum, variable->maximum);
+    return OK;
+}
+
+void instance_put(Instance *i, uint32_t reference, double value) {
     i->now.values[reference] = value;
     i->now.stale = true;
-    return OK;
-}
-
-Status instance_save(Instance *i, void **snapshot) {
-    if (!*snapshot)
-        *snapshot = heap_get(sizeof(Snapshot));
-    if (!*snapshot)
-        return instance_report(i, ERROR, "logStatusError", "no memory left to save the state");
-    memcpy(*snapshot, &i->now, sizeof i->now);
-    return OK;
-}
-
-Status instance_restore(Instance *i, const void *snapshot) {
-    if (!snapshot)
-        return instance_report(i, ERROR, "logStatusError", "there is no state to restore");
-    memcpy(&i->now, snapshot, sizeof i->now);
-    return OK;
-}
-
-/* Layout: token, 0, snapshot. */
-size_t snapshot_size(void) { return sizeof MODEL_TOKEN + sizeof(Snapshot); }
-
-Status instance_serialize(Instance *i, const void *snapshot, uint8_t bytes[], size_t size) {
-    if (!snapshot || size < snapshot_size())
-        return instance_report(i, ERROR, "logStatusError", "the state needs %zu bytes, got %zu",
-                               snapshot_size(), size);
-    memcpy(bytes, MODEL_TOKEN, sizeof MODEL_TOKEN);
-    memcpy(bytes + sizeof MODEL_TOKEN, snapshot, sizeof(Snapshot));
-    return OK;
-}
-
-Status instance_deserialize(Instance *i, const uint8_t bytes[], size_t size, void **snapshot) {
-    if (size != snapshot_size() || memcmp(bytes, MODEL_TOKEN, sizeof MODEL_TOKEN) != 0)
-        return instance_report(i, ERROR, "logStatusError",
-                               "these %zu bytes are not a state of this build of " MODEL_NAME,
-                               size);
-    *snapshot = NULL;
-    const Status status = instance_save(i, snapshot);
-    if (status == OK)
-        memcpy(*snapshot, bytes + sizeof MODEL_TOKEN, sizeof(Snapshot));
-    return status;
 }
 
 Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {
     bool events = count == 0;
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; k < count; k++) {
+        if (!categories[k])
+            return instance_lacks(i, "SetDebugLogging");
         events =
             events || text_equal(categories[k], "logEvents") || text_equal(categories[k], "logAll");
+    }
     i->logger.events = on && events;
     return OK;
 }

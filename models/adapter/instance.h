@@ -54,8 +54,11 @@ typedef struct {
     double values[COUNT];
 } Snapshot;
 
+typedef struct Saved Saved; /* a snapshot that the tool has */
+
 typedef struct {
     Snapshot now;        /* all that save and restore touch */
+    Saved *saved;        /* the latest; they form a list, so that others can be told from them */
     bool model_exchange; /* a tool's solver has it; else it steps by itself */
     Logger logger;
     char name[]; /* with the 0 */
@@ -83,17 +86,24 @@ void instance_refresh(Instance *instance);
 
 /* OK when variable `reference` exists and is of `type`. A derivative is then up to date. */
 Status instance_check(Instance *instance, uint32_t reference, Type type, const char *call);
+/* ERROR: the tool gave NULL where something must be. */
+Status instance_lacks(Instance *instance, const char *call);
 /* ERROR: that many references were given with another number of values. */
 Status instance_mismatch(Instance *instance, size_t references, size_t values, const char *call);
-/* Checks causality, phase and range, then sets. */
-Status instance_set(Instance *instance, uint32_t reference, double value, const char *call);
+/* OK when it may be set now, and to this value, by causality, phase and range. */
+Status instance_accepts(Instance *instance, uint32_t reference, double value, const char *call);
+/* Sets what was accepted. */
+void instance_put(Instance *instance, uint32_t reference, double value);
 
-/* Save into *snapshot, which is allocated when it is NULL; restore from it. */
+/* Save into *snapshot, which is made when it is NULL; restore from it; free it. A snapshot that is
+ * not this instance's, or that was freed, is an ERROR. */
 Status instance_save(Instance *instance, void **snapshot);
 Status instance_restore(Instance *instance, const void *snapshot);
+Status instance_forget(Instance *instance, void **snapshot);
+void instance_forget_all(Instance *instance);
 
 /* A snapshot as bytes that another process with the same FMU can read. */
-size_t snapshot_size(void);
+Status instance_serialized_size(Instance *instance, const void *snapshot, size_t *size);
 Status instance_serialize(Instance *instance, const void *snapshot, uint8_t bytes[], size_t size);
 Status instance_deserialize(Instance *instance, const uint8_t bytes[], size_t size,
                             void **snapshot);

@@ -18,7 +18,8 @@
 /* Bring the memory (and, where it follows from the parameters, the state) to time t. */
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p);
 
-/* Go from t to t + h with the inputs held. Returns false when the result would not be finite. */
+/* Go from t to t + h with the inputs held. Returns false when the result would not be finite,
+ * or when the step is so long that it would take minutes. */
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p);
 
 /* Outputs at time t. */
@@ -37,7 +38,8 @@ void model_jacobian(double t, const States *x, const Memory *w, const Inputs *u,
                     const Parameters *p, Jacobian *J);
 
 /* A model that is `sampled` in model.toml has this one: take the samples that are due at time t;
- * returns the time of the next. */
+ * returns the time of the next. Where too many are due it takes none, and returns a time that is
+ * past. */
 double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p);
 
 #endif

@@ -9,6 +9,8 @@ static const double RELATIVE = 1e-6;
 static const double ABSOLUTE_V = 1e-8; /* [m/s] */
 static const double ABSOLUTE_F = 1e-5; /* [N], as bristle force sigma_0 z */
 
+enum { MAX_SUBSTEPS = 10000000 }; /* in one step: seconds of work */
+
 /* dv/dt and dz/dt under force u, and their Jacobian in (v, z). */
 typedef struct {
     double dv, dz;
@@ -80,7 +82,7 @@ static double step_factor(double error) {
 bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *dt) {
     double t = 0.0;
     double trial = *dt > 0.0 && *dt < h ? *dt : h;
-    while (t < h) {
+    for (int n = 0; t < h; n++) {
         const bool last = t + trial * 1.000001 >= h;
         const double step = last ? h - t : trial;
         const double middle = motion->x + 0.5 * step * motion->v;
@@ -88,7 +90,7 @@ bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *d
         const double scale = s->roughness ? s->roughness(middle, motion->v, s->context) : 1.0;
         Motion next;
         const double error = try_step(step, motion, u, scale, s, &next);
-        if (error != error)
+        if (error != error || n == MAX_SUBSTEPS)
             return false;
         const double proposal = step * step_factor(error);
         if (error > 1.0) {

@@ -25,6 +25,8 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     double sum = 0.0;
+    if (!samples_countable(w->k, STEP, t + h))
+        return false;
     for (; sample_due(w->k, STEP, t + h); w->k += 1.0) {
         double next[R] = {0.0};
         output(STATES(x), INPUTS(u), w->y);

@@ -26,6 +26,8 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    if (!samples_countable(w->k, p->T_s, t + h))
+        return false;
     for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
         sample(w, u, p);
     double all = w->v_held;
@@ -35,7 +37,7 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
 }
 
 double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
-    for (; sample_reached(w->k, p->T_s, t); w->k += 1.0)
+    for (; samples_countable(w->k, p->T_s, t) && sample_reached(w->k, p->T_s, t); w->k += 1.0)
         sample(w, u, p);
     return w->k * p->T_s;
 }

@@ -51,6 +51,8 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    if (!samples_countable(w->k, p->T_s, t + h))
+        return false;
     for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
         sample(w, u, p);
     const double all = w->x + w->v + w->d + w->N_last + w->F_known;
@@ -58,7 +60,7 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
 }
 
 double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
-    for (; sample_reached(w->k, p->T_s, t); w->k += 1.0)
+    for (; samples_countable(w->k, p->T_s, t) && sample_reached(w->k, p->T_s, t); w->k += 1.0)
         sample(w, u, p);
     return w->k * p->T_s;
 }

@@ -10,6 +10,7 @@ from typing import Any
 from cosim.control import Axis, LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.loop import nominal_parameters
 from stickslip.parameters import PAPER
+from stickslip.result_folder import staged
 from stickslip.setup import LOOP, Datasheet
 from toolchain import write_whole
 
@@ -49,7 +50,9 @@ def run(options: argparse.Namespace) -> None:
         print(f"{name:20} {value:.6g}")
     if options.out:
         content = {**figures, "nominal_loop": nominal_parameters(loop)}
-        print(write_whole(options.out / "design.json", json.dumps(content, indent=2) + "\n"))
+        with staged(options.out, {"name": "design"}) as desk:
+            write_whole(desk / "design.json", json.dumps(content, indent=2) + "\n")
+        print(options.out / "design.json")
 
 
 def summary(loop: VelocityLoop) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from stickslip.execution import Execution
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import write_fleet
-from stickslip.results import claim_folder
+from stickslip.result_folder import claimed
 
 VISIBLE = ("well known", "weakly known", "not visible")
 
@@ -51,7 +52,11 @@ def run(options: argparse.Namespace) -> int:
             f"{options.workers}"
         )
     drives = read_fleet(options.table)
-    claim_folder(options.out)
+    with claimed(options.out):
+        return _learn(options, drives)
+
+
+def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
     where = options.cluster or options.pool
     execution = Execution(options.workers, where, resume=options.resume)
     with TerminalProgress(sys.stderr) as progress:

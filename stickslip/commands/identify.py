@@ -13,7 +13,7 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.identification import identify
 from stickslip.parameters import UNITS
 from stickslip.reproduction import drive_truth
-from stickslip.results import claim_folder
+from stickslip.result_folder import claimed, staged
 from stickslip.rig import rig_of
 from stickslip.setup import LOOP
 from toolchain import write_whole
@@ -31,8 +31,11 @@ def run(options: argparse.Namespace) -> None:
     """Run the experiments, print the estimates with standard errors, and write them."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    if options.out:
-        claim_folder(options.out)
+    with claimed(options.out):
+        _identify(options, truth)
+
+
+def _identify(options: argparse.Namespace, truth: dict[str, float]) -> None:
     with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
         estimates = identify(rig, LOOP, progress.stage).estimates
     for name, estimate in estimates.items():
@@ -46,4 +49,7 @@ def run(options: argparse.Namespace) -> None:
             }
             for name, estimate in estimates.items()
         }
-        print(write_whole(options.out / "identified.json", json.dumps(content, indent=2) + "\n"))
+        changed = {f"drive.{name}": value for name, value in truth.items()}
+        with staged(options.out, {"name": "identify", "set": changed}) as desk:
+            write_whole(desk / "identified.json", json.dumps(content, indent=2) + "\n")
+        print(options.out / "identified.json")

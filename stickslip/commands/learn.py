@@ -22,8 +22,8 @@ from stickslip.errors import UsageError
 from stickslip.estimation import Estimation, JudgeName, Search
 from stickslip.log_learning import learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
-from stickslip.recording import Finding
-from stickslip.results import claim_folder
+from stickslip.recording import Description, Finding
+from stickslip.result_folder import claimed
 
 JUDGES: dict[str, JudgeName] = {
     "auto": "auto",
@@ -80,10 +80,13 @@ def run(options: argparse.Namespace) -> None:
     if options.check:
         _print_findings(read_and_check(options.log, description)[1])
         return
+    with claimed(options.out):
+        _learn(options, description)
+
+
+def _learn(options: argparse.Namespace, description: Description) -> None:
     execution = execution_of(options, (options.out or Path()) / "learning.checkpoint.json")
-    if options.out:
-        claim_folder(options.out)
-    elif options.checkpoint is None:
+    if not options.out and options.checkpoint is None:
         execution = replace(execution, checkpoint=None)
     with TerminalProgress(sys.stderr) as progress:
         learned = learn_from_log(

@@ -24,7 +24,8 @@ from stickslip.loop import FEEDS
 from stickslip.record_mode import reproduce_from_recording
 from stickslip.record_results import write_record_results
 from stickslip.reproduction import Options, drive_truth, reproduce
-from stickslip.results import claim_folder, write_results
+from stickslip.result_folder import claimed
+from stickslip.results import write_results
 from stickslip.validation import Validation
 
 
@@ -81,7 +82,6 @@ def run(options: argparse.Namespace) -> None:
     """Reproduce, write the results and print the main figures."""
     if options.seed < 0:
         raise UsageError(f"--seed must be at least 0, got {options.seed}")
-    execution = execution_of(options, options.out / "learning.checkpoint.json")
     chosen = Options(
         truth=drive_changes(options.set),
         seed=options.seed,
@@ -89,11 +89,12 @@ def run(options: argparse.Namespace) -> None:
         feed=options.feed,
     )
     drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
-    claim_folder(options.out)
     with (
+        claimed(options.out),
         tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
+        execution = execution_of(options, options.out / "learning.checkpoint.json")
         validation = MODES[options.mode](chosen, Path(fmus), progress, execution, options.out)
         forget(execution, options)
     print_table4(validation.table())

@@ -13,7 +13,8 @@ from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
-from stickslip.results import claim_folder
+from stickslip.result_folder import writable
+from toolchain import refuse_odd
 
 _STEPS = 500  # of an FMU that proposes no step
 
@@ -47,6 +48,9 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
     )
+    parser.add_argument(
+        "--allow-nan", action="store_true", help="go on where an output is NaN or infinite"
+    )
     parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
     parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
@@ -73,8 +77,15 @@ def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run, write the samples if asked to, and print the range and end of each signal."""
-    if options.out:
-        claim_folder(options.out.parent)
+    if not options.out:
+        _simulate(options)
+        return
+    refuse_odd(options.out)
+    with writable(options.out.parent):
+        _simulate(options)
+
+
+def _simulate(options: argparse.Namespace) -> None:
     system, experiment, inputs = _open(options.file, options.variant)
     for name, value in split_assignments(options.set).items():
         system.set(_qualified(system, name), value)
@@ -104,6 +115,7 @@ def run(options: argparse.Namespace) -> None:
             step=experiment.step,
             record=record,
             tolerance=options.tolerance,
+            allow_nan=options.allow_nan,
             isolation=isolation_of(options),
         )
     except cosim.ExperimentError as fault:

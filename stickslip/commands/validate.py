@@ -16,7 +16,7 @@ from stickslip.identification import identify
 from stickslip.learned import read_learned
 from stickslip.loop import FEEDS
 from stickslip.reproduction import drive_truth
-from stickslip.results import claim_folder
+from stickslip.result_folder import claimed, staged
 from stickslip.rig import rig_of
 from stickslip.setup import LOOP, VALIDATION
 from stickslip.validation import validate
@@ -50,8 +50,13 @@ def run(options: argparse.Namespace) -> None:
     truth = drive_changes(options.set)
     drive_truth(truth)
     compensator = read_learned(options.parameters)
-    if options.out:
-        claim_folder(options.out)
+    with claimed(options.out):
+        _validate(options, truth, compensator)
+
+
+def _validate(
+    options: argparse.Namespace, truth: dict[str, float], compensator: dict[str, float]
+) -> None:
     with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
         loop = plain = identify(rig, LOOP, progress.stage).loop
         if options.velocity_filter:
@@ -66,6 +71,13 @@ def run(options: argparse.Namespace) -> None:
     if options.velocity_filter:
         print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
     if options.out:
-        for name, table in tables.items():
-            path = options.out / name
-            print(write_whole(path, table.to_csv(index=False, lineterminator="\n")))
+        command = {
+            "name": "validate",
+            "set": {f"drive.{name}": value for name, value in truth.items()},
+            "parameters": compensator,
+            "feed": options.feed,
+        }
+        with staged(options.out, command) as desk:
+            for name, table in tables.items():
+                write_whole(desk / name, table.to_csv(index=False, lineterminator="\n"))
+        print(*(options.out / name for name in tables), sep="\n")

@@ -18,6 +18,8 @@ from stickslip.learned import versions
 from toolchain import MOST_TEXT, parse_json, read_whole, write_whole
 
 TABLE = "fleet.csv"
+UNFINISHED = "unfinished"
+"""The folder of what is learned while a study runs; earlier results stay until it ends."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ def learn_fleet(
     on_done: Callable[[Drive, Outcome], object] = lambda _, __: None,
     job: Job = learn_drive,
 ) -> Fleet:
-    """Learn all drives; each learned.json is in the folder as soon as it is known.
+    """Learn all drives; each learned.json is in ``unfinished/`` as soon as it is known.
 
     Parameters
     ----------
@@ -63,36 +65,32 @@ def learn_fleet(
         At Ctrl-C; says what is kept.
     """
     execution = execution or Execution()
-    if not execution.resume and not (folder / TABLE).exists():
-        for drive in drives:
-            if (path := learned_path(folder, drive)).exists():
-                raise UsageError(
-                    f"{path}: an earlier study did not end; go on with --resume, or choose "
-                    "another folder with --out"
-                )
+    if not execution.resume and (folder / UNFINISHED).exists():
+        raise UsageError(
+            f"{folder / UNFINISHED}: an earlier study did not end; go on with --resume, delete it, "
+            "or choose another folder with --out"
+        )
     origins = {drive.name: _origin(drive) for drive in drives}
     learned: dict[str, dict[str, Any]] = {}
     reasons: dict[str, str] = {}
     if execution.resume:
         for drive in drives:
-            document = _kept(learned_path(folder, drive), origins[drive.name], seed)
-            if document is not None:
+            files = (folder / UNFINISHED / drive.name, folder / "drives" / drive.name)
+            documents = (_kept(f / "learned.json", origins[drive.name], seed) for f in files)
+            if document := next((d for d in documents if d is not None), None):
                 learned[drive.name] = document
     kept = len(learned)
 
     def take(drive: Drive, outcome: Outcome) -> None:
-        path = learned_path(folder, drive)
         if outcome.learned:
             document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
-            path.parent.mkdir(parents=True, exist_ok=True)
+            path = folder / UNFINISHED / drive.name / "learned.json"
             write_whole(path, json.dumps(document, indent=2) + "\n")
             learned[drive.name] = document
         else:
-            path.unlink(missing_ok=True)  # of an earlier study
             reasons[drive.name] = outcome.reason
         on_done(drive, outcome)
 
-    (folder / TABLE).unlink(missing_ok=True)
     left = [drive for drive in drives if drive.name not in learned]
     try:
         run_jobs(job, left, seed, execution.where, execution.workers, take)
@@ -102,11 +100,6 @@ def learn_fleet(
             f"{folder}; go on with --resume"
         ) from None
     return Fleet(drives, learned, reasons, kept)
-
-
-def learned_path(folder: Path, drive: Drive) -> Path:
-    """Return where a drive's learned.json is."""
-    return folder / "drives" / drive.name / "learned.json"
 
 
 def _origin(drive: Drive) -> dict[str, Any]:

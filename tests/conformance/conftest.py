@@ -17,6 +17,7 @@ from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
 import models
+from benchmarks.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s
 
@@ -253,3 +254,12 @@ def exchanged(slave: Callable[..., Slave]) -> Callable[..., Exchanged]:
 def identical() -> Callable[[object, object], bool]:
     """Compare two arrays by their bits."""
     return same_bits
+
+
+@pytest.fixture(scope="session")
+def compiler(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Find a system compiler whose sanitizers work."""
+    found = find_compiler(tmp_path_factory.mktemp("compiler"))
+    if found is None:
+        pytest.skip("no gcc or clang with working address and undefined-behaviour sanitizers")
+    return found

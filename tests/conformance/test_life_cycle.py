@@ -59,9 +59,8 @@ def test_two_halves_equal_the_whole(fmu, slave, identical):
     whole = slave(fmu).initialize(settings).run(0, 80)
     first, second = slave(fmu).initialize(settings), slave(fmu)
     upper = first.run(0, 40)
-    state = first.api.getFMUState()
-    second.api.setFMUState(state)
-    first.api.freeFMUState(state)
+    bytes_ = first.api.serializeFMUState(first.api.getFMUState())
+    second.api.setFMUState(second.api.deserializeFMUState(bytes_))
     assert identical(np.vstack([upper, second.run(40, 80)]), whole)
 
 

@@ -2,31 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
-
+from benchmarks.fuzz_calls import SANITIZE
 from models.export.sources import fmi_headers
-
-SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1")
-
-
-@pytest.fixture(scope="session")
-def compiler(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Find a system compiler whose sanitizers work; ziglang brings none for addresses."""
-    folder = tmp_path_factory.mktemp("compiler")
-    source = folder / "empty.c"
-    source.write_text("int main(void) { return 0; }\n")
-    program = folder / "empty"
-    for name in filter(shutil.which, ("gcc", "clang", "cc")):
-        command = [name, *SANITIZE, str(source), "-o", str(program)]
-        if all(
-            subprocess.run(c, capture_output=True).returncode == 0 for c in (command, [program])
-        ):
-            return name
-    pytest.skip("no gcc or clang with working address and undefined-behaviour sanitizers")
 
 
 def test_a_whole_life_is_clean(fmu, compiler, tmp_path):

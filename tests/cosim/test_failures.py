@@ -128,3 +128,32 @@ def test_an_fmu_that_cannot_be_instantiated(make, tmp_path):
     system.add("a", path)
     with pytest.raises(cosim.SimulationError, match=r"a: wrong\.fmu cannot be instantiated"):
         system.prepare(step=0.1, stop=1.0)
+
+
+@pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
+def test_values_that_are_not_finite_pass_where_they_are_allowed(
+    make, version, compiled, coupling, tmp_path
+):
+    system = cosim.System()
+    system.add("source", make("integrator", version), {"u": 1.0})
+    system.add("gain", make("gain", version))
+    system.connect("source.y", "gain.u")
+    how = {"step": 0.1, "stop": 1.0, "coupling": coupling, "compiled": compiled}
+    with system.prepare(**how, allow_nan=True) as simulation:
+        result = simulation.run({"source.fault": GIVE_NAN, "source.fault_time": 0.45})
+        assert np.isfinite(result["source.y"][:6]).all()
+        assert np.isnan(result["source.y"][6:]).all()
+        assert np.isnan(result["gain.y"][-1])
+        rows = result.to_csv(tmp_path / "out.csv").read_text().splitlines()
+        assert "nan" in rows[-1].split(",")
+        with pytest.raises(cosim.ParameterError):
+            simulation.run({"gain.k": float("nan")})
+
+
+def test_denormals_pass_unchanged(make, version):
+    system = cosim.System()
+    system.add("first", make("gain", version), {"u": 5e-324})
+    system.add("second", make("gain", version))
+    system.connect("first.y", "second.u")
+    result = system.prepare(step=0.1, stop=1.0).run()
+    assert result["second.y"][-1] == 5e-324

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import cosim
 from benchmarks.defects import reference
-from benchmarks.hostile.fmus import describe, replaced
+from benchmarks.hostile.sound import describe, replaced
 from benchmarks.hostile.zips import zipped
 from cosim.description import DescriptionFault, read_description
 from cosim.document import Malformed, parse_xml

@@ -38,6 +38,7 @@ def test_a_fleet_is_the_same_in_processes_and_on_dask(log, cluster, tmp_path, ca
         "fleet.png",
         "fleet.svg",
         "learned.json",
+        "manifest.json",
     }
     assert files(tmp_path / "processes") == results
     assert files(tmp_path / "dask") == results

@@ -82,7 +82,7 @@ def test_what_changed_is_learned_again(drives, tmp_path, monkeypatch):
 def test_a_damaged_result_is_learned_again(drives, tmp_path):
     out, diary = tmp_path / "out", tmp_path / "diary"
     learn_fleet(drives("a", "b"), out, job=quick)
-    path = out / "drives" / "a" / "learned.json"
+    path = out / "unfinished" / "a" / "learned.json"
     whole = path.read_bytes()
     path.write_bytes(whole[:100])
     learn_fleet(drives("a", "b"), out, execution=Execution(resume=True), job=Counting(diary))

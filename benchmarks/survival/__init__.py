@@ -1,0 +1,1 @@
+"""Results survive: processes killed, disks filled and folders removed while they are written."""

@@ -1,0 +1,48 @@
+"""``stickslip verify``: whether results are still what was written."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import ResultsError
+from stickslip.result_folder import verify
+
+
+def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "verify",
+        help="check folders of results against their manifests",
+        description="Compare the files of a folder with the hashes in its manifest.json, and name "
+        "each that is missing, changed or additional. New results that a killed process left "
+        "complete but not all in place are moved in first.",
+        epilog="status 0: all is as it was written; 1: it is not; 2: usage",
+    )
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
+    parser.add_argument(
+        "--without",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="PATTERN",
+        help="files that may be missing, such as '*.fmu' in a repository",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Name what is not as it was written, a line a file."""
+    bad = []
+    for folder in options.folders:
+        verdict = verify(folder, options.without)
+        for name, said in (*verdict.notes.items(), *verdict.faults.items()):
+            shown = name if name.isprintable() else repr(name)
+            print(f"{folder / shown}: {said}")
+        if verdict.faults:
+            bad.append(f"{folder}: {verdict}")
+        else:
+            print(f"{folder}: {verdict}")
+    if bad:
+        raise ResultsError("; ".join(bad))

@@ -1,0 +1,283 @@
+"""Every status at every call: what docs/statuses.md says, and the next run as if nothing was."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+
+import numpy as np
+import pytest
+
+import cosim
+from benchmarks.hostile import faults
+from cosim import Adaptive, Coupling
+
+# function -> (its name in FMI 2.0 and 3.0, which call fails)
+COMMON = {
+    "SetReal": ("fmi2SetReal", "fmi3SetFloat64", 3),
+    "GetReal": ("fmi2GetReal", "fmi3GetFloat64", 5),
+    "Reset": ("fmi2Reset", "fmi3Reset", 1),
+    "EnterInitializationMode": ("fmi2EnterInitializationMode", "fmi3EnterInitializationMode", 1),
+    "ExitInitializationMode": ("fmi2ExitInitializationMode", "fmi3ExitInitializationMode", 1),
+    "Terminate": ("fmi2Terminate", "fmi3Terminate", 1),
+}
+STEPS = {"DoStep": ("fmi2DoStep", "fmi3DoStep", 4)}
+SETUP = {"SetupExperiment": ("fmi2SetupExperiment", "", 1)}
+TYPED = {"GetInteger": ("fmi2GetInteger", "fmi3GetInt32", 5)}
+EXCHANGE = {
+    "SetTime": ("fmi2SetTime", "fmi3SetTime", 9),
+    "EnterContinuousTimeMode": (
+        "fmi2EnterContinuousTimeMode",
+        "fmi3EnterContinuousTimeMode",
+        1,
+    ),
+    "UpdateDiscreteStates": ("fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates", 1),
+    "SetContinuousStates": ("fmi2SetContinuousStates", "fmi3SetContinuousStates", 7),
+    "GetContinuousStates": ("fmi2GetContinuousStates", "fmi3GetContinuousStates", 1),
+    "GetDerivatives": ("fmi2GetDerivatives", "fmi3GetContinuousStateDerivatives", 7),
+    "GetNominals": (
+        "fmi2GetNominalsOfContinuousStates",
+        "fmi3GetNominalsOfContinuousStates",
+        1,
+    ),
+    "CompletedIntegratorStep": ("fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep", 2),
+}
+COUNTED = {
+    "GetNumberOfContinuousStates": ("", "fmi3GetNumberOfContinuousStates", 1),
+    "GetNumberOfEventIndicators": ("", "fmi3GetNumberOfEventIndicators", 1),
+}
+EVENTS = {
+    "EnterStepMode": ("", "fmi3EnterStepMode", 1),
+    "UpdateDiscreteStates": ("", "fmi3UpdateDiscreteStates", 1),
+}
+ROLLBACK = {
+    "GetState": ("fmi2GetFMUstate", "fmi3GetFMUState", 2),
+    "SetState": ("fmi2SetFMUstate", "fmi3SetFMUState", 1),
+}
+CASES = [
+    (version, kind, function)
+    for version in (2, 3)
+    for kind, functions in {
+        "plain": COMMON | STEPS | (SETUP if version == 2 else {}),
+        "typed": COMMON | STEPS | TYPED | (SETUP if version == 2 else {}),
+        "exchange": COMMON | EXCHANGE | (SETUP if version == 2 else COUNTED),
+        "events": COMMON | STEPS | EVENTS if version == 3 else {},
+        "adaptive": COMMON | STEPS | ROLLBACK,
+    }.items()
+    for function in functions
+]
+NAMES = COMMON | STEPS | SETUP | TYPED | EXCHANGE | COUNTED | EVENTS | ROLLBACK
+NAMES["UpdateDiscreteStates"] = EXCHANGE["UpdateDiscreteStates"]
+WORDS = {2: "returned discard", 3: "returned error", 4: "returned fatal", 5: "returned pending"}
+WARNING, DISCARD, FATAL = 1, 2, 4
+STATUSES = (1, 2, 3, 4, 5, 42, 101, -1)
+
+
+class Rig:
+    """One FMU under a simulation, and what it counts itself."""
+
+    def __init__(self, path, version, kind):
+        self.kind = kind
+        fmu = faults.write(path, faults.ARMED_ELSEWHERE, version, self._of_fmu)
+        self.system = cosim.System("rig")
+        self.system.add("a", fmu, {"k": 2.0})
+        self.system.expose("u", "a.u")
+        if kind == "adaptive":  # the step follows what is connected
+            self.system.add("b", faults.write(path.with_name("b.fmu"), "none 1 0", version))
+            self.system.connect("a.y", "b.u")
+        self._library = ctypes.CDLL(str(self.system.components["a"].binary))
+
+    @property
+    def _of_fmu(self):
+        return "plain" if self.kind == "adaptive" else self.kind
+
+    def prepare(self):
+        adaptive = Coupling(degree=1, adaptive=Adaptive(1e-4))
+        coupling = adaptive if self.kind == "adaptive" else "gauss_seidel"
+        return self.system.prepare(step=0.1, stop=1.0, coupling=coupling)
+
+    def arm(self, plan="none 1 0"):
+        self._library.arm(plan.encode())
+
+    def counts(self):
+        found = (ctypes.c_int * 3)()
+        self._library.counts(found)
+        return np.array(found)
+
+
+@pytest.fixture(scope="module")
+def rigs(tmp_path_factory):
+    folder, made = tmp_path_factory.mktemp("faults"), {}
+
+    def rig(version, kind):
+        if (version, kind) not in made:
+            path = folder / f"{kind}{version}.fmu"
+            made[version, kind] = Rig(path, version, kind)
+        return made[version, kind]
+
+    return rig
+
+
+def drive(simulation):
+    return simulation.run(inputs={"u": np.linspace(0.0, 3.0, 11) ** 2}).values
+
+
+def recovers(kind, function, status):
+    """Whether a run goes on: the solver or the importer tries smaller steps."""
+    tried_again = kind != "exchange" and function == "DoStep"
+    by_solver = kind == "exchange" and function in {
+        "SetTime", "SetContinuousStates", "GetDerivatives",
+    }  # fmt: skip
+    return status == DISCARD and (tried_again or by_solver)
+
+
+@pytest.mark.parametrize(("version", "kind", "function"), CASES)
+def test_every_status(rigs, version, kind, function, caplog):
+    rig = rigs(version, kind)
+    *names, nth = NAMES[function]
+    call = names[version - 2]
+    for status in STATUSES:
+        rig.arm()
+        caplog.clear()
+        before_all = rig.counts()
+        with rig.prepare() as simulation, caplog.at_level(logging.WARNING):
+            before = drive(simulation)
+            rig.arm(f"{function} {nth} {status}")
+            if status == WARNING:
+                np.testing.assert_array_equal(drive(simulation), before)
+                (record,) = caplog.records
+                assert record.getMessage().startswith(f"a: {call} returned warning at t = ")
+                assert "the FMU says: " in record.getMessage()
+            elif recovers(kind, function, status):
+                np.testing.assert_allclose(drive(simulation), before, rtol=0.02)
+            else:
+                with pytest.raises(cosim.SimulationError) as error:
+                    drive(simulation)
+                unknown = f"returned the unknown status {status}"
+                words = unknown if version == 3 and status == 5 else WORDS.get(status, unknown)
+                assert str(error.value).startswith(f"a: {call} {words}")
+                assert (
+                    " t = " in str(error.value)
+                    or "initialisation" in str(error.value)
+                    or (function == "Terminate" and "after the last step" in str(error.value))
+                )
+                assert "the FMU says: " in str(error.value)
+            rig.arm()
+            np.testing.assert_array_equal(drive(simulation), before)
+        alive, states, abused = rig.counts() - before_all
+        assert abused == 0
+        assert alive == (status == FATAL)
+        assert states == 0 or status == FATAL
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_discarded_steps_are_tried_in_parts(rigs, version):
+    """With a step of 0.1 s that it discards above 30 ms, as with steps of 25 ms."""
+    rig = rigs(version, "plain")
+    rig.arm()
+    with rig.system.prepare(step=0.025, stop=1.0) as fine:
+        expected = fine.run({"a.u": 1.0}).values[::4]
+    with rig.prepare() as simulation:
+        rig.arm("Long 30 0")
+        for _ in range(2):
+            result = simulation.run({"a.u": 1.0})
+            assert result.stopped is None
+            np.testing.assert_allclose(result["a.y"], expected[:, 1], rtol=1e-12)
+    rig.arm()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_step_that_is_discarded_to_the_end_stops_the_run(rigs, version):
+    rig = rigs(version, "plain")
+    with rig.prepare() as simulation:
+        rig.arm()
+        before = drive(simulation)
+        rig.arm("DoStep 0 2")
+        with pytest.raises(cosim.SimulationError, match=r"DoStep returned discard .* t = 0 s"):
+            drive(simulation)
+        rig.arm()
+        np.testing.assert_array_equal(drive(simulation), before)
+
+
+def test_fatal_buries_the_instances_of_other_simulations_too(rigs):
+    rig = rigs(2, "plain")
+    rig.arm()
+    abused = rig.counts()[2]
+    with rig.prepare() as one, rig.prepare() as other:
+        before = drive(other)
+        drive(one)
+        rig.arm("DoStep 3 4")
+        with pytest.raises(cosim.SimulationError, match="fatal"):
+            drive(one)
+        rig.arm()
+        np.testing.assert_array_equal(drive(other), before)
+        np.testing.assert_array_equal(drive(one), before)
+    assert rig.counts()[2] == abused
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    "function", ["GetState", "SerializedSize", "Serialize", "Deserialize", "SetState", "FreeState"]
+)
+def test_every_status_while_a_state_is_saved_and_resumed(rigs, tmp_path, version, function):
+    rig = rigs(version, "plain")
+    for status in (2, 3, 4, 5, 42, -1):
+        rig.arm()
+        before_all = rig.counts()
+        with rig.prepare() as simulation:
+            whole = simulation.run({"a.u": 1.0}).values
+            simulation.run({"a.u": 1.0}, until=0.5)
+            path = simulation.save(tmp_path / "state")
+            rig.arm(f"{function} 1 {status}")
+            call = simulation.resume if function == "Deserialize" else simulation.save
+            call = simulation.resume if function == "SetState" else call
+            with pytest.raises(cosim.SimulationError, match=rf"^a: fmi{version}\w+ returned"):
+                call(path)
+            rig.arm()
+            np.testing.assert_array_equal(simulation.resume(path).values, whole[5:])
+        alive, states, abused = rig.counts() - before_all
+        assert abused == 0
+        assert alive == (status == FATAL)
+        assert states == 0 or status == FATAL
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    ("plan", "words"),
+    [("Nothing 1 0", "gave no state"), ("Freeze 1 0", "did not bring back the state")],
+)
+def test_a_step_that_cannot_be_taken_back_is_noticed(rigs, version, plan, words):
+    rig = rigs(version, "adaptive")
+    rig.arm()
+    with rig.prepare() as simulation:
+        before = drive(simulation)
+    with rig.prepare() as simulation:
+        rig.arm(plan)
+        with pytest.raises(cosim.SimulationError, match=rf"^a.*: fmi{version}\w+ {words}"):
+            drive(simulation)
+        rig.arm()
+        np.testing.assert_array_equal(drive(simulation), before)
+
+
+def test_warnings_are_counted_and_no_flood(rigs, caplog):
+    rig = rigs(2, "plain")
+    rig.arm("DoStep 0 1")
+    with rig.prepare() as simulation, caplog.at_level(logging.WARNING):
+        for _ in range(20):
+            drive(simulation)
+    rig.arm()
+    (record,) = caplog.records
+    assert "t = 0 s" in record.getMessage()
+    assert record.getMessage().endswith("(warnings in this run: 10)")
+
+
+def test_a_warning_in_a_process_of_its_own_is_logged_here(tmp_path, caplog):
+    system = cosim.System()
+    system.add("a", faults.write(tmp_path / "a.fmu", "DoStep 4 1"))
+    with (
+        system.prepare(step=0.1, stop=1.0, isolation="process") as simulation,
+        caplog.at_level(logging.WARNING),
+    ):
+        simulation.run()
+    (record,) = caplog.records
+    assert record.getMessage().startswith("a: fmi2DoStep returned warning at t = 0.3 s")

@@ -1,0 +1,70 @@
+"""Commands that cannot write, or are interrupted, leave nothing."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stickslip.cli import main
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX limits")
+def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, capsys):
+    import resource
+
+    out = tmp_path / "plan.csv"
+    out.write_text("older")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
+    try:
+        status = main(["plan", "--out", str(out)])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert status == 1
+    assert capsys.readouterr().err == f"stickslip: {out}: File too large\n"
+    assert out.read_text() == "older"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+def test_ctrl_c_leaves_no_process_and_no_folder(tmp_path):
+    """With a pool of processes, in the middle of learning; only the checkpoint stays."""
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    mark = f"ctrl-c-{os.getpid()}"
+    arguments = ["reproduce", "--workers", "2", "--pool", "processes", "--out", str(out)]
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", *arguments],
+        env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        while not (out / "learning.checkpoint.json").exists() and process.poll() is None:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        said = process.communicate()[1]
+    assert process.returncode == 130, said
+    assert said.startswith("stickslip: ")
+    assert said.count("\n") == 1
+    assert {path.name for path in out.iterdir()} == {"learning.checkpoint.json"}
+    assert not list(temporary.iterdir())
+    assert not _marked(f"MARK={mark}".encode())
+
+
+def _marked(mark):
+    """Return the processes that have something in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if mark in path.read_bytes():
+                found.append(path.parent.name)
+        except OSError:
+            continue  # another user's, or gone
+    return found

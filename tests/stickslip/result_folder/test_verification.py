@@ -1,0 +1,126 @@
+"""``stickslip verify`` names each file that is not as it was written."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from stickslip.cli import main
+
+PAPER = Path(__file__).parents[3] / "results" / "paper"
+HASH = "0" * 64
+
+
+def verify(capsys, folder, *options):
+    """Return status, lines on standard output, lines on standard error."""
+    status = main(["verify", str(folder), *options])
+    out, err = capsys.readouterr()
+    return status, out.splitlines(), err.splitlines()
+
+
+def test_what_was_written_is_intact(folder, capsys):
+    assert verify(capsys, folder) == (0, [f"{folder}: 2 intact"], [])
+
+
+def test_each_fault_is_a_line(folder, capsys):
+    (folder / "a").write_text("other")
+    (folder / "b").unlink()
+    (folder / "sub").mkdir()
+    (folder / "sub" / "c").touch()
+    (folder / "new\nline").touch()
+    status, lines, said = verify(capsys, folder)
+    assert status == 1
+    assert lines == [
+        f"{folder}/a: changed",
+        f"{folder}/b: missing",
+        f"{folder}/'new\\nline': additional",
+        f"{folder}/sub/c: additional",
+    ]
+    assert said == [f"stickslip: {folder}: 2 additional, 1 changed, 1 missing, 0 intact"]
+
+
+@pytest.mark.parametrize("kind", ["link", "folder", "pipe"])
+def test_what_is_no_plain_file_is_not_read(folder, tmp_path, capsys, kind):
+    """Even where the link leads to the same content."""
+    content = (folder / "a").read_bytes()
+    (folder / "a").unlink()
+    (tmp_path / "same").write_bytes(content)
+    way = {"link": lambda p: p.symlink_to("../same"), "folder": os.mkdir, "pipe": os.mkfifo}[kind]
+    way(folder / "a")
+    status, lines, _ = verify(capsys, folder)
+    assert status == 1
+    assert lines[0].startswith(f"{folder}/a: unreadable (is a ")
+
+
+def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
+    (folder / "learning.checkpoint.json").touch()
+    (folder / "unfinished" / "a").mkdir(parents=True)
+    (folder / "unfinished" / "a" / "learned.json").touch()
+    status, lines, _ = verify(capsys, folder)
+    assert status == 0
+    assert sum("go on with --resume" in line for line in lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", "no manifest of results"),
+        ("[" * 100_000, "no manifest of results"),
+        ("[]", "holds no object"),
+        ('{"sha256": []}', "'sha256' is missing or no object"),
+        ("{}", "'sha256' is missing or no object"),
+        ('{"command": 1, "sha256": {}}', "'command' is no object"),
+        (json.dumps({"sha256": {"a": "0"}}), "no 64 hexadecimal digits"),
+        (json.dumps({"sha256": {"a": HASH.upper().replace("0", "A")}}), "no 64 hexadecimal"),
+        (json.dumps({"sha256": {"a": 1}}), "no 64 hexadecimal"),
+        *(
+            (json.dumps({"sha256": {name: HASH}}), "no name of a file in the folder")
+            for name in (
+                *("../a", "/etc/passwd", "sub/../../a", "", ".", "a//b", "a/", "c:/x", "a\\b"),
+                *("a\x00b", "a\nb", "a\ud800", "manifest.json"),
+            )
+        ),
+        ('{"sha256": {}, "earlier": 1}', "'earlier' is no list"),
+        ('{"sha256": {}, "earlier": [1]}', "'earlier' is no list"),
+        ('{"sha256": {}, "earlier": [{"command": {}, "files": ["x"]}]}', "'earlier' is no list"),
+        (b"\xff\xfe{}", "no manifest of results"),
+    ],
+)
+def test_a_damaged_manifest_ends_in_one_line(folder, capsys, content, said):
+    path = folder / "manifest.json"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    status, lines, errors = verify(capsys, folder)
+    assert (status, lines, len(errors)) == (1, [], 1)
+    assert said in errors[0]
+    assert str(path) in errors[0]
+
+
+def test_a_folder_or_manifest_that_is_not_there_is_told(folder, capsys):
+    (folder / "manifest.json").unlink()
+    assert "manifest.json: there is none" in verify(capsys, folder)[2][0]
+    assert "there is no such folder" in verify(capsys, folder / "a")[2][0]
+    assert "there is no such folder" in verify(capsys, folder / "none")[2][0]
+
+
+def test_a_manifest_that_is_a_link_or_a_pipe_is_not_read(folder, capsys):
+    path = folder / "manifest.json"
+    path.rename(folder / "real")
+    path.symlink_to("real")
+    assert "is a symbolic link" in verify(capsys, folder)[2][0]
+    path.unlink()
+    os.mkfifo(path)
+    assert "is a device" in verify(capsys, folder)[2][0]
+
+
+def test_results_left_ready_are_moved_in_first(folder, tmp_path, put, capsys):
+    put(tmp_path / "other", a="new a", c="new c")
+    (tmp_path / "other").rename(folder / ".stickslip-ready")
+    assert verify(capsys, folder) == (0, [f"{folder}: 2 intact"], [])
+    assert (folder / "c").read_text() == "new c"
+    assert not (folder / "b").exists()
+
+
+def test_the_committed_results_are_those_that_were_written(capsys):
+    """But for FMUs and packages, which the repository leaves out."""
+    assert verify(capsys, PAPER, "--without", "*.fmu", "*.ssp")[0] == 0
