@@ -157,4 +157,8 @@ def _finite(cost: float) -> float | None:
 
 
 def _cost(stored: float | None) -> float:
-    return float("inf") if stored is None else float(stored)
+    if stored is None:
+        return float("inf")
+    if not (isinstance(stored, int | float) and stored >= 0):
+        raise ValueError(f"a cost of {stored!r}")
+    return float(stored)

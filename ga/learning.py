@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ga import checkpoint as files
-from ga.errors import CostError, Interrupted, NothingLearned, StateError
+from ga.errors import Interrupted, NothingLearned, StateError
 from ga.generation import Candidate
 from ga.judging import Evaluate, Judge
 from ga.optimiser import Optimiser
@@ -73,7 +73,7 @@ def learn(
         state = files.read(path, about)
         try:
             algorithm.replay(state)
-        except (StateError, CostError) as error:
+        except StateError as error:
             raise StateError(f"{path}: {error}") from None
 
     def keep(algorithm: AnyOptimiser) -> None:

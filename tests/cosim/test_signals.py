@@ -53,7 +53,7 @@ def test_table_from_csv(tmp_path):
         ("time,v\n", "no values"),
         ("time,v\n0,1\n1\n", "line 3: expected 2 cells, got 1"),
         ("time,v\n0,one\n", "line 2: .*'one'"),
-        ("time,v\n0,nan\n", "not finite"),
+        ("time,v\n0,nan\n", "line 2: column 'v': expected a finite number, got 'nan'"),
         ("time,v\n1,0\n0,0\n", "time falls from 1.0 to 0.0"),
     ],
 )

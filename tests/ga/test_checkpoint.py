@@ -187,6 +187,16 @@ def test_a_checkpoint_is_checked_before_it_is_resumed(text, said, tmp_path):
     check(tmp_path / "sound.json")
 
 
+@pytest.mark.parametrize("cost", [-1.0, "1", [], float("-inf")])
+def test_a_cost_that_is_none_is_damage(cost):
+    optimiser = new()
+    optimiser.tell([quadratic(row) for row in optimiser.ask()])
+    kept = optimiser.state()
+    kept["evaluations"][3][2] = cost
+    with pytest.raises(ga.StateError, match="damaged"):
+        new().replay(kept)
+
+
 def test_what_cannot_be_repeated_is_refused():
     state = new()
     state.tell([quadratic(row) for row in state.ask()])
