@@ -1,8 +1,12 @@
-"""``--isolate``: FMUs from outside in a process of their own, wherever a command runs some."""
+"""``--isolate``: FMUs from outside in a process of their own, wherever a command runs some.
+
+That is the default where it is tested, on Linux: nobody knows what a stranger's FMU does.
+"""
 
 from __future__ import annotations
 
 import argparse
+import sys
 
 import cosim
 from stickslip.errors import UsageError
@@ -12,17 +16,18 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
     """Declare ``--isolate`` and its limits."""
     parser.add_argument(
         "--isolate",
-        action="store_true",
-        help="run the FMUs in a process of their own, which they may crash",
+        action=argparse.BooleanOptionalAction,
+        default=sys.platform == "linux",
+        help="run the FMUs in a process of their own, which they may crash; the default on Linux",
     )
     parser.add_argument(
         "--timeout",
         type=float,
         metavar="S",
-        help="with --isolate: the run may take; 30 s for each step by default",
+        help="isolated, the run may take; 30 s for each step by default",
     )
     parser.add_argument(
-        "--memory", type=float, metavar="MB", help="with --isolate: 4096 by default (Linux)"
+        "--memory", type=float, metavar="MB", help="isolated, 4096 by default (Linux)"
     )
 
 
