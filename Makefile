@@ -13,8 +13,8 @@ setup: .venv/installed ## install stickslip into .venv
 reproduce: .venv/installed ## reproduce the paper into results/paper
 	$(BIN)/stickslip reproduce
 
-test: .venv/tested ## run the tests
-	$(BIN)/python -m pytest
+test: .venv/tested ## run the tests, on all cores
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine64
 	$(BIN)/python -m pytest -m platforms

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import json
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO
 
 from benchmarks.hostile.case import Case
 from toolchain import lock
 
 LEARNING = 23
 DIGEST = hashlib.sha256(b"a").hexdigest()
-LOCKED: list[IO[str]] = []
-"""Locks that last as long as this process."""
 
 
 def results(folder: Path, *, manifest: str | None = None, **files: str) -> Path:
@@ -71,8 +69,9 @@ def _pipe(path: Path) -> Path:
 
 def _locked(folder: Path) -> Path:
     out = results(folder, **{".stickslip-lock": "4711\n"})
-    LOCKED.append((out / ".stickslip-lock").open("r+"))
-    lock(LOCKED[-1])
+    held = (out / ".stickslip-lock").open("r+")
+    atexit.register(held.close)
+    lock(held)
     return out
 
 

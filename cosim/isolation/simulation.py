@@ -16,7 +16,7 @@ import numpy as np
 import cosim.errors
 from cosim.coupling import Coupling
 from cosim.errors import CosimError, FmuCrashed, SimulationError
-from cosim.experiment import check_tolerance, count_steps
+from cosim.experiment import check_memory, check_tolerance, count_steps
 from cosim.isolation.answers import Reply
 from cosim.isolation.parcel import Tabulated, portable_inputs
 from cosim.isolation.process import Process
@@ -50,10 +50,12 @@ class IsolatedSimulation(Simulation):
         n_steps = count_steps(spec.start, spec.stop, spec.step)
         check_tolerance(spec.tolerance)
         groups = group(spec.system, Coupling.of(spec.coupling))
+        record = Record.of(spec.record)
+        self._layout = layout = Layout.of(spec.system, record)
+        check_memory(n_steps + 1, 1 + len(spec.system.inputs) + layout.kept_per_point(record))
         self.time = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.order = [name for members in groups for name in members.components]
         self.pace = None
-        self._layout = Layout.of(spec.system, Record.of(spec.record))
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
         self._living()

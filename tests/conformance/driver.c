@@ -3,6 +3,7 @@
  * Compiled with -DFMI=2 or -DFMI=3 together with the FMU's sources. The table of variables, which
  * the exporter generates, tells it what there is to set, so it fits every model.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,7 +124,7 @@ static int slopes(Slave slave, const uint32_t *of, const uint32_t *by, double *v
 
 /* Set variable k as its type wants it. */
 static int set(Slave slave, uint32_t k, double value) {
-    const int32_t whole = (int32_t)value;
+    const int32_t whole = fabs(value) < INT32_MAX ? (int32_t)value : INT32_MAX;
     const Boolean truth = value != 0.0;
     switch (VARIABLES[k].type) {
     case REAL:

@@ -6,6 +6,7 @@ import json
 import pytest
 
 import ga
+from ga import checkpoint
 from stickslip.cli import main
 from stickslip.commands.execution import (
     add_algorithm_option,
@@ -38,7 +39,8 @@ def test_options_become_an_execution(tmp_path):
 
 def test_an_unfinished_run_is_not_overwritten_unasked(tmp_path):
     path = tmp_path / "learning.checkpoint.json"
-    path.touch()
+    algorithm = ga.GeneticAlgorithm([ga.Gene("a", 0.1, 2.0, 1.0)])
+    checkpoint.write(path, algorithm.state(), "")
     with pytest.raises(UsageError, match=r"an earlier run did not end; go on with --resume"):
         execution_of(chosen(), path)
     assert execution_of(chosen("--resume"), path).resume

@@ -166,7 +166,8 @@ def test_more_instances_than_some_can_have(tmp_path):
 
 
 SCRIPT = """
-import os, sys, cosim
+import os, signal, sys, cosim
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have taken it away
 system = cosim.System("loop")
 system.add("plant", sys.argv[1])
 simulation = system.prepare(step=0.01, stop=0.1, isolation="process")
