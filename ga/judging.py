@@ -48,6 +48,7 @@ class Judge:
         self._evaluate: Evaluate | Packed = packed(evaluate) if packed else evaluate
         self._executor = executor
         self._begun: dict[bytes, _Place] = {}
+        self._last: list[_Place | None] = []
 
     def outcomes(self, population: Array, ahead: Array, *, begins: bool) -> list[Outcome]:
         """Return cost and reason of every row, in order, whatever the executor.
@@ -82,7 +83,7 @@ class Judge:
             for place in sent:
                 place.task.future.cancel()
             raise
-        self._last = places
+        self._last = places  # Dask would be told of those let go first, and 10 ms later of the next
         return [
             self._alone(row, self._executor, begins and index == 0) if outcome is None else outcome
             for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
@@ -90,8 +91,8 @@ class Judge:
 
     def dismiss(self) -> None:
         """Call off what was begun and is not wanted any more."""
-        for place in self._begun.values():
-            place.task.future.cancel()
+        for task in dict.fromkeys(place.task for place in self._begun.values()):
+            task.future.cancel()
         self._begun = {}
 
     def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:

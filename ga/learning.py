@@ -98,14 +98,17 @@ def _run(
     on_generation: Callable[[AnyOptimiser], object],
 ) -> str:
     judge = Judge(evaluate, executor)
-    while (stopped := algorithm.stopped) is None:
-        begins = algorithm.generation == 0
-        outcomes = judge.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
-        algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
-        if algorithm.best.cost == float("inf"):
-            raise NothingLearned(
-                f"all {algorithm.evaluations} candidates failed, the start values among them; "
-                f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
-            )
-        on_generation(algorithm)
+    try:
+        while (stopped := algorithm.stopped) is None:
+            begins = algorithm.generation == 0
+            outcomes = judge.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
+            algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
+            if algorithm.best.cost == float("inf"):
+                raise NothingLearned(
+                    f"all {algorithm.evaluations} candidates failed, the start values among them; "
+                    f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
+                )
+            on_generation(algorithm)
+    finally:
+        judge.dismiss()
     return stopped

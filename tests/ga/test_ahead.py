@@ -1,6 +1,7 @@
 """A generation is known before the costs of the one before, so that no worker has to wait."""
 
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -107,3 +108,19 @@ def test_what_was_begun_in_vain_is_called_off():
         judge.dismiss()
         assert all(future.cancelled() for future in begun[1:])  # the first may be under way
         release.set()
+
+
+def test_a_run_that_ends_early_leaves_nothing_in_the_queue():
+    evaluated = []
+
+    def cost(values):
+        evaluated.append(1)
+        if len(evaluated) < 30:
+            return quadratic(values)
+        time.sleep(0.1)  # the run ends meanwhile
+        return 0.0
+
+    with ThreadPoolExecutor(1) as threads:
+        algorithm = optimiser(generations=50, target=0.0)
+        ga.learn(algorithm, cost, threads)
+    assert len(evaluated) <= algorithm.evaluations + 2  # of eight; one may have been under way
