@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /pro
 LIMITS = cosim.Isolation(timeout=60.0)
 
 
-def children() -> set[int]:
+def below() -> set[int]:
     """Return the processes below this one, also those that are dead but not waited for."""
     parents = {}
     for folder in Path("/proc").iterdir():
@@ -37,6 +37,13 @@ def children() -> set[int]:
         new = {child for child, parent in parents.items() if parent in new}
         found |= new
     return found
+
+
+@pytest.fixture
+def children():
+    """Return a function that tells the processes below this one that the test has begun."""
+    before = below()
+    return lambda: below() - before
 
 
 def open_files() -> int:
@@ -62,7 +69,7 @@ def run(system, limits=LIMITS, **arguments):
         "DoStep close_standard",
     ],
 )
-def test_what_it_changes_is_left_behind(hostile, behaviour):
+def test_what_it_changes_is_left_behind(hostile, children, behaviour):
     here, files = (Path.cwd(), signal.getsignal(signal.SIGINT)), open_files()
     result = run(hostile(behaviour))
     assert np.allclose(result["plant.y"], 0.01 * np.arange(11))
@@ -79,7 +86,7 @@ def test_numbers_near_zero_stay_what_they_are(hostile):
         assert result["plant.y"][1] == 1e-308 * 0.01
 
 
-def test_the_next_run_has_another_child(hostile):
+def test_the_next_run_has_another_child(hostile, children):
     """A tenth of all k crash where fragile is set."""
     with hostile().prepare(step=0.01, stop=0.1, isolation=LIMITS) as simulation:
         for k, fragile, dies in [
@@ -105,7 +112,7 @@ def test_a_binary_is_never_loaded_here(hostile):
     assert "hostile.so" not in Path("/proc/self/maps").read_text()
 
 
-def test_nothing_is_left_of_many_crashes(hostile):
+def test_nothing_is_left_of_many_crashes(hostile, children):
     with pytest.raises(cosim.FmuCrashed):
         run(hostile("DoStep segv"))
     gc.collect()
@@ -119,7 +126,7 @@ def test_nothing_is_left_of_many_crashes(hostile):
     assert not children()
 
 
-def test_who_forgets_to_close_leaves_nothing(hostile):
+def test_who_forgets_to_close_leaves_nothing(hostile, children):
     simulation = hostile("DoStep daemon").prepare(step=0.01, stop=0.1, isolation="process")
     simulation.run()
     (child,) = (pid for pid in children() if os.getpgid(pid) == pid)
