@@ -1,6 +1,6 @@
 """Judges FMUs of FMI 2.0 and FMI 3.0: archive, description, files, binaries, and how they run.
 
-A room of its own: it shares nothing with the importer, which forgives what this must not.
+A room of its own: it shares no reader with the importer, which forgives what this must not.
 """
 
 from importlib import import_module

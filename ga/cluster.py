@@ -135,5 +135,11 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
                     silence_logs=logging.ERROR,
                 )
             scheduler = stack.enter_context(started)
-        client = stack.enter_context(distributed.Client(scheduler))
+        try:
+            client = stack.enter_context(distributed.Client(scheduler))
+        except (OSError, ValueError, TypeError) as fault:  # as Dask says that an address is none
+            raise SettingsError(
+                f"no Dask scheduler at {where!r} ({fault}); expected the address of one that runs,"
+                " such as tcp://10.0.0.1:8786"
+            ) from fault
         yield stack.enter_context(DaskWorkers(client))

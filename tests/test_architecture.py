@@ -18,7 +18,7 @@ ALLOWED = {
     "toolchain": set(),
     "models": {"toolchain"},
     "cosim": {"toolchain"},
-    "fmucheck": set(),
+    "fmucheck": {"toolchain"},
     "ga": {"cosim", "toolchain"},
     "stickslip": {"fmucheck", "ga", "cosim", "models", "toolchain"},
 }

@@ -20,6 +20,7 @@ from toolchain.errors import (
     ToolchainError,
     WrongExports,
 )
+from toolchain.frame import MAX_MEMBERS, check_frame
 from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
 from toolchain.reading import MOST_TEXT, parse_json, parse_toml, read_whole
@@ -27,6 +28,7 @@ from toolchain.universal import universal
 from toolchain.whole import refuse_odd, sync_folder, write_whole
 
 __all__ = [
+    "MAX_MEMBERS",
     "MOST_TEXT",
     "PLATFORMS",
     "CompilationFailed",
@@ -38,6 +40,7 @@ __all__ = [
     "WrongExports",
     "binaries",
     "cache_directory",
+    "check_frame",
     "host_platform",
     "interface",
     "is_at",

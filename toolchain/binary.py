@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from struct import unpack_from
 
 from toolchain.errors import NotALibrary
+from toolchain.names import MOST_COMMANDS, MOST_NAMES, MOST_SECTIONS, Names, checked
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,9 @@ def interface(library: bytes) -> Interface:
             exports, needs = _mach_o(library)
         else:
             raise NotALibrary(f"neither ELF nor PE nor Mach-O: it begins with {library[:4]!r}")
-    except (struct.error, ValueError, IndexError) as error:
+    except (struct.error, ValueError, IndexError, OverflowError) as error:
         raise NotALibrary(f"a damaged library: {error}") from None
     return Interface(frozenset(exports), frozenset(needs))
-
-
-def _text(data: bytes, place: int) -> str:
-    return data[place : data.index(b"\0", place)].decode()
 
 
 def _elf(data: bytes) -> tuple[list[str], list[str]]:
@@ -49,18 +46,18 @@ def _elf(data: bytes) -> tuple[list[str], list[str]]:
     (table,) = unpack_from("<Q", data, 40)
     size, count = unpack_from("<HH", data, 58)
     sections = [unpack_from("<IIQQQQI", data, table + k * size) for k in range(count)]
-    exports, needs = [], []
-    for _, kind, _, _, offset, length, link in sections:
-        if kind == 11:
-            for k in range(offset, offset + length, 24):
-                name, info, _, section = unpack_from("<IBBH", data, k)
-                if section and info >> 4 in (1, 2):  # defined here, global or weak
-                    exports.append(_text(data, sections[link][4] + name))
-        elif kind == 6:
-            for k in range(offset, offset + length, 16):
-                tag, value = unpack_from("<QQ", data, k)
-                if tag == 1:
-                    needs.append(_text(data, sections[link][4] + value))
+    first = {section[1]: section[4:] for section in reversed(sections)}
+    exports, needs, names = [], [], Names(data)
+    for offset, length, link in [first[11]] if 11 in first else []:
+        for k in range(checked(length // 24, "symbols")):
+            name, info, _, section = unpack_from("<IBBH", data, offset + 24 * k)
+            if section and info >> 4 in (1, 2):  # defined here, global or weak
+                exports.append(names.at(sections[link][4] + name))
+    for offset, length, link in [first[6]] if 6 in first else []:
+        for k in range(checked(length // 16, "entries in .dynamic", MOST_COMMANDS)):
+            tag, value = unpack_from("<QQ", data, offset + 16 * k)
+            if tag == 1:
+                needs.append(names.at(sections[link][4] + value))
     return exports, needs
 
 
@@ -71,7 +68,8 @@ def _pe(data: bytes) -> tuple[list[str], list[str]]:
     (optional,) = unpack_from("<H", data, header + 20)
     first = header + 24 + optional
     sections: list[tuple[int, ...]] = [
-        unpack_from("<IIII", data, first + 40 * k + 8) for k in range(count)
+        unpack_from("<IIII", data, first + 40 * k + 8)
+        for k in range(checked(count, "sections", MOST_SECTIONS))
     ]
 
     def place(address: int) -> int:
@@ -81,38 +79,42 @@ def _pe(data: bytes) -> tuple[list[str], list[str]]:
         raise ValueError(f"no section holds address {address}")
 
     exported, _, imported = unpack_from("<III", data, header + 24 + 112)
-    exports, needs = [], []
+    exports, needs, names = [], [], Names(data)
     if exported:
-        n, _, names = unpack_from("<III", data, place(exported) + 24)
-        for k in range(n):
-            (name,) = unpack_from("<I", data, place(names) + 4 * k)
-            exports.append(_text(data, place(name)))
+        n, _, table = unpack_from("<III", data, place(exported) + 24)
+        for k in range(checked(n, "exported names", MOST_NAMES)):
+            (name,) = unpack_from("<I", data, place(table) + 4 * k)
+            exports.append(names.at(place(name)))
     k = place(imported) if imported else 0
     while k and (name := unpack_from("<I", data, k + 12)[0]):
-        needs.append(_text(data, place(name)))
+        needs.append(names.at(place(name)))
+        checked(len(needs), "libraries that it needs", MOST_NAMES)
         k += 20
     return exports, needs
 
 
 def _mach_o(data: bytes) -> tuple[list[str], list[str]]:
     """Read the load commands LC_SYMTAB (2) and LC_LOAD_DYLIB (12); C names begin with _."""
-    exports, needs = [], []
-    for kind, k in _load_commands(data):
-        if kind == 2:
-            symbols, count, strings, _ = unpack_from("<IIII", data, k + 8)
-            for s in range(symbols, symbols + 16 * count, 16):
-                name, flags = unpack_from("<IB", data, s)
-                if flags & 0x0F == 0x0F:  # external, in a section; not private
-                    exports.append(_text(data, strings + name).removeprefix("_"))
-        elif kind == 12:
-            needs.append(_text(data, k + unpack_from("<I", data, k + 8)[0]))
+    commands = list(_load_commands(data))
+    exports, needs, names = [], [], Names(data)
+    for k in [k for kind, k in commands if kind == 2][:1]:  # there is one
+        symbols, count, strings, _ = unpack_from("<IIII", data, k + 8)
+        for s in range(symbols, symbols + 16 * checked(count, "symbols"), 16):
+            name, flags = unpack_from("<IB", data, s)
+            if flags & 0x0F == 0x0F:  # external, in a section; not private
+                exports.append(names.at(strings + name).removeprefix("_"))
+    for k in (k for kind, k in commands if kind == 12):
+        (name,) = unpack_from("<I", data, k + 8)
+        needs.append(names.at(k + name))
     return exports, needs
 
 
 def _load_commands(data: bytes) -> Iterator[tuple[int, int]]:
     (count,) = unpack_from("<I", data, 16)
     k = 32
-    for _ in range(count):
+    for _ in range(checked(count, "load commands", MOST_COMMANDS)):
         kind, size = unpack_from("<II", data, k)
+        if size < 8:
+            raise ValueError(f"a load command of {size} bytes")
         yield kind, k
         k += size

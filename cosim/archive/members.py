@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
+import toolchain
 from cosim.archive import directory
 from cosim.archive.errors import Refused
 from cosim.names import printable, shown
@@ -29,8 +30,11 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
     Refused
     OSError
     """
+    try:
+        stated = toolchain.check_frame(file)
+    except ValueError as fault:
+        raise Refused(str(fault)) from None
     with _blaming("not a zip archive, or a damaged one"):
-        stated = directory.check_frame(file)
         archive = zipfile.ZipFile(file)
     with archive:
         members = archive.infolist()

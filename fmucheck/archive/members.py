@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 from collections import Counter
 
 from fmucheck.archive.reading import (
     MAX_BYTES,
-    MAX_MEMBERS,
     Archive,
     is_inflated,
     is_link,
+    is_special,
     is_unsafe,
 )
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
+from toolchain import MAX_MEMBERS
 
-_MAGIC = b"PK"
 _METHODS = {0: "stored", 8: "deflate", 12: "bzip2", 14: "lzma", 93: "zstandard"}
 _DESCRIPTION = "modelDescription.xml"
+_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9]) *(\.|$)", re.IGNORECASE)
+_LONGEST = 200  # characters of a path
 
 
 @rule(
@@ -25,23 +29,15 @@ _DESCRIPTION = "modelDescription.xml"
 )
 def not_a_zip(archive: Archive) -> Claims:
     """The file is no zip archive, or cannot be read."""
-    if archive.fault and not _begins_as_zip(archive):
+    if archive.fault and not archive.is_zip:
         yield str(archive.path), archive.fault
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="copy or export the FMU again")
 def damaged_archive(archive: Archive) -> Claims:
     """The archive is truncated or its directory is damaged."""
-    if archive.fault and _begins_as_zip(archive):
+    if archive.fault and archive.is_zip:
         yield str(archive.path), f"begins as a zip archive, but: {archive.fault}"
-
-
-def _begins_as_zip(archive: Archive) -> bool:
-    try:
-        with archive.path.open("rb") as file:
-            return file.read(2) == _MAGIC
-    except OSError:
-        return False
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="do not unpack it; ask where it came from")
@@ -54,10 +50,11 @@ def zip_bomb(archive: Archive) -> Claims:
         )
     if archive.bytes > MAX_BYTES:
         yield str(archive.path), f"{archive.bytes} bytes when unpacked; at most {MAX_BYTES} are"
-    for member in archive.members:
-        if is_inflated(member):
-            size = f"{member.compress_size} bytes become {member.file_size}"
-            yield member.orig_filename, f"{size}; it is not unpacked"
+    everything = (str(archive.path), archive.packed, archive.bytes)
+    each = [(m.orig_filename, m.compress_size, m.file_size) for m in archive.members]
+    for name, packed, size in [everything, *each]:
+        if is_inflated(size, packed):
+            yield name, f"{packed} bytes become {size}; it is not unpacked"
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="give members relative paths inside the FMU")
@@ -80,20 +77,42 @@ def duplicate_member(archive: Archive) -> Claims:
 
 @rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="rename one of them")
 def colliding_members(archive: Archive) -> Claims:
-    """Two paths differ in case only, which Windows and macOS take for one file."""
+    """Two paths differ in case or accents only, or one is a folder: some take them for one."""
     first: dict[str, str] = {}
-    for name in {m.orig_filename: None for m in archive.files}:
-        other = first.setdefault(name.casefold(), name)
-        if other != name:
-            yield name, f"differs from {other} in case only"
+    for name in {m.orig_filename: None for m in archive.members}:
+        key = unicodedata.normalize("NFC", name.removesuffix("/")).casefold()
+        other = first.setdefault(key, name)
+        if other.strip("/") == name.strip("/") and other != name:
+            yield name, "is a file and a folder"
+        elif other != name:
+            yield name, f"differs from {other} in case or accents only"
+
+
+@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="rename it")
+def unportable_path(archive: Archive) -> Claims:
+    """A path that not every system has: of a device, with a colon, ending in a dot, too long..."""
+    for name in (m.orig_filename for m in archive.members if not is_unsafe(m.orig_filename)):
+        parts = name.removesuffix("/").split("/")
+        if ":" in name:
+            yield name, "has a colon, which names a drive or a stream on Windows"
+        if not all(parts):
+            yield name, "has an empty part"
+        if any(part.endswith((".", " ")) and part != "." for part in parts):
+            yield name, "has a dot or blank at the end of a part, which Windows drops"
+        if any(map(_DEVICE.match, parts)):
+            yield name, "has the name of a device of Windows"
+        if len(name) > _LONGEST:
+            yield name, f"has {len(name)} characters; with its folder, Windows takes 260"
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack the file itself")
 def link_in_archive(archive: Archive) -> Claims:
-    """A member is a symbolic link."""
+    """A member is a symbolic link, a pipe or a device."""
     for member in archive.members:
         if is_link(member):
             yield member.orig_filename, "is a symbolic link; it is not unpacked"
+        elif is_special(member):
+            yield member.orig_filename, "is a pipe or a device; it is not unpacked"
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack without a password")

@@ -11,12 +11,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-MAX_MEMBERS = 20_000
+from toolchain import MAX_MEMBERS, check_frame
+
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of a member that is large when unpacked
 LARGE = 64 * 1024**2
 
+_MAGIC = b"PK"
+_FAULTS = (zipfile.BadZipFile, OSError, EOFError, ValueError, NotImplementedError)
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_PLAIN = (0, stat.S_IFREG, stat.S_IFDIR)
 _UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 
@@ -27,11 +31,13 @@ class Archive:
     Attributes
     ----------
     fault : why it cannot be read at all
+    is_zip : it begins as one
     damaged : member name -> why its content cannot be read; filled by ``unpack``
     """
 
     path: Path
     fault: str | None = None
+    is_zip: bool = False
     members: list[zipfile.ZipInfo] = field(default_factory=list)
     damaged: dict[str, str] = field(default_factory=dict)
 
@@ -46,18 +52,24 @@ class Archive:
         return sum(member.file_size for member in self.members)
 
     @property
+    def packed(self) -> int:
+        """Size of all members as they are."""
+        return sum(member.compress_size for member in self.members)
+
+    @property
     def is_bomb(self) -> bool:
         """Whether unpacking would take more than a real FMU ever does."""
         return (
             len(self.members) > MAX_MEMBERS
             or self.bytes > MAX_BYTES
-            or any(is_inflated(m) for m in self.members)
+            or is_inflated(self.bytes, self.packed)
+            or any(is_inflated(m.file_size, m.compress_size) for m in self.members)
         )
 
 
-def is_inflated(member: zipfile.ZipInfo) -> bool:
-    """Tell whether a member is large and packed far tighter than data ever is."""
-    return member.file_size > max(LARGE, MAX_RATIO * member.compress_size)
+def is_inflated(size: int, packed: int) -> bool:
+    """Tell whether bytes are many and packed far tighter than data ever is."""
+    return size > max(LARGE, MAX_RATIO * packed)
 
 
 def is_unsafe(name: str) -> bool:
@@ -70,6 +82,12 @@ def is_link(member: zipfile.ZipInfo) -> bool:
     return stat.S_ISLNK(member.external_attr >> 16)
 
 
+def is_special(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is a pipe, a device or another file that is no data."""
+    kind = stat.S_IFMT(member.external_attr >> 16)
+    return member.create_system == 3 and kind not in (*_PLAIN, stat.S_IFLNK)
+
+
 def is_readable(member: zipfile.ZipInfo) -> bool:
     """Tell whether a member's content can be read without a password or other methods."""
     return member.compress_type in _METHODS and not member.flag_bits & 1
@@ -77,11 +95,22 @@ def is_readable(member: zipfile.ZipInfo) -> bool:
 
 def read_archive(path: Path) -> Archive:
     """Read the directory of an archive."""
+    archive = Archive(path)
     try:
-        with zipfile.ZipFile(path) as archive:
-            return Archive(path, members=archive.infolist())
-    except (zipfile.BadZipFile, OSError, EOFError, ValueError, NotImplementedError) as fault:
-        return Archive(path, fault=getattr(fault, "strerror", None) or str(fault))
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe or a device may have no end
+            archive.fault = "is no file"
+            return archive
+        with path.open("rb") as file:
+            archive.is_zip = file.read(2) == _MAGIC
+            stated = check_frame(file)
+            with zipfile.ZipFile(file) as content:
+                archive.members = content.infolist()
+            if len(archive.members) != stated:
+                archive.fault = f"{len(archive.members)} members listed, {stated} stated at its end"
+    except _FAULTS as fault:
+        said = getattr(fault, "strerror", None) or str(fault)
+        archive.fault = said.partition(";")[0]  # the advice of a rule follows
+    return archive
 
 
 def unpack(archive: Archive, folder: Path) -> frozenset[str]:
@@ -91,10 +120,14 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
     ones are noted.
     """
     seen: set[str] = set()
+    for member in archive.members:
+        if member.orig_filename.endswith("/") and member.file_size:
+            archive.damaged[member.orig_filename] = f"a folder with {member.file_size} bytes"
     with zipfile.ZipFile(archive.path) as file:
         for member in archive.files:
             name = member.orig_filename
-            if is_unsafe(name) or is_link(member) or not is_readable(member) or name in seen:
+            odd = is_unsafe(name) or is_link(member) or is_special(member)
+            if odd or not is_readable(member) or name in seen:
                 continue
             seen.add(name)
             try:
@@ -102,7 +135,9 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with file.open(member) as source, target.open("wb") as copy:
                     shutil.copyfileobj(source, copy)
-            except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError) as fault:
+                if (size := target.stat().st_size) != member.file_size:
+                    raise ValueError(f"{size} bytes, though its header says {member.file_size}")
+            except (*_FAULTS, zlib.error, RuntimeError) as fault:
                 archive.damaged[name] = str(fault)
                 with suppress(OSError):  # its name may be too long to be asked for
                     target.unlink()

@@ -5,6 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
+from toolchain.names import MOST_COMMANDS, Names, checked
+
 MAGIC = b"\x7fELF"
 
 _MACHINES = {0x03: "x86", 0x3E: "x86_64", 0x28: "aarch32", 0xB7: "aarch64", 0xF3: "riscv"}
@@ -30,7 +32,8 @@ def read(data: bytes) -> tuple[str, list[str], list[str]]:
     if dynamic is None:
         raise ValueError("it has no dynamic segment")
     entry = struct.Struct(order + ("qQ" if wide else "iI"))
-    entries = [entry.unpack_from(data, dynamic[0] + k) for k in range(0, dynamic[1], entry.size)]
+    length = checked(dynamic[1] // entry.size, "entries in the dynamic segment", MOST_COMMANDS)
+    entries = [entry.unpack_from(data, dynamic[0] + k * entry.size) for k in range(length)]
     tags = dict(reversed(entries))
 
     def offset(address: int) -> int:
@@ -39,15 +42,12 @@ def read(data: bytes) -> tuple[str, list[str], list[str]]:
                 return place + address - start
         raise ValueError(f"address {address:#x} lies in no segment")
 
-    strings = offset(tags[_STRINGS])
-
-    def text(place: int) -> str:
-        return data[strings + place : data.index(b"\0", strings + place)].decode("latin-1")
-
-    needs = [text(value) for tag, value in entries if tag == _NEEDED]
-    count = _symbol_count(data, tags, offset, order, wide)
+    strings, names = offset(tags[_STRINGS]), Names(data)
+    needs = [names.at(strings + value) for tag, value in entries if tag == _NEEDED]
+    count = checked(_symbol_count(data, tags, offset, order, wide), "symbols")
     exports = _exports(data, offset(tags[_SYMBOLS]), count, order, wide)
-    return _MACHINES.get(number, f"machine {number}"), [text(name) for name in exports], needs
+    machine = _MACHINES.get(number, f"machine {number}")
+    return machine, [names.at(strings + name) for name in exports], needs
 
 
 def _segments(data: bytes, wide: bool, order: str) -> list[tuple[int, int, int, int]]:
@@ -77,12 +77,13 @@ def _symbol_count(
     table = offset(tags[_GNU_HASH])
     buckets, first, bloom, _ = struct.unpack_from(order + "IIII", data, table)
     place = table + 16 + bloom * (8 if wide else 4)
+    checked(buckets, "buckets of symbols")
     last = max(struct.unpack_from(f"{order}{buckets}I", data, place), default=0)
     if last < first:
         return int(first)
     chain = place + 4 * buckets + 4 * (last - first)
     while not struct.unpack_from(order + "I", data, chain)[0] & 1:
-        chain, last = chain + 4, last + 1
+        chain, last = chain + 4, checked(last + 1, "symbols")
     return int(last) + 1
 
 

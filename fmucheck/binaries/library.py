@@ -43,6 +43,6 @@ def read_library(data: bytes) -> Library | str:
                 needs=tuple(dict.fromkeys(name for part in parts for name in part.needs)),
                 unsigned=any(part.machine == "aarch64" and not part.signed for part in parts),
             )
-    except (struct.error, IndexError, ValueError, KeyError) as fault:
+    except (struct.error, IndexError, ValueError, KeyError, OverflowError) as fault:
         return f"its headers are damaged: {fault}"
     return f"is neither ELF nor PE nor Mach-O; it begins with {data[:4]!r}"

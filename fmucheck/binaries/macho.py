@@ -5,6 +5,8 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
+from toolchain.names import MOST_COMMANDS, Names, checked
+
 _THIN = {b"\xcf\xfa\xed\xfe": True, b"\xce\xfa\xed\xfe": False}
 _FAT = b"\xca\xfe\xba\xbe"
 MAGICS = (*_THIN, _FAT)
@@ -48,13 +50,16 @@ def _part(data: bytes) -> Part:
     _, number, _, kind, count = struct.unpack_from("<IIIII", data, 0)
     if kind not in _LIBRARIES:
         raise ValueError(f"Mach-O of type {kind} is no shared library")
+    checked(count, "load commands", MOST_COMMANDS)
     place = 32 if wide else 28
-    exports: list[str] = []
+    exports: list[str] | None = None
     needs: list[str] = []
     signed = False
     for _ in range(count):
         command, size = struct.unpack_from("<II", data, place)
-        if command == _SYMBOLS:
+        if size < 8:
+            raise ValueError(f"a load command of {size} bytes")
+        if command == _SYMBOLS and exports is None:
             table, symbols, strings = struct.unpack_from("<III", data, place + 8)
             exports = _exports(data, table, symbols, strings, wide)
         elif command in _LOADS:
@@ -62,17 +67,16 @@ def _part(data: bytes) -> Part:
             needs.append(data[place + name : place + size].split(b"\0")[0].decode("latin-1"))
         signed = signed or command == _SIGNATURE
         place += size
-    return Part(_MACHINES.get(number, f"machine {number:#x}"), exports, needs, signed)
+    return Part(_MACHINES.get(number, f"machine {number:#x}"), exports or [], needs, signed)
 
 
 def _exports(data: bytes, table: int, count: int, strings: int, wide: bool) -> list[str]:
     """Return the names of symbols that are defined and visible, without the leading underscore."""
     symbol = struct.Struct("<IBBHQ" if wide else "<IBBHI")
-    found = []
-    for k in range(count):
+    found, names = [], Names(data)
+    for k in range(checked(count, "symbols")):
         name, kind, *_rest = symbol.unpack_from(data, table + k * symbol.size)
         visible = kind & _OUTSIDE and not kind & (_HIDDEN | _DEBUG)
         if visible and kind & _KIND == _DEFINED:
-            place = strings + name
-            found.append(data[place : data.index(b"\0", place)].decode("latin-1").removeprefix("_"))
+            found.append(names.at(strings + name).removeprefix("_"))
     return found

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from fmucheck.description.model import Description
+from fmucheck.description.model import Description, Variable
 from fmucheck.description.values import FLOATS
 from fmucheck.finding import Severity
 from fmucheck.rules import Claims, rule
+
+_ORDERS = 20  # of derivatives
 
 
 @rule(
@@ -15,7 +17,7 @@ from fmucheck.rules import Claims, rule
     advice="refer to the state it is the derivative of",
 )
 def bad_derivative(description: Description) -> Claims:
-    """The attribute derivative refers to nothing, to itself, or to no continuous real variable."""
+    """The attribute derivative refers to nothing, in a circle, or to no real that is continuous."""
     for v in description.variables:
         if "derivative" not in v.given:
             continue
@@ -29,6 +31,18 @@ def bad_derivative(description: Description) -> Claims:
             yield v.place, f"{what} is {state.name}, which is {state.kind}, {state.variability}"
         elif v.kind not in FLOATS:
             yield v.place, f"is {v.kind}, and the derivative of {state.name}"
+        elif _is_circular(v, description):
+            yield v.place, f"{what}, and so on in a circle"
+
+
+def _is_circular(v: Variable, description: Description) -> bool:
+    """Tell whether a variable is its own derivative of an order that occurs."""
+    at: Variable | None = v
+    for _ in range(_ORDERS):
+        at = None if at is None or at.derivative is None else description.by_key.get(at.derivative)
+        if at is v:
+            return True
+    return False
 
 
 @rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="add the attribute derivative")

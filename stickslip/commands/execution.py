@@ -78,7 +78,12 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
         )
     if path.exists():
         check(path)  # before anything is done
-    return Execution(options.workers, options.cluster or options.pool, path, options.resume)
+    return Execution(
+        options.workers,
+        options.pool if options.cluster is None else options.cluster,
+        path,
+        options.resume,
+    )
 
 
 def forget(execution: Execution, options: argparse.Namespace) -> None:

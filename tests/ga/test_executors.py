@@ -81,7 +81,12 @@ def test_a_single_thread_is_the_callers_own():
 
 @pytest.mark.parametrize(
     ("where", "workers", "message"),
-    [("threads", 0, "at least 1, got 0"), ("greenlets", 2, "no workers 'greenlets'")],
+    [
+        ("threads", 0, "at least 1, got 0"),
+        ("greenlets", 2, "no workers 'greenlets'"),
+        ("tcp://", 2, "no Dask scheduler at 'tcp://'"),
+        ("http://127.0.0.1:1", 2, "no Dask scheduler at 'http"),
+    ],
 )
 def test_a_place_that_cannot_be_is_named(where, workers, message):
     with pytest.raises(ga.SettingsError, match=message), ga.executor(where, workers):

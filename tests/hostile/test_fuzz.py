@@ -9,7 +9,7 @@ import pytest
 from benchmarks.fuzz import campaign
 from benchmarks.fuzz.parsers import NAMES, load
 
-N = {"archive": 2000, "description": 2000}
+N = {"archive": 2000, "description": 2000, "library": 2000}
 N |= dict.fromkeys(("csv", "json", "mat", "state", "toml"), 1000)
 REFUSED = {"parquet": 1, "log_csv": 1}
 """Of the inputs that all others are made from: texts in Parquet are no inputs, though a log may
