@@ -186,7 +186,8 @@ class Stepping(Prepared):
         """Return the number of the step that ends at a time."""
         if until is None:
             return len(self.time) - 1
-        n = round((until - self.spec.start) / self.spec.step)
+        steps = (until - self.spec.start) / self.spec.step
+        n = round(steps) if math.isfinite(steps) else 0
         if not 0 < n < len(self.time) or abs(self.time[n] - until) > 1e-9 * self.spec.step * n:
             raise ExperimentError(f"until = {until} s is none of the points in time of the run")
         return n

@@ -23,7 +23,7 @@ from toolchain.errors import (
 from toolchain.frame import MAX_MEMBERS, check_frame
 from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
-from toolchain.reading import MOST_TEXT, parse_json, parse_toml, read_whole
+from toolchain.reading import MOST_TEXT, digest, open_plain, parse_json, parse_toml, read_whole
 from toolchain.universal import universal
 from toolchain.whole import refuse_odd, sync_folder, write_whole
 
@@ -41,10 +41,12 @@ __all__ = [
     "binaries",
     "cache_directory",
     "check_frame",
+    "digest",
     "host_platform",
     "interface",
     "is_at",
     "lock",
+    "open_plain",
     "parse_json",
     "parse_toml",
     "read_whole",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import os
 import re
 import stat
 import tomllib
 from collections import Counter
+from io import BufferedReader
 from typing import Any
 
 DEEPEST = 32
@@ -35,21 +37,45 @@ def read_whole(path: str | os.PathLike[str], most: int) -> bytes:
     OSError
         When it cannot be read, is no regular file (a pipe would never end) or is larger.
     """
+    with open_plain(path) as file:
+        stated = os.fstat(file.fileno()).st_size
+        data = file.read(most + 1) if stated <= most else b""
+        size = max(stated, len(data))  # of some files the system says 0
+        if size > most:
+            said = f"{size} bytes, at most {most} are read; take a part of it"
+            raise _refused(errno.EFBIG, said, path)
+    return data
+
+
+def digest(path: str | os.PathLike[str]) -> str:
+    """Return the SHA-256 of what a file holds, in hexadecimal.
+
+    Raises
+    ------
+    OSError
+        When it cannot be read, or is no regular file.
+    """
+    with open_plain(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def open_plain(path: str | os.PathLike[str]) -> BufferedReader:
+    """Open a regular file; a pipe or a device may never end.
+
+    Raises
+    ------
+    OSError
+        When it cannot be opened, or is none.
+    """
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
         number = os.open(path, flags)
     except ValueError:  # NUL, or half a character
         raise _refused(errno.EINVAL, "no name that a file can have", path) from None
-    with os.fdopen(number, "rb") as file:
-        about = os.fstat(number)
-        if not stat.S_ISREG(about.st_mode):
-            raise _refused(errno.EINVAL, "no regular file; write it to one first", path)
-        data = file.read(most + 1) if about.st_size <= most else b""
-        size = max(about.st_size, len(data))  # of some files the system says 0
-        if size > most:
-            said = f"{size} bytes, at most {most} are read; take a part of it"
-            raise _refused(errno.EFBIG, said, path)
-    return data
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise _refused(errno.EINVAL, "no regular file; write it to one first", path)
+    return os.fdopen(number, "rb")
 
 
 def parse_json(data: bytes) -> Any:

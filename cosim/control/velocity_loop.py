@@ -23,6 +23,8 @@ from cosim.control.axis import Array, Axis, ControlError, check
 from cosim.control.loop_parts import known_force, plant_and_estimator
 from cosim.control.velocity_filter import VelocityFilter
 
+_SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too few digits
+
 
 @dataclass(frozen=True)
 class LoopSpecification:
@@ -51,8 +53,9 @@ class LoopSpecification:
         check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
         inside = 0.0 < self.phase_margin < 180.0
         check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
-        inside = 0.0 < self.bandwidth < 0.5 / self.T_s
-        limits = f"between 0 and half the sample rate, {0.5 / self.T_s:g} Hz"
+        rate = 1.0 / self.T_s
+        inside = _SLOWEST * rate < self.bandwidth < 0.5 * rate
+        limits = f"between {_SLOWEST * rate:g} and {0.5 * rate:g} Hz, half the sample rate"
         check("bandwidth", self.bandwidth, "Hz", inside, limits)
 
 

@@ -86,6 +86,8 @@ class _Served:
             answer = {"error": "MemoryError", "message": ""}
         except Exception as error:  # noqa: BLE001 - raised again where it was asked for
             answer = {"error": type(error).__name__, "message": str(error)}
+            if isinstance(error, OSError) and error.filename:
+                answer["file"] = [error.errno, error.strerror, str(error.filename)]
         self._reply(**answer, logged=self._logged.take())
 
     def prepare(self) -> dict[str, object]:

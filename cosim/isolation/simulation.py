@@ -220,6 +220,8 @@ class IsolatedSimulation(Simulation):
 
 def _raise(reply: Reply) -> NoReturn:
     """Raise here what was raised in the child."""
+    if "file" in reply:
+        raise OSError(*reply["file"])
     kind = getattr(cosim.errors, reply["error"], None) or getattr(builtins, reply["error"], None)
     if isinstance(kind, type) and issubclass(kind, CosimError | ValueError | TypeError | OSError):
         raise kind(reply["message"])

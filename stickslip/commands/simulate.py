@@ -92,6 +92,8 @@ def _simulate(options: argparse.Namespace) -> None:
     lone = options.file.suffix == ".fmu"
     if lone:
         _expose_inputs(system)
+    if options.hold and not options.input:
+        raise UsageError("--hold names columns of --input; give one")
     if options.input:
         tables = cosim.read_tables(options.input, options.hold)
         inputs = {_exposed(system, name): table for name, table in tables.items()}
@@ -108,6 +110,7 @@ def _simulate(options: argparse.Namespace) -> None:
         raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
     names = options.record and [_qualified(system, name) for name in options.record]
     record = cosim.Record(names, options.every, "last" if options.last else "all")
+    isolation = isolation_of(options)
     try:
         prepared = system.prepare(
             start=experiment.start or 0.0,
@@ -116,10 +119,11 @@ def _simulate(options: argparse.Namespace) -> None:
             record=record,
             tolerance=options.tolerance,
             allow_nan=options.allow_nan,
-            isolation=isolation_of(options),
+            isolation=isolation,
         )
     except cosim.ExperimentError as fault:
-        raise UsageError(f"{options.file}: {fault}; see --stop and --step") from fault
+        hint = "" if "tolerance" in str(fault) else "; see --stop and --step"
+        raise UsageError(f"{options.file}: {fault}{hint}") from fault
     with prepared as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
@@ -151,6 +155,8 @@ def _open(
         return *cosim.read_ssp(path, variant), packed_input(path)
     if path.suffix != ".fmu":
         raise UsageError(f"{path}: expected a file .ssp or .fmu")
+    if variant is not None:
+        raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
     fmu = cosim.Fmu(path)
     system = cosim.System(path.stem)
     system.add(fmu.identifier, fmu)

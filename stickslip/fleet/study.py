@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
 from stickslip.learned import versions
-from toolchain import MOST_TEXT, parse_json, read_whole, write_whole
+from toolchain import MOST_TEXT, digest, parse_json, read_whole, write_whole
 
 TABLE = "fleet.csv"
 UNFINISHED = "unfinished"
@@ -114,9 +113,8 @@ def _origin(drive: Drive) -> dict[str, Any]:
 
 def _hash(path: Path) -> str | None:
     try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except (OSError, ValueError):  # or no name that a file can have
+        return digest(path)
+    except OSError:
         return None  # the drive will fail, and say why
 
 

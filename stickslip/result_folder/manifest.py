@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from collections.abc import Mapping
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ResultsError
-from toolchain import MOST_TEXT, parse_json, read_whole, refuse_odd
+from toolchain import MOST_TEXT, digest, parse_json, read_whole, refuse_odd
 
 MANIFEST = "manifest.json"
 
@@ -58,7 +57,7 @@ class Manifest:
 
     def without(self, names: frozenset[str]) -> Manifest:
         """Return the manifest of a folder in which some files are not."""
-        hashes = {name: digest for name, digest in self.sha256.items() if name not in names}
+        hashes = {name: known for name, known in self.sha256.items() if name not in names}
         earlier = {name: (by, files - names) for name, (by, files) in self.earlier.items()}
         return Manifest(self.command, hashes, earlier)
 
@@ -105,10 +104,10 @@ class Manifest:
             raise ResultsError("'command' is no object")
         if not isinstance(hashes, dict):
             raise ResultsError("'sha256' is missing or no object")
-        for name, digest in hashes.items():
+        for name, known in hashes.items():
             if not (_NAME.fullmatch(name) and name.isprintable()) or name == MANIFEST:
                 raise ResultsError(f"it names {name!r}, which is no name of a file in the folder")
-            if not isinstance(digest, str) or not _HASH.fullmatch(digest):
+            if not isinstance(known, str) or not _HASH.fullmatch(known):
                 raise ResultsError(f"the SHA-256 of {name!r} is no 64 hexadecimal digits")
         return cls(command, hashes, _earlier(content.get("earlier", []), hashes))
 
@@ -122,8 +121,7 @@ def hash_of(path: Path) -> str:
         When it is not there, is a link or no file, or cannot be read.
     """
     refuse_odd(path)
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return digest(path)
 
 
 def _earlier(content: object, hashes: Mapping[str, str]) -> dict[str, Share]:

@@ -1,5 +1,6 @@
 """Shared libraries are read as they are, whatever they are built for."""
 
+import re
 import struct
 import zipfile
 
@@ -88,3 +89,28 @@ def test_an_unsigned_library_for_arm_macs_is_found(tmp_path):
         content = {name: archive.read(name) for name in archive.namelist()}
     pack(path, content | {"binaries/aarch64-darwin/stage.dylib": unsigned})
     assert "unsigned-for-arm-mac" in check(path, run=False).rules
+
+
+def words(*numbers: int) -> bytes:
+    return struct.pack(f"<{len(numbers)}I", *numbers)
+
+
+MACHO = words(0xFEEDFACF, 0x01000007, 3, 6)
+ENDLESS = {
+    "commands of no size": MACHO + words(2**32 - 1, 0, 0, 0) + bytes(64),
+    "commands": MACHO + words(2**32 - 1, 0, 0, 0) + words(99, 8) * 20_000,
+    "symbols": MACHO + words(1, 24, 0, 0) + words(2, 24, 0, 2**31, 0, 0) + bytes(16 * 600_000),
+    "sections": b"MZ".ljust(60, b"\0") + words(64) + b"PE\0\0"
+    # machine, sections, two dates, symbols, the optional header's size, flags
+    + struct.pack("<HHIIIHH", 0x8664, 65535, 0, 0, 0, 240, 0x2000) + bytes(40 * 65535 + 240),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ENDLESS)
+def test_tables_without_end_are_not_read(name):
+    """Importer and judge both give up by what the header says."""
+    found = read_library(ENDLESS[name])
+    assert isinstance(found, str)
+    assert re.search(r"are read|of 0 bytes", found)
+    with pytest.raises(toolchain.NotALibrary, match=r"are read|of 0 bytes"):
+        toolchain.interface(ENDLESS[name])

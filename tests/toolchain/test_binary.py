@@ -8,6 +8,7 @@ import pytest
 
 import toolchain
 from toolchain import PLATFORMS
+from toolchain.names import Names
 
 VISIBLE = """
 #ifdef _WIN32
@@ -79,3 +80,12 @@ def test_a_universal_library_holds_both_processors_whole():
         assert place % (1 << align) == 0
         assert joined[place : place + size] == part
     assert toolchain.universal(thin[:1]) == thin[0]
+
+
+def test_names_end_soon_and_are_not_without_number():
+    assert Names(b"ab\0c\0").at(1) == "b"
+    with pytest.raises(ValueError, match="does not end within 4096"):
+        Names(b"x" * 5000 + b"\0").at(0)
+    names = Names(b"x" * 4000 + b"\0")
+    with pytest.raises(ValueError, match="names of more than"):
+        [names.at(0) for _ in range(10_000)]  # as tables whose entries all point to one name

@@ -1,6 +1,7 @@
 """A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
 
 import os
+from dataclasses import replace
 
 import pytest
 from fleet_jobs import Counting, Deadly, quick
@@ -88,3 +89,12 @@ def test_a_damaged_result_is_learned_again(drives, tmp_path):
     learn_fleet(drives("a", "b"), out, execution=Execution(resume=True), job=Counting(diary))
     assert diary.read_text().split() == ["a"]
     assert path.read_bytes() == whole
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")
+def test_a_log_that_is_no_file_fails_and_is_not_waited_for(drives, tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    fleet = drives("a", "b")
+    source = replace(fleet[1].source, log=tmp_path / "pipe.csv")
+    fleet = learn_fleet([fleet[0], replace(fleet[1], source=source)], tmp_path / "out")
+    assert "no regular file" in fleet.reasons["b"]
