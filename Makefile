@@ -1,6 +1,7 @@
 # Everything begins here. Python 3.11 or newer and pip are all that is needed.
 PYTHON ?= python3
 BIN := .venv/bin
+SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
 .PHONY: help setup reproduce test test-platforms check format sanitize bench clean
@@ -14,7 +15,7 @@ reproduce: .venv/installed ## reproduce the paper into results/paper
 	$(BIN)/stickslip reproduce
 
 test: .venv/tested ## run the tests, on all cores
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+	$(BIN)/python -m pytest $(SPREAD)
 
 test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine64
 	$(BIN)/python -m pytest -m platforms
@@ -34,7 +35,7 @@ sanitize: .venv/tested ## run the tests of the C, built by gcc with its sanitize
 	STICKSLIP_CC=gcc STICKSLIP_CFLAGS="-O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-error" \
 	    ASAN_OPTIONS=detect_leaks=0 STICKSLIP_CACHE="$$PWD/.sanitized" \
 	    LD_PRELOAD="$$(gcc -print-file-name=libasan.so):$$(gcc -print-file-name=libubsan.so)" \
-	    $(BIN)/python -m pytest tests/models tests/conformance tests/cosim tests/ga
+	    $(BIN)/python -m pytest $(SPREAD) tests/models tests/conformance tests/cosim tests/ga
 
 bench: .venv/tested ## measure speed, as ratios inside one run
 	$(BIN)/python -m benchmarks
