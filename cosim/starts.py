@@ -26,11 +26,11 @@ def check_starts(system: System) -> None:
             set_ = (n == name or n.startswith(f"{name}[") for n in system.parameters)
             if variable.is_settable and not any(set_):
                 unit = f" {variable.unit}" if variable.unit else ""
-                bounds = variable.minimum, variable.maximum
-                wrong = (
-                    "no finite number" if bounds == (None, None) else "outside its range {} .. {}"
-                )
+                low, high = variable.minimum, variable.maximum
+                wrong = f"outside its range {low} .. {high}{unit}"
+                if low is None is high:
+                    wrong = "no finite number"
                 raise ParameterError(
                     f"{fmu.path}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
-                    f" {wrong.format(*bounds)}; give it another start value"
+                    f" {wrong}; give it another start value"
                 )

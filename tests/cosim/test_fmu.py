@@ -9,6 +9,7 @@ import zipfile
 import pytest
 
 import cosim
+import toolchain
 from cosim.archive import directory
 
 
@@ -151,7 +152,7 @@ def test_too_much(tmp_path, monkeypatch):
     monkeypatch.setattr(directory, "MAX_BYTES", 10)
     with pytest.raises(cosim.FmuError, match="at most 10"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "x" * 11}))
-    monkeypatch.setattr(directory, "MAX_MEMBERS", 1)
+    monkeypatch.setattr(toolchain.frame, "MAX_MEMBERS", 1)
     with pytest.raises(cosim.FmuError, match="2 members"):
         cosim.Fmu(pack(tmp_path / "b.fmu", {"a": "", "b": ""}))
 
