@@ -2,6 +2,7 @@
 
 import os
 import signal
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,9 +19,10 @@ class KillsItsWorker:
     once: Path | None = None
 
     def __call__(self, values: np.ndarray) -> float:
-        if self.once is not None and self.once.exists():
-            self.once.unlink()
-            self._die()
+        if self.once is not None:
+            with suppress(FileNotFoundError):  # another worker was first
+                self.once.unlink()
+                self._die()
         if values[0] > self.limit:
             self._die()
         return quadratic(values)
