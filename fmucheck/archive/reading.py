@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from toolchain import MAX_MEMBERS, check_frame
+from toolchain import MAX_MEMBERS, check_frame, open_plain
 
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of a member that is large when unpacked
@@ -97,10 +97,7 @@ def read_archive(path: Path) -> Archive:
     """Read the directory of an archive."""
     archive = Archive(path)
     try:
-        if not stat.S_ISREG(path.stat().st_mode):  # a pipe or a device may have no end
-            archive.fault = "is no file"
-            return archive
-        with path.open("rb") as file:
+        with open_plain(path) as file:
             archive.is_zip = file.read(2) == _MAGIC
             stated = check_frame(file)
             with zipfile.ZipFile(file) as content:

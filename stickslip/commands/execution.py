@@ -32,12 +32,14 @@ def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
     place = parser.add_mutually_exclusive_group()
     place.add_argument(
         "--pool",
+        dest="where",
         choices=["threads", "processes"],
         default="threads",
         help="what the workers are on this machine",
     )
     place.add_argument(
         "--cluster",
+        dest="where",
         metavar="ADDRESS",
         help="run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here",
     )
@@ -78,12 +80,7 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
         )
     if path.exists():
         check(path)  # before anything is done
-    return Execution(
-        options.workers,
-        options.pool if options.cluster is None else options.cluster,
-        path,
-        options.resume,
-    )
+    return Execution(options.workers, options.where, path, options.resume)
 
 
 def forget(execution: Execution, options: argparse.Namespace) -> None:

@@ -57,8 +57,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
-    where = options.pool if options.cluster is None else options.cluster
-    execution = Execution(options.workers, where, resume=options.resume)
+    execution = Execution(options.workers, options.where, resume=options.resume)
     with TerminalProgress(sys.stderr) as progress:
         done = 0
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from fmpy.fmi1 import FMICallException
-from hypothesis import HealthCheck, settings
+from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
     Bundle,
@@ -150,6 +150,5 @@ def test_no_order_of_calls_breaks_a_law(fmu, slave, identical):
             deadline=None,
             database=None,
             derandomize=True,
-            suppress_health_check=list(HealthCheck),
         ),
     )
