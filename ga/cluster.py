@@ -135,11 +135,37 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
                     silence_logs=logging.ERROR,
                 )
             scheduler = stack.enter_context(started)
-        try:
-            client = stack.enter_context(distributed.Client(scheduler))
-        except (OSError, ValueError, TypeError) as fault:  # as Dask says that an address is none
-            raise SettingsError(
-                f"no Dask scheduler at {where!r} ({fault}); expected the address of one that runs,"
-                " such as tcp://10.0.0.1:8786"
-            ) from fault
+        else:
+            _knock(where)
+        client = stack.enter_context(distributed.Client(scheduler))
         yield stack.enter_context(DaskWorkers(client))
+
+
+def _knock(address: str) -> None:
+    """Raise SettingsError unless a scheduler answers.
+
+    A Client would say so too, but one that fails is closed by the garbage collector, whose thread
+    may then wait ten seconds for the lock with which the next Client starts that thread.
+    """
+    distributed: Any = import_module("distributed")
+
+    async def identity() -> dict[str, Any]:
+        secrets = distributed.Security().get_connection_args("client")
+        async with distributed.rpc(address, connection_args=secrets) as peer:
+            found: dict[str, Any] = await peer.identity()
+            return found
+
+    limit = import_module("dask.utils").parse_timedelta(
+        import_module("dask").config.get("distributed.comm.timeouts.connect")
+    )
+    loop = import_module("distributed.utils").LoopRunner(asynchronous=False)
+    try:
+        peer = loop.run_sync(identity, callback_timeout=limit)
+        fault = "" if "workers" in peer else f"there is a {peer.get('type')}"
+    except (OSError, ValueError, TypeError) as error:  # as Dask says that an address is none
+        fault = str(error)
+    if fault:
+        raise SettingsError(
+            f"no Dask scheduler at {address!r} ({fault}); expected the address of one that runs,"
+            " such as tcp://10.0.0.1:8786"
+        )

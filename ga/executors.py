@@ -43,8 +43,8 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 
     Raises
     ------
-    SettingsError : no such place, no worker at all, or ``distributed`` is not installed
-    OSError : no scheduler answers at the address
+    SettingsError : no such place, no worker at all, no scheduler that answers at the address, or
+        ``distributed`` is not installed
     """
     if workers < 1:
         raise SettingsError(f"workers must be at least 1, got {workers}")

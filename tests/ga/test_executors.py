@@ -1,6 +1,7 @@
 """Threads, processes and Dask: the same bytes, also when workers die."""
 
 import os
+import socket
 
 import numpy as np
 import pytest
@@ -90,6 +91,24 @@ def test_a_single_thread_is_the_callers_own():
 )
 def test_a_place_that_cannot_be_is_named(where, workers, message):
     with pytest.raises(ga.SettingsError, match=message), ga.executor(where, workers):
+        pass
+
+
+def test_no_client_is_begun_where_no_scheduler_answers(cluster, monkeypatch):
+    """A client that fails would be closed by the garbage collector, in whatever thread it runs."""
+    import dask
+    import distributed
+
+    monkeypatch.setattr(distributed, "Client", None)
+    worker = next(iter(cluster._client.ncores()))
+    with pytest.raises(ga.SettingsError, match="there is a "), ga.executor(worker, 2):
+        pass
+    with (
+        socket.create_server(("127.0.0.1", 0)) as silent,
+        dask.config.set({"distributed.comm.timeouts.connect": "200ms"}),
+        pytest.raises(ga.SettingsError, match=r"timed out after 0\.2 s"),
+        ga.executor(f"tcp://127.0.0.1:{silent.getsockname()[1]}", 2),
+    ):
         pass
 
 
