@@ -35,6 +35,8 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
             f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
             "the one logged, so the loop is not known well enough to run it again"
         )
+    form = f", its {check.form}" if check.form else ""
     return loop, (
-        f"the controller is known and commands the logged force within {100 * check.error:.2g} %"
+        f"the controller is known{form}, and commands the logged force within "
+        f"{100 * check.error:.2g} %"
     )

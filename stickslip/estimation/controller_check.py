@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import cosim
+from stickslip.estimation.controller_forms import OWN, forms
 from stickslip.estimation.known_loop import NO_LIMIT
 from stickslip.estimation.motion import position_of
 from stickslip.measurement import Array, smoothed
@@ -17,6 +18,8 @@ from stickslip.recording import Recording
 SHARE = 1.0 / 50.0
 """Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
+BETTER = 0.5
+"""Share of the error that another form of the controller may leave, to be believed."""
 
 
 @dataclass(frozen=True)
@@ -29,17 +32,21 @@ class ControllerCheck:
     error : root mean square of logged without commanded force, relative to the logged one, both
         low-passed; NaN where no force was logged
     shift : samples by which the log shows a command late
+    gains : of the FMU, in the form that commands the logged force best
+    form : how that differs from the FMU's own; empty if it does not
     """
 
     force: Array
     error: float
     shift: int
+    gains: Mapping[str, float]
+    form: str = OWN
 
 
 def check_controller(
     fmus: Path, recording: Recording, gains: Mapping[str, float]
 ) -> ControllerCheck:
-    """Run the controller FMU along the recorded motion and commands."""
+    """Run the controller FMU along the recorded motion and commands, in each of its forms."""
     system = cosim.System("controller")
     limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
     system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
@@ -53,19 +60,35 @@ def check_controller(
         system.expose(name, f"controller.{name}")
     stop = (len(recording.t) - 1) * recording.T_s
     with system.prepare(step=recording.T_s, stop=stop, record=["controller.u"]) as simulation:
-        shown = simulation.run(inputs=inputs)["controller.u"]
-    commanded = np.append(shown[1:], shown[-1])  # row n + 1 shows what sample n decided
-    if recording.force is None:
-        return ControllerCheck(commanded, float("nan"), 0)
+
+        def commanded(gains: Mapping[str, float]) -> Array:
+            parameters = {f"controller.{name}": value for name, value in gains.items()}
+            shown = simulation.run(parameters, inputs)["controller.u"]
+            return np.append(shown[1:], shown[-1])  # row n + 1 shows what sample n decided
+
+        if recording.force is None:
+            return ControllerCheck(commanded(gains), float("nan"), 0, gains)
+        force, T_s = recording.force, recording.T_s
+        checks = [
+            _compared(force, T_s, commanded(said), said, form)
+            for form, said in forms(gains, T_s).items()
+        ]
+    own, best = checks[0], min(checks, key=lambda check: check.error)
+    return best if best.error < BETTER * own.error else own
+
+
+def _compared(
+    force: Array, T_s: float, commanded: Array, gains: Mapping[str, float], form: str
+) -> ControllerCheck:
     n = len(commanded) - max(SHIFTS)
 
-    def slow(force: Array) -> Array:
-        return smoothed(force, recording.T_s, SHARE / recording.T_s)
+    def slow(signal: Array) -> Array:
+        return smoothed(signal, T_s, SHARE / T_s)
 
-    size = float(np.linalg.norm(slow(recording.force))) or 1.0
+    size = float(np.linalg.norm(slow(force))) or 1.0
     errors = [
-        float(np.linalg.norm(slow(recording.force[shift : shift + n] - commanded[:n]))) / size
+        float(np.linalg.norm(slow(force[shift : shift + n] - commanded[:n]))) / size
         for shift in SHIFTS
     ]
     best = int(np.argmin(errors))
-    return ControllerCheck(commanded, errors[best], best)
+    return ControllerCheck(commanded, errors[best], best, gains, form)

@@ -134,6 +134,7 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
         profiles=profile,
         searches=searches,
         figures=estimation.figures.scaled(back),
-        controller=check and replace(check, force=check.force / scale.force),
+        controller=check
+        and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),
         gains=None if estimation.gains is None else scale.restored(estimation.gains),
     )

@@ -35,6 +35,7 @@ from stickslip.recording import Recording
 MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
 CURVE = ("F_s", "F_c", "v_s")
+RISE = ("F_s", "v_s")
 STEEPER = 0.5
 WHITENINGS = 2
 WORTH = 1.1
@@ -88,6 +89,7 @@ def _learn(
         check = check_controller(task.fmus, recording, task.gains)
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
+        task = replace(task, gains=check.gains)
     recording, remarks = _against_motion(recording)
     task = replace(task, recording=recording)
     judge, reason = choose(task, check)
@@ -182,15 +184,16 @@ def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
 
 
 def _best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
-    """Fit from where a search ended, and from a usual Stribeck curve there; return the better.
+    """Fit from where a search ended, from a usual Stribeck curve there, and from the straight line.
 
-    A curve that falls over the whole range of speeds, with friction that rises in place of it, is a
-    valley of its own, where searches end now and then.
+    Searches end now and then in a valley of their own: of a curve that falls over the whole range
+    of speeds, with friction that rises in place of it; or, where the drive rests for long, of
+    bristles too stiff to be seen.
     """
     usual = {**values, **{name: start.line[name] for name in ("m", "b", "F_0", *CURVE)}}
     usual["v_s"] *= STEEPER
-    fits = [fit(inverse, start.unknowns, start.unknowns.coordinates(at)) for at in (values, usual)]
-    return min(fits, key=lambda found: found.noise)
+    begins = [start.unknowns.coordinates(at) for at in (values, usual, start.line)]
+    return min((fit(inverse, start.unknowns, q) for q in begins), key=lambda found: found.noise)
 
 
 def _of_seed(task: Task, seed: int) -> Search:
@@ -206,9 +209,10 @@ def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
     """Return a fit with F_s = F_c, if the recording does not ask for more.
 
     A rise of friction towards rest that nobody saw would be compensated all the same, and a force
-    that is not there pushes the drive.
+    that is not there pushes the drive. One that spreads over all speeds is a part of b.
     """
-    if certainty("F_s", found, found.errors(), BLOCKS).visible != NOT_VISIBLE:
+    errors = found.errors()
+    if all(certainty(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in RISE):
         return found
     level = found.unknowns.upper.copy()
     level[0] = LEVEL

@@ -82,10 +82,11 @@ def _controller(estimation: Estimation) -> Html:
     if check is None or not math.isfinite(check.error):
         return join([])
     samples = "sample" if check.shift == 1 else "samples"
+    form = f", its {check.form}," if check.form else ""
     late = f", {check.shift} {samples} late" if check.shift else ""
     return paragraph(
-        f"Along the recorded motion the controller given commands the recorded {push}{late}, with "
-        f"a relative error of {relative(check.error)}."
+        f"Along the recorded motion the controller given{form} commands the recorded {push}{late}, "
+        f"with a relative error of {relative(check.error)}."
     )
 
 

@@ -89,7 +89,7 @@ def made(kind="loop", n=30_000):
         searches=pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **PAPER}]),
         algorithm=algorithm(),
         figures=Figures(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
-        controller=None if simulated is None else ControllerCheck(force, 6e-4, 1),
+        controller=None if simulated is None else ControllerCheck(force, 6e-4, 1, {}),
         model_error=0.6,
         remarks=("the sign was turned",),
     )
