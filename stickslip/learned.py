@@ -70,6 +70,7 @@ def estimation_document(
         "parameters": parameters,
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
+        "delta": {"value": estimation.delta, "unit": "1"},
         "log": estimation.recording.source,
         "motion": estimation.recording.motion,
         "judge": estimation.judge,
@@ -97,7 +98,9 @@ def versions() -> dict[str, str]:
 
 
 def read_learned(path: Path) -> dict[str, float]:
-    """Return the five parameters of a learned.json by name, in SI units.
+    """Return the compensator's parameters of a learned.json by name, in SI units.
+
+    LuGre's five, and the exponent ``delta`` where the file has it.
 
     Raises
     ------
@@ -109,6 +112,8 @@ def read_learned(path: Path) -> dict[str, float]:
     document = read_document(path)
     try:
         values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
+        if "delta" in document:
+            values["delta"] = float(document["delta"]["value"])
     except (ValueError, KeyError, TypeError) as error:
         reason = str(error)
         if isinstance(error, KeyError):

@@ -43,8 +43,8 @@ class LogLearning:
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The five parameters by name, in SI units."""
-        return {name: self.estimation.known[name].value for name in LUGRE}
+        """The compensator's parameters by name, in SI units."""
+        return self.estimation.compensator
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:

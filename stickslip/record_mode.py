@@ -20,7 +20,7 @@ from stickslip.estimation import Estimation, Search, Task, candidate_fmus, learn
 from stickslip.execution import Execution
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.loop import build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER, UNITS
+from stickslip.parameters import PAPER, UNITS
 from stickslip.plan import plan
 from stickslip.recording import Finding, Recording, check_recording
 from stickslip.reproduction import Options, Progress, drive_truth
@@ -56,8 +56,8 @@ class RecordReproduction:
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The five learned parameters by name, in SI units."""
-        return compensator_of(self.estimation)
+        """The compensator's parameters by name, in SI units."""
+        return self.estimation.compensator
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was learned, in SI units; the drive's truth enters here only.
@@ -83,11 +83,6 @@ class RecordReproduction:
             }
             rows.append(row)
         return pd.DataFrame(rows)
-
-
-def compensator_of(estimation: Estimation) -> dict[str, float]:
-    """Return the parameters of the compensator that an estimation gives, in SI units."""
-    return {name: estimation.known[name].value for name in LUGRE}
 
 
 def record_drive(rig: Rig) -> tuple[Recording, VelocityLoop]:
@@ -130,7 +125,7 @@ def reproduce_from_recording(
         task = Task(candidates, recording, gains, search=how, seed=options.seed)
         estimation = learn(task, progress.stage, progress.generation)
     progress.stage("validating")
-    compensator, known = compensator_of(estimation), estimation.known
+    compensator, known = estimation.compensator, estimation.known
     axis = rig.datasheet.axis(known["m"].value, max(known["b"].value, 0.0))
     plain = design_velocity_loop(axis, LOOP)
     loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))

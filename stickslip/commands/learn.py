@@ -123,6 +123,7 @@ def print_estimation(estimation: Estimation) -> None:
         interval = f"[{known.low:.5g}, {known.high:.5g}]"
         unit = unit_of(name, rotary=rotary)
         print(f"{name:8} {known.value:12.6g} {unit:9} {interval:26} {known.sentence}")
+    print(f"{'delta':8} {estimation.delta:12.6g} {'1':9} exponent of the Stribeck curve, 1 or 2")
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} of the force, beyond the log's own")

@@ -31,9 +31,9 @@ def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]
         for low_pass in _FILTERS:
             said = {
                 **gains,
-                "K_p": gains["K_p"] - lacking * T_s * gains["K_i"],
-                "P_x": gains["P_x"] - lacking * T_s * gains["I_x"],
-                "tau_f": _time_constant(low_pass, gains["tau_f"], T_s),
+                "K_p": gains.get("K_p", 0.0) - lacking * T_s * gains.get("K_i", 0.0),
+                "P_x": gains.get("P_x", 0.0) - lacking * T_s * gains.get("I_x", 0.0),
+                "tau_f": _time_constant(low_pass, gains.get("tau_f", 0.0), T_s),
             }
             if min(said["K_p"], said["P_x"]) >= 0.0 and said not in found.values():
                 found[", ".join(filter(None, (integral, low_pass)))] = said

@@ -18,7 +18,7 @@ from stickslip.estimation.fit import Fit
 from stickslip.estimation.scaling import Scale
 from stickslip.estimation.search import Search
 from stickslip.estimation.start import Start
-from stickslip.estimation.unknowns import SOUGHT
+from stickslip.estimation.unknowns import FRICTION, SOUGHT
 from stickslip.recording import Recording
 
 JudgeName = Literal["auto", "output error", "inverse model"]
@@ -96,6 +96,16 @@ class Estimation:
     def F_0(self) -> float:  # noqa: N802 - the symbol
         """Constant force against the motor [N]."""
         return self.parameters["F_0"]
+
+    @property
+    def delta(self) -> float:
+        """Exponent of the Stribeck curve."""
+        return self.parameters["delta"]
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The compensator's parameters by name, in SI units: LuGre's five and delta."""
+        return {name: self.parameters[name] for name in FRICTION}
 
     @property
     def delay(self) -> float:

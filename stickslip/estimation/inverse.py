@@ -16,9 +16,8 @@ import numpy as np
 import cosim
 from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import SmoothMotion, measured_force, position_of, smooth_motion
-from stickslip.estimation.unknowns import Values
+from stickslip.estimation.unknowns import FRICTION, Values
 from stickslip.measurement import Array, smoothed
-from stickslip.parameters import LUGRE
 from stickslip.recording import Recording
 
 SHARE = 1.0 / 16.0
@@ -65,7 +64,7 @@ class InverseModel(Closing):
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        parameters = {f"compensator.{name}": values[name] for name in LUGRE}
+        parameters = {f"compensator.{name}": values[name] for name in FRICTION}
         return self._simulation.run(parameters, self.inputs)["compensator.F_f"]
 
     def implied(self, values: Values) -> Array:

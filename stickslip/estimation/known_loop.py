@@ -85,7 +85,7 @@ class KnownLoop(Closing):
 
 def candidate(values: Values) -> dict[str, float]:
     """Return the drive FMU's parameters for values by name."""
-    parameters = {f"candidate.{name}": values[name] for name in SOUGHT}
+    parameters = {f"candidate.{name}": values[name] for name in (*SOUGHT, "delta")}
     parameters["candidate.b"] = max(values["b"], 0.0)
     parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
     return parameters

@@ -34,6 +34,16 @@ def derivative(signal: Array, T_s: float) -> Array:
     return np.asarray(slope)
 
 
+def position_noise(position: Array, step: float) -> float:
+    """Return the standard deviation [m] of what is not motion in a position (n,) [m].
+
+    Third differences of a smooth motion are small, those of white noise sqrt(20) times itself; an
+    encoder's step counts as evenly distributed at least.
+    """
+    third = float(np.mean(np.diff(position, 3) ** 2)) / 20.0
+    return float(np.sqrt(max(third, step**2 / 12.0, np.finfo(float).tiny)))
+
+
 def position_of(recording: Recording) -> Array:
     """Return the position (n,) [m], integrated from the velocity where it was not logged.
 

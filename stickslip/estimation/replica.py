@@ -21,6 +21,7 @@ import numpy as np
 
 from stickslip.estimation.fit import Fit, linearised
 from stickslip.estimation.known_loop import KnownLoop
+from stickslip.estimation.motion import position_noise
 from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.unknowns import Values
 from stickslip.measurement import Array
@@ -40,9 +41,11 @@ class Corrected:
     bias : (9,) that was taken off the coordinates
     mean : (k,) what replicas leave on average, whitened [m]
     whitening : of the judge
-    expected : root mean square [m] of the residual before whitening, in the worst replica
+    expected : standard deviation [m] of the residual before whitening, in the worst replica
     found : and in the recording
     noise : standard deviation on the position, beside the encoder's steps [m]
+    unexplained : standard deviation of the whitened residual, over that of the position's own
+        steps and noise
     """
 
     fit: Fit
@@ -52,11 +55,15 @@ class Corrected:
     expected: float
     found: float
     noise: float
+    unexplained: float
 
     @property
     def model_error(self) -> float:
-        """How many times larger the residual is than encoder and noise explain."""
-        return self.found / self.expected
+        """How many times larger the residual is than encoder and noise explain.
+
+        Before whitening it shows what is slow; whitened, what replicas would take for noise.
+        """
+        return max(self.found / self.expected, self.unexplained)
 
 
 def correct(
@@ -80,12 +87,13 @@ def correct(
             q = np.clip(at.q + own, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
             at = linearised(judge, unknowns, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    expected = max(_rms(raw[judge.used]) for raw in raws)
-    found = _rms(judge.raw(at.parameters)[judge.used])
+    expected = max(float(np.std(raw[judge.used])) for raw in raws)
+    found = float(np.std(judge.raw(at.parameters)[judge.used]))
     mean = judge.white(raws.mean(axis=0))
     corrected = replace(at, covariance=spread)
     bias = fitted.q - at.q
-    return Corrected(corrected, bias, mean, judge.whitening, expected, found, noise)
+    unexplained = float(np.sqrt(fitted.variance)) / position_noise(judge.position, step)
+    return Corrected(corrected, bias, mean, judge.whitening, expected, found, noise, unexplained)
 
 
 def _replicas(
@@ -108,7 +116,3 @@ def _replicas(
         }
         raws.append(loop.run(values, further)["candidate.x_enc"] - offset - smooth)
     return np.array(raws)
-
-
-def _rms(signal: Array) -> float:
-    return float(np.sqrt(np.mean(signal**2)))

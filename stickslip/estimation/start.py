@@ -67,6 +67,7 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         "b": max(b, 0.0),
         "F_0": F_0,
         "delay": delay,
+        "delta": 1.0,
     }
     return Start(values, _unknowns(values, top, model))
 

@@ -18,6 +18,8 @@ NAMES = (*LUGRE, "m", "b", "F_0", "delay")
 """LuGre's five, mass and viscous friction, a constant force against the motor's [N], and by how
 much the force acts later than it was logged or commanded [s]."""
 
+FRICTION = (*LUGRE, "delta")
+"""Parameters of the compensator FMU."""
 SOUGHT = (*LUGRE, "m", "b")
 LEVEL = 1e-6
 """Upper bound of log(F_s / F_c) where friction is taken to be level."""
@@ -36,6 +38,7 @@ class Unknowns:
     expected : (9,) where a coordinate lies if the recording says nothing of it
     doubt : (9,) standard deviation of that expectation, infinite where there is none
     lower, upper : (9,) bounds
+    delta : exponent of the Stribeck curve
     """
 
     b_unit: float
@@ -45,6 +48,7 @@ class Unknowns:
     doubt: Array
     lower: Array
     upper: Array
+    delta: float = 1.0
 
     def coordinates(self, values: Values) -> Array:
         """Return q (9,) of values by name."""
@@ -55,11 +59,12 @@ class Unknowns:
         return np.asarray(np.clip(q, self.lower, self.upper), dtype=float)
 
     def values(self, q: Array) -> dict[str, float]:
-        """Return values by name, in SI units."""
+        """Return values by name and ``delta``, in SI units."""
         positive = np.exp(q[:LOGS])
         positive[0] *= positive[1]
         units = np.array([self.b_unit, self.force_unit, self.time_unit])
-        return dict(zip(NAMES, [*positive.tolist(), *(q[LOGS:] * units).tolist()], strict=True))
+        values = [*positive.tolist(), *(q[LOGS:] * units).tolist()]
+        return dict(zip(NAMES, values, strict=True)) | {"delta": self.delta}
 
     def slopes(self, q: Array) -> Array:
         """Return d value / d coordinate (9, 9)."""

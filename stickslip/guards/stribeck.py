@@ -16,6 +16,7 @@ import numpy as np
 from stickslip.guards.finding import Finding
 from stickslip.guards.trial import Trial
 from stickslip.measurement import Array
+from stickslip.steady import level, slope
 
 LIMIT = 3.0
 """Natural logarithm of how much a deviation may grow while the command passes: 20-fold."""
@@ -34,7 +35,7 @@ def stribeck(trial: Trial) -> list[Finding]:
     if figure <= LIMIT:
         return []
     worst = float(speed[at.argmax()])
-    falls, damping = -slope(trial, worst), trial.loop.K_p + trial.loop.axis.b
+    falls, damping = -float(slope(trial.friction, worst)), trial.loop.K_p + trial.loop.axis.b
     message = (
         f"at {1e3 * worst:.3g} mm/s friction falls by {falls:.4g} N s/m against a damping K_p + b"
         f" of {damping:.4g} N s/m, and while the command is at such speeds a deviation grows by"
@@ -43,17 +44,11 @@ def stribeck(trial: Trial) -> list[Finding]:
     return [Finding("stribeck", figure, LIMIT, "1", message)]
 
 
-def slope(trial: Trial, v: float) -> float:
-    """Return dg/dv [N s/m] at a speed [m/s], equation (4)."""
-    p = trial.friction
-    return -(p["F_s"] - p["F_c"]) / p["v_s"] * float(np.exp(-v / p["v_s"]))
-
-
 def growth_rate(trial: Trial, v: float) -> float:
     """Return the rate [1/s] at which a small deviation from a steady speed [m/s] grows."""
     p, loop = trial.friction, trial.loop.compliance
-    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-v / p["v_s"])
-    a, c = p["sigma_0"] * v / g, v * slope(trial, v) / g
+    g = float(level(p, v))
+    a, c = p["sigma_0"] * v / g, v * float(slope(p, v)) / g
     bristle = control.sample_system(
         control.ss(-a, c, p["sigma_0"] - p["sigma_1"] * a, p["sigma_1"] * c), trial.loop.T_s
     )

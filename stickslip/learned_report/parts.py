@@ -11,6 +11,7 @@ from stickslip.estimation import Estimation
 from stickslip.estimation.inverse import EDGE, SHARE
 from stickslip.estimation.motion import derivative, position_of
 from stickslip.measurement import Array
+from stickslip.steady import level
 
 BENT = 5.0
 """Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly."""
@@ -79,5 +80,4 @@ def stribeck(estimation: Estimation, v: Array) -> Array:
     """
     p = estimation.parameters
     b = p["b"] if "b" in estimation.known else 0.0
-    curve = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-np.abs(v) / p["v_s"])
-    return np.asarray(np.sign(v) * curve + b * v)
+    return np.asarray(np.sign(v) * level(p, v) + b * v)

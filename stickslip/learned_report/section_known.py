@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from stickslip.estimation import Certainty, Estimation
+from stickslip.estimation.certainty import NOT_VISIBLE
 from stickslip.learned_report.parts import measures_friction
 from stickslip.learned_report.scales import WORDS, Scale, force_scale, parameter_scale
-from stickslip.report.markup import Html, element, join, paragraph, table
+from stickslip.report.markup import Html, element, join, paragraph, symbol, table
 from stickslip.report.quantity import MEANINGS, estimated, interval, number
 from stickslip.report.shown import parameter
 
@@ -109,5 +110,18 @@ def _rest(estimation: Estimation) -> Html:
     when = "earlier" if estimation.delay < 0.0 else "later"
     return paragraph(
         f"Beside friction {constant} acts against positive motion, and the motor’s {push} acts "
-        f"{late} ms {when} than it was logged or commanded."
+        f"{late} ms {when} than it was logged or commanded.",
+        _exponent(estimation),
+    )
+
+
+def _exponent(estimation: Estimation) -> Html:
+    """Return how friction falls with speed, where that shows."""
+    if estimation.known["v_s"].visible == NOT_VISIBLE:
+        return join([])
+    ratio = join(["|", symbol("v"), "| / ", symbol("v", "s")])
+    power = join(["(", ratio, ")", element("sup", "2")]) if estimation.delta == 2.0 else ratio
+    other = number(3.0 - estimation.delta, 1)
+    return join(
+        [" Friction falls with speed by exp(−", power, f"); the exponent {other} explains less."]
     )

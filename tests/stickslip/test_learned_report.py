@@ -30,7 +30,7 @@ FINDINGS = (
     Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),
 )
 KINDS = ("loop", "rotary", "friction")
-VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4}
+VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0}
 
 
 def certainty(name, visible="well known"):

@@ -1,0 +1,67 @@
+"""A controller is recognised as others sample it; its law is written again here, in numpy."""
+
+import numpy as np
+import pytest
+
+from stickslip.estimation.controller_check import check_controller
+from stickslip.recording import Recording
+
+T_S = 5e-4
+GAINS = {"K_p": 300.0, "K_i": 9000.0, "P_x": 4000.0, "I_x": 50000.0, "tau_f": 3e-3, "T_s": T_S}
+WEIGHTS = {
+    "": 1.0 - np.exp(-T_S / GAINS["tau_f"]),
+    "low-pass by backward Euler": T_S / (T_S + GAINS["tau_f"]),
+    "low-pass by forward Euler": T_S / GAINS["tau_f"],
+}
+SHARES = {"": 1.0, "integral by the trapezoidal rule": 0.5, "integral by forward Euler": 0.0}
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """Position, and commands that it does not follow well."""
+    t = T_S * np.arange(6000)
+    rng = np.random.default_rng(3)
+    x = 0.01 * np.sin(7.0 * t) + np.cumsum(rng.normal(0.0, 2e-6, len(t)))
+    return t, x - x[0], 0.07 * np.cos(7.0 * t) + 0.02, 0.01 * np.sin(6.8 * t)
+
+
+def commanded(motion, share, weight):
+    """Difference equations of a PI of velocity beside one of position."""
+    t, x, v_cmd, x_cmd = motion
+    force, v, I, J, last = np.empty(len(t)), 0.0, 0.0, 0.0, x[0]
+    for k in range(len(t)):
+        v += weight * ((x[k] - last) / T_S - v)
+        last = x[k]
+        e_v, e_x = v_cmd[k] - v, x_cmd[k] - x[k]
+        new_I, new_J = I + T_S * GAINS["K_i"] * e_v, J + T_S * GAINS["I_x"] * e_x
+        force[k] = GAINS["K_p"] * e_v + GAINS["P_x"] * e_x
+        force[k] += share * (new_I + new_J) + (1.0 - share) * (I + J)
+        I, J = new_I, new_J
+    return force
+
+
+@pytest.mark.parametrize("low_pass", WEIGHTS)
+@pytest.mark.parametrize("integral", SHARES)
+def test_the_form_is_found(candidates, motion, integral, low_pass):
+    t, x, v_cmd, x_cmd = motion
+    force = commanded(motion, SHARES[integral], WEIGHTS[low_pass])
+    recording = Recording(
+        t, x, force=force, velocity_command=v_cmd, position_command=x_cmd, source="here"
+    )
+    check = check_controller(candidates, recording, GAINS)
+    assert check.form == ", ".join(filter(None, (integral, low_pass)))
+    assert check.error < 1e-9
+    last = slice(-1)  # is held, not computed
+    np.testing.assert_allclose(check.force[last], force[last], atol=1e-9 * np.abs(force).max())
+
+
+def test_another_controller_is_told_by_the_gains_given(candidates, motion):
+    """What no form explains is not explained away: the gains stay as they were given."""
+    t, x, v_cmd, x_cmd = motion
+    force = 1.3 * commanded(motion, 1.0, WEIGHTS[""])
+    recording = Recording(
+        t, x, force=force, velocity_command=v_cmd, position_command=x_cmd, source="here"
+    )
+    check = check_controller(candidates, recording, GAINS)
+    assert check.gains == GAINS
+    assert check.error > 0.1

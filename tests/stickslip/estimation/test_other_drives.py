@@ -1,0 +1,79 @@
+"""Drives and controllers that are not this project's: simulated here, step by step, in plain Python.
+
+The bristle and the mass are solved by implicit Euler in steps of 10 us.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.estimation import Task, learn
+from stickslip.recording import Recording
+
+T_S, SUB = 1e-3, 100
+DRIVE = {"m": 12.5, "b": 40.0, "F_c": 17.0, "F_s": 24.0, "v_s": 2e-3, "sigma_0": 7e5}
+DRIVE["sigma_1"] = 0.8 * math.sqrt(DRIVE["sigma_0"] * DRIVE["m"])
+GAINS = {"K_p": 900.0, "K_i": 15000.0, "tau_f": 2e-3, "T_s": T_S}
+ENCODER = 1e-7
+
+
+def command(duration):
+    """Fast moves with rests between them, then slow reversals and presliding."""
+    t = T_S * np.arange(round(duration / T_S))
+    early = t < 0.5 * duration
+    moves = 0.05 * np.clip(1.6 * np.sin(2.0 * np.pi * t), -1.0, 1.0) * (np.sin(1.6 * t) > -0.4)
+    slow = 3e-3 * np.sin(3.0 * t) + 4e-4 * np.sin(23.0 * t)
+    return t, np.where(early, moves, slow)
+
+
+def recorded(delta, duration=14.0):
+    """Position and force of a PI of velocity whose integral runs behind (forward Euler)."""
+    t, v_cmd = command(duration)
+    p, h = DRIVE, T_S / SUB
+    weight = 1.0 - math.exp(-T_S / GAINS["tau_f"])
+    x = v = z = v_est = I = last = 0.0
+    position, force = np.empty(len(t)), np.empty(len(t))
+    for k, wanted in enumerate(v_cmd.tolist()):
+        shown = round(x / ENCODER) * ENCODER
+        v_est += weight * ((shown - last) / T_S - v_est)
+        last = shown
+        u = GAINS["K_p"] * (wanted - v_est) + I
+        I += T_S * GAINS["K_i"] * (wanted - v_est)
+        position[k], force[k] = shown, u
+        for _ in range(SUB):
+            fall = math.exp(-((abs(v) / p["v_s"]) ** delta))
+            lost = 1.0 + h * p["sigma_0"] * abs(v) / (p["F_c"] + (p["F_s"] - p["F_c"]) * fall)
+            old = p["sigma_0"] * z / lost + p["sigma_1"] * (z / lost - z) / h
+            new = (p["sigma_0"] * h + p["sigma_1"]) / lost
+            v = (v + h / p["m"] * (u - old)) / (1.0 + h / p["m"] * (p["b"] + new))
+            z = (z + h * v) / lost
+            x += h * v
+    return Recording(
+        t, position, force=force, velocity_command=v_cmd, encoder_step=ENCODER, source="elsewhere"
+    )
+
+
+@pytest.fixture(scope="module", params=[1.0, 2.0])
+def other(request):
+    return request.param, recorded(request.param)
+
+
+def test_the_loop_gives_the_exponent_and_all_parameters(other, candidates):
+    delta, recording = other
+    learned = learn(Task(candidates, recording, GAINS))
+    assert learned.judge == "output error"
+    assert "integral by forward Euler" in learned.reason
+    assert learned.delta == learned.compensator["delta"] == delta
+    for name, value in DRIVE.items():
+        assert learned.parameters[name] == pytest.approx(value, rel=0.03), name
+
+
+def test_the_mean_force_alone_finds_the_valley(other, candidates):
+    """The drive rests for long: a search ended where bristles are too stiff to be seen."""
+    delta, recording = other
+    learned = learn(Task(candidates, recording))
+    assert learned.judge == "inverse model"
+    assert learned.delta == delta
+    for name in ("m", "F_c", "F_s", "sigma_0"):
+        assert learned.parameters[name] == pytest.approx(DRIVE[name], rel=0.06), name
