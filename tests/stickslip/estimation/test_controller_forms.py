@@ -28,15 +28,15 @@ def motion():
 def commanded(motion, share, weight):
     """Difference equations of a PI of velocity beside one of position."""
     t, x, v_cmd, x_cmd = motion
-    force, v, I, J, last = np.empty(len(t)), 0.0, 0.0, 0.0, x[0]
+    force, v, integral, last = np.empty(len(t)), 0.0, 0.0, x[0]
     for k in range(len(t)):
         v += weight * ((x[k] - last) / T_S - v)
         last = x[k]
         e_v, e_x = v_cmd[k] - v, x_cmd[k] - x[k]
-        new_I, new_J = I + T_S * GAINS["K_i"] * e_v, J + T_S * GAINS["I_x"] * e_x
+        new = integral + T_S * (GAINS["K_i"] * e_v + GAINS["I_x"] * e_x)
         force[k] = GAINS["K_p"] * e_v + GAINS["P_x"] * e_x
-        force[k] += share * (new_I + new_J) + (1.0 - share) * (I + J)
-        I, J = new_I, new_J
+        force[k] += share * new + (1.0 - share) * integral
+        integral = new
     return force
 
 
