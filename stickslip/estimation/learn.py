@@ -14,12 +14,12 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 import ga
-from stickslip.estimation.certainty import NOT_VISIBLE, certainty, profiles
+from stickslip.estimation.certainty import certainty, profiles
 from stickslip.estimation.choice import choose
 from stickslip.estimation.controller_check import check_controller
 from stickslip.estimation.estimation import Estimation, Task, restored
 from stickslip.estimation.figures import figures
-from stickslip.estimation.fit import BLOCKS, Fit, Judge, fit, value_errors
+from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.motion import position_of
 from stickslip.estimation.output_error import OutputError
@@ -28,18 +28,13 @@ from stickslip.estimation.scaling import Scale, scale_of
 from stickslip.estimation.search import Search, search, with_linear
 from stickslip.estimation.stand_in import coarse, correct_inverse
 from stickslip.estimation.start import Start, begin
-from stickslip.estimation.unknowns import LEVEL, NAMES, SOUGHT, Values
+from stickslip.estimation.unknowns import NAMES, SOUGHT, Values
+from stickslip.estimation.valleys import SURE, best_fit, with_exponent, without_stribeck
 from stickslip.measurement import Array
 from stickslip.recording import Recording
 
 MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
-CURVE = ("F_s", "F_c", "v_s")
-RISE = ("F_s", "v_s")
-STEEPER = 0.5
-EXPONENTS = {1.0, 2.0}
-SURE = 0.99
-"""Ratio of mean squares from which on one exponent counts as better than the other."""
 WHITENINGS = 2
 SAME = 1.01
 """Ratio of mean squares up to which two fits count as one."""
@@ -48,8 +43,6 @@ LAG = 0.2
 F_0 = NAMES.index("F_0")
 F_0_DOUBT = 0.01
 """Standard deviation that the constant force of the inverse model has at least, in F_c."""
-WORTH = 1.1
-"""By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
 DOUBT = 0.12
 """Share of the bias taken off that stays as doubt."""
 
@@ -161,8 +154,8 @@ def _search(
     for seed in range(task.seed, task.seed + task.seeds):
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
-        found = _without_stribeck(inverse, _best_fit(inverse, start, values))
-        found, ambiguity = _with_exponent(inverse, found, SURE)
+        found = without_stribeck(inverse, best_fit(inverse, start, values))
+        found, ambiguity = with_exponent(inverse, found, SURE)
         found = replace(found, covariance=found.covariance + ambiguity)
         fits.append(found)
         algorithms.append(algorithm)
@@ -195,19 +188,6 @@ def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
     return turned, ("the friction logged does work on the motion: its sign was turned",)
 
 
-def _best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
-    """Fit from where a search ended, from a usual Stribeck curve there, and from the straight line.
-
-    Searches end now and then in a valley of their own: of a curve that falls over the whole range
-    of speeds, with friction that rises in place of it; or, where the drive rests for long, of
-    bristles too stiff to be seen.
-    """
-    usual = {**values, **{name: start.line[name] for name in ("m", "b", "F_0", *CURVE)}}
-    usual["v_s"] *= STEEPER
-    begins = [start.unknowns.coordinates(at) for at in (values, usual, start.line)]
-    return min((fit(inverse, start.unknowns, q) for q in begins), key=lambda found: found.noise)
-
-
 def _of_seed(task: Task, seed: int) -> Search:
     """Return how to search; each of several seeds has a checkpoint of its own."""
     path = task.search.execution.checkpoint
@@ -215,43 +195,6 @@ def _of_seed(task: Task, seed: int) -> Search:
         return task.search
     own = path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
     return replace(task.search, execution=replace(task.search.execution, checkpoint=own))
-
-
-def _without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
-    """Return a fit with F_s = F_c, if the recording does not ask for more.
-
-    A rise of friction towards rest that nobody saw would be compensated all the same, and a force
-    that is not there pushes the drive. One that spreads over all speeds is a part of b.
-    """
-    errors = found.errors()
-    if all(certainty(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in RISE):
-        return found
-    level = found.unknowns.upper.copy()
-    level[0] = LEVEL
-    q = found.q.copy()
-    q[0] = 0.0
-    flat = fit(inverse, replace(found.unknowns, upper=level), q)
-    return flat if flat.noise < WORTH * found.noise else found
-
-
-def _with_exponent(judge: Judge, found: Fit, worth: float = 1.0) -> tuple[Fit, Array]:
-    """Return a fit with the exponent of the Stribeck curve that explains more.
-
-    The other one must leave less than ``worth`` of the mean square.
-
-    The paper has 1, much of the literature 2; where no curve shows, it is left. With the fit comes
-    the covariance (9, 9) of coordinates from not knowing the exponent: where both explain the
-    recording alike, they bound an interval of 95 %.
-    """
-    sure = np.zeros_like(found.covariance)
-    if found.unknowns.upper[0] <= LEVEL:
-        return found, sure
-    (other,) = EXPONENTS - {found.unknowns.delta}
-    rival = fit(judge, replace(found.unknowns, delta=other), found.q)
-    best = rival if rival.noise < worth * found.noise else found
-    apart = rival.q - found.q
-    alike = SURE * rival.noise < found.noise < rival.noise / SURE
-    return best, np.outer(apart, apart) / 4.0 if alike else sure
 
 
 def _output_error(
@@ -277,14 +220,14 @@ def _output_error(
         ]
         fits = [fit(judge, unknowns, q) for q in begins]
         least, most = sorted(fits, key=lambda one: one.noise)
-        fitted, _ = _with_exponent(judge, least)
+        fitted, _ = with_exponent(judge, least)
         # Where valleys differ before whitening, the deepest need not be the one after it.
         begins = begins if most.noise > SAME * least.noise else []
         for _ in range(WHITENINGS):
             judge.whiten(fitted.parameters)
             fits = [fit(judge, fitted.unknowns, q) for q in (fitted.q, *begins)]
             fitted, begins = min(fits, key=lambda one: one.noise), []
-        fitted, ambiguity = _with_exponent(judge, fitted)
+        fitted, ambiguity = with_exponent(judge, fitted)
         return correct(judge, fitted, task.fmus, task.recording, gains, task.seed), ambiguity
 
 
