@@ -155,7 +155,9 @@ def _search(
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = with_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
-        found, ambiguity = with_exponent(inverse, found, SURE)
+        # Steps that shake the drive bend the curve more than its exponent does.
+        sure = 0.0 if coarse(inverse, task.recording) else SURE
+        found, ambiguity = with_exponent(inverse, found, sure, sure)
         found = replace(found, covariance=found.covariance + ambiguity)
         fits.append(found)
         algorithms.append(algorithm)
@@ -235,7 +237,9 @@ def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, 
     """Return the fit without its bias, and standard errors by name [SI]."""
     if inverse.measures_friction or task.gains is not None or not coarse(inverse, task.recording):
         return found, found.errors()
-    best, bias = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
+    best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
+    if not alike:  # it is no correction, but tells how much is in doubt
+        return found, value_errors(found.unknowns, found.q, found.covariance + np.outer(bias, bias))
     doubt = np.outer(bias, bias) * DOUBT**2
     return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
 

@@ -28,6 +28,8 @@ LOOSE = 0.5
 """Standard error of a coordinate beyond which it stays where it is."""
 COARSE = 0.005
 """Share of the top speed that one step in one sample makes, from which on steps bend the fit."""
+ALIKE = 2.0
+"""By which factor the mean squares of replicas and recording may differ."""
 
 
 def coarse(inverse: InverseModel, recording: Recording) -> bool:
@@ -42,25 +44,30 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
 
 def correct_inverse(
     inverse: InverseModel, fitted: Fit, fmus: Path, recording: Recording, seed: int
-) -> tuple[Fit, Array]:
-    """Return the fit without its bias, and the bias (9,) that was taken off the coordinates."""
+) -> tuple[Fit, Array, bool]:
+    """Return the fit without its bias, and the bias (9,) that was taken off the coordinates.
+
+    The last tells whether replicas of the fit leave about as much as the recording does. If not,
+    the stand-in shakes the drive in another way than its controller did, and so does the bias.
+    """
     unknowns = fitted.unknowns
     rng = np.random.default_rng(seed)
-    at = fitted
+    at, ratios = fitted, []
     loose = np.sqrt(np.diag(fitted.covariance)) > LOOSE
     path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
     led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
     with KnownLoop(fmus, led, _gains(fitted.parameters, inverse.T_s), encoder=True) as loop:
         for _ in range(ROUNDS):
-            moves = [
-                at.shift(_residual(inverse, loop, fmus, recording, at.parameters, rng))
-                for _ in range(RUNS)
+            left = [
+                _residual(inverse, loop, fmus, recording, at.parameters, rng) for _ in range(RUNS)
             ]
-            own = at.step() - np.mean(moves, axis=0)
+            ratios.append(float(np.mean(np.square(left))) / at.variance)
+            own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
             q = np.clip(q, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
             at = linearised(inverse, unknowns, q, fitted.noise)
-    return replace(at, covariance=fitted.covariance), fitted.q - at.q
+    alike = 1.0 / ALIKE < ratios[0] < ALIKE
+    return replace(at, covariance=fitted.covariance), fitted.q - at.q, alike
 
 
 def _gains(values: Values, T_s: float) -> dict[str, float]:

@@ -53,21 +53,26 @@ def without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
     return flat if flat.noise < WORTH * found.noise else found
 
 
-def with_exponent(judge: Judge, found: Fit, worth: float = 1.0) -> tuple[Fit, Array]:
+def with_exponent(
+    judge: Judge, found: Fit, worth: float = 1.0, sure: float = SURE
+) -> tuple[Fit, Array]:
     """Return a fit with the exponent of the Stribeck curve that explains more.
-
-    The other one must leave less than ``worth`` of the mean square.
 
     The paper has 1, much of the literature 2; where no curve shows, it is left. With the fit comes
     the covariance (9, 9) of coordinates from not knowing the exponent: where both explain the
     recording alike, they bound an interval of 95 %.
+
+    Parameters
+    ----------
+    worth : share of the mean square that the other exponent must fall below to be taken
+    sure : ratio of mean squares from which on they are not alike; 0 never trusts them
     """
-    sure = np.zeros_like(found.covariance)
+    known = np.zeros_like(found.covariance)
     if found.unknowns.upper[0] <= LEVEL:
-        return found, sure
+        return found, known
     (other,) = EXPONENTS - {found.unknowns.delta}
     rival = fit(judge, replace(found.unknowns, delta=other), found.q)
     best = rival if rival.noise < worth * found.noise else found
     apart = rival.q - found.q
-    alike = SURE * rival.noise < found.noise < rival.noise / SURE
-    return best, np.outer(apart, apart) / 4.0 if alike else sure
+    alike = sure * rival.noise < found.noise and sure * found.noise < rival.noise
+    return best, np.outer(apart, apart) / 4.0 if alike else known
