@@ -29,6 +29,8 @@ from stickslip.recording import Recording
 
 RUNS = 30
 ROUNDS = 3
+NUMERICS = 5e-6
+"""Share of the motion by which a simulated loop may be wrong; logs of simulations show it."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +89,13 @@ def correct(
             q = np.clip(at.q + own, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
             at = linearised(judge, unknowns, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    expected = max(float(np.std(raw[judge.used])) for raw in raws)
+    own = NUMERICS * float(np.std(judge.position))
+    expected = max(own, *(float(np.std(raw[judge.used])) for raw in raws))
     found = float(np.std(judge.raw(at.parameters)[judge.used]))
     mean = judge.white(raws.mean(axis=0))
     corrected = replace(at, covariance=spread)
     bias = fitted.q - at.q
-    unexplained = float(np.sqrt(fitted.variance)) / position_noise(judge.position, step)
+    unexplained = float(np.sqrt(fitted.variance)) / max(own, position_noise(judge.position, step))
     return Corrected(corrected, bias, mean, judge.whitening, expected, found, noise, unexplained)
 
 

@@ -1,6 +1,6 @@
 """Drives and controllers that are not this project's: simulated here in plain Python.
 
-The bristle and the mass are solved by implicit Euler in steps of 10 us.
+The bristle and the mass are solved by implicit Euler, in steps of 10 us or less.
 """
 
 import math
@@ -27,21 +27,21 @@ def command(duration):
     return t, np.where(early, moves, slow)
 
 
-def recorded(delta, encoder, duration=14.0):
+def recorded(delta, encoder, duration=14.0, sub=SUB):
     """Position and force of a PI of velocity whose integral runs behind (forward Euler)."""
     t, v_cmd = command(duration)
-    p, h = DRIVE, T_S / SUB
+    p, h = DRIVE, T_S / sub
     weight = 1.0 - math.exp(-T_S / GAINS["tau_f"])
     x = v = z = v_est = integral = last = 0.0
     position, force = np.empty(len(t)), np.empty(len(t))
     for k, wanted in enumerate(v_cmd.tolist()):
-        shown = round(x / encoder) * encoder
+        shown = round(x / encoder) * encoder if encoder else x
         v_est += weight * ((shown - last) / T_S - v_est)
         last = shown
         u = GAINS["K_p"] * (wanted - v_est) + integral
         integral += T_S * GAINS["K_i"] * (wanted - v_est)
         position[k], force[k] = shown, u
-        for _ in range(SUB):
+        for _ in range(sub):
             fall = math.exp(-((abs(v) / p["v_s"]) ** delta))
             lost = 1.0 + h * p["sigma_0"] * abs(v) / (p["F_c"] + (p["F_s"] - p["F_c"]) * fall)
             old = p["sigma_0"] * z / lost + p["sigma_1"] * (z / lost - z) / h
@@ -77,3 +77,11 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
     assert learned.judge == "inverse model"
     for name in ("m", "F_c", "F_s", "sigma_0"):
         assert learned.parameters[name] == pytest.approx(DRIVE[name], rel=0.06), name
+
+
+def test_a_log_of_another_simulation_is_judged_by_its_loop(candidates):
+    """Without encoder and noise only both programs' own errors are left."""
+    learned = learn(Task(candidates, recorded(1.0, 0.0, 6.0, sub=500), GAINS))
+    assert learned.judge == "output error"
+    for name, value in DRIVE.items():
+        assert learned.parameters[name] == pytest.approx(value, rel=0.01), name
