@@ -35,7 +35,6 @@ from stickslip.recording import Recording
 
 MODEL_ERROR = 2.0
 """How many times larger than encoder and noise explain the residual of the loop may be."""
-WHITENINGS = 2
 SAME = 1.01
 """Ratio of mean squares up to which two fits count as one."""
 LAG = 0.2
@@ -157,7 +156,7 @@ def _search(
         found = without_stribeck(inverse, best_fit(inverse, start, values))
         # Steps that shake the drive bend the curve more than its exponent does.
         sure = 0.0 if coarse(inverse, task.recording) else SURE
-        found, ambiguity = with_exponent(inverse, found, sure, sure)
+        found, ambiguity = with_exponent(inverse, found, sure)
         found = replace(found, covariance=found.covariance + ambiguity)
         fits.append(found)
         algorithms.append(algorithm)
@@ -222,14 +221,14 @@ def _output_error(
         ]
         fits = [fit(judge, unknowns, q) for q in begins]
         least, most = sorted(fits, key=lambda one: one.noise)
-        fitted, _ = with_exponent(judge, least)
+        fitted, _ = with_exponent(judge, least, 1.0)
         # Where valleys differ before whitening, the deepest need not be the one after it.
         begins = begins if most.noise > SAME * least.noise else []
-        for _ in range(WHITENINGS):
-            judge.whiten(fitted.parameters)
-            fits = [fit(judge, fitted.unknowns, q) for q in (fitted.q, *begins)]
-            fitted, begins = min(fits, key=lambda one: one.noise), []
-        fitted, ambiguity = with_exponent(judge, fitted)
+        judge.whiten(fitted.parameters)
+        fits = [fit(judge, fitted.unknowns, q) for q in (fitted.q, *begins)]
+        fitted, ambiguity = with_exponent(judge, min(fits, key=lambda one: one.noise))
+        judge.whiten(fitted.parameters)
+        fitted = fit(judge, fitted.unknowns, fitted.q)
         return correct(judge, fitted, task.fmus, task.recording, gains, task.seed), ambiguity
 
 

@@ -10,15 +10,19 @@ from stickslip.estimation.certainty import NOT_VISIBLE, certainty
 from stickslip.estimation.fit import BLOCKS, Fit, Judge, fit
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.start import Start
-from stickslip.estimation.unknowns import LEVEL, Values
+from stickslip.estimation.unknowns import LEVEL, NAMES, Values
 from stickslip.measurement import Array
 
 CURVE = ("F_s", "F_c", "v_s")
 RISE = ("F_s", "v_s")
+V_S = NAMES.index("v_s")
 STEEPER = 0.5
-EXPONENTS = {1.0, 2.0}
+WIDER = 1.5
+"""Ratio of v_s with the exponent 2 to that with 1, for the same friction."""
 SURE = 0.99
 """Ratio of mean squares from which on one exponent counts as better than the other."""
+AMBIGUITY = 0.6
+"""Standard error, as share of the distance of both fits, where neither is better."""
 WORTH = 1.1
 """By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
 
@@ -53,26 +57,22 @@ def without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
     return flat if flat.noise < WORTH * found.noise else found
 
 
-def with_exponent(
-    judge: Judge, found: Fit, worth: float = 1.0, sure: float = SURE
-) -> tuple[Fit, Array]:
-    """Return a fit with the exponent of the Stribeck curve that explains more.
+def with_exponent(judge: Judge, found: Fit, sure: float = SURE) -> tuple[Fit, Array]:
+    """Return a fit with the exponent of the Stribeck curve that explains the recording.
 
-    The paper has 1, much of the literature 2; where no curve shows, it is left. With the fit comes
-    the covariance (9, 9) of coordinates from not knowing the exponent: where both explain the
-    recording alike, they bound an interval of 95 %.
-
-    Parameters
-    ----------
-    worth : share of the mean square that the other exponent must fall below to be taken
-    sure : ratio of mean squares from which on they are not alike; 0 never trusts them
+    It is 1, as in the paper, or 2, as in much of the literature, where 2 leaves less than ``sure``
+    times the mean square; where no curve shows, it is left. With the fit comes the covariance
+    (9, 9) of coordinates from not knowing it: where neither is sure, both lie in an interval of
+    95 %. 0 trusts no mean square.
     """
     known = np.zeros_like(found.covariance)
     if found.unknowns.upper[0] <= LEVEL:
         return found, known
-    (other,) = EXPONENTS - {found.unknowns.delta}
-    rival = fit(judge, replace(found.unknowns, delta=other), found.q)
-    best = rival if rival.noise < worth * found.noise else found
-    apart = rival.q - found.q
-    alike = sure * rival.noise < found.noise and sure * found.noise < rival.noise
-    return best, np.outer(apart, apart) / 4.0 if alike else known
+    q, other = found.q.copy(), 3.0 - found.unknowns.delta
+    q[V_S] += np.log(WIDER) * (other - found.unknowns.delta)
+    rival = fit(judge, replace(found.unknowns, delta=other), q)
+    one, two = sorted((found, rival), key=lambda either: either.unknowns.delta)
+    apart = AMBIGUITY * (two.q - one.q)
+    alike = two.noise >= sure * one.noise > sure**2 * two.noise or sure == 0.0
+    best = two if two.noise < sure * one.noise else one
+    return best, np.outer(apart, apart) if alike else known

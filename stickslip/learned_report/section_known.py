@@ -123,5 +123,5 @@ def _exponent(estimation: Estimation) -> Html:
     power = join(["(", ratio, ")", element("sup", "2")]) if estimation.delta == 2.0 else ratio
     other = number(3.0 - estimation.delta, 1)
     return join(
-        [" Friction falls with speed by exp(−", power, f"); the exponent {other} explains less."]
+        [" Friction falls with speed by exp(−", power, f"), rather than with the exponent {other}."]
     )
