@@ -43,7 +43,8 @@ class Corrected:
     bias : (9,) that was taken off the coordinates
     mean : (k,) what replicas leave on average, whitened [m]
     whitening : of the judge
-    expected : standard deviation [m] of the residual before whitening, in the worst replica
+    expected : standard deviation [m] of the residual before whitening, in the worst replica,
+        or what a simulation may be wrong by
     found : and in the recording
     noise : standard deviation on the position, beside the encoder's steps [m]
     unexplained : standard deviation of the whitened residual, over that of the position's own

@@ -73,6 +73,6 @@ def with_exponent(judge: Judge, found: Fit, sure: float = SURE) -> tuple[Fit, Ar
     rival = fit(judge, replace(found.unknowns, delta=other), q)
     one, two = sorted((found, rival), key=lambda either: either.unknowns.delta)
     apart = AMBIGUITY * (two.q - one.q)
-    alike = two.noise >= sure * one.noise > sure**2 * two.noise or sure == 0.0
+    alike = two.noise >= sure * one.noise and one.noise >= sure * two.noise
     best = two if two.noise < sure * one.noise else one
     return best, np.outer(apart, apart) if alike else known
