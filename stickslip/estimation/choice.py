@@ -9,6 +9,7 @@ from stickslip.estimation.controller_check import ControllerCheck
 from stickslip.estimation.estimation import Task
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.output_error import OutputError
+from stickslip.estimation.running import is_running
 
 AGREES = 0.01
 """Relative error of the commanded force up to which a controller counts as known."""
@@ -36,7 +37,8 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
             "the one logged, so the loop is not known well enough to run it again"
         )
     form = f", its {check.form}" if check.form else ""
+    running = " and was running when the log began" if is_running(check.gains) else ""
     return loop, (
-        f"the controller is known{form}, and commands the logged force within "
+        f"the controller is known{form}{running}, and commands the logged force within "
         f"{100 * check.error:.2g} %"
     )

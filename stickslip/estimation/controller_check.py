@@ -12,6 +12,7 @@ import cosim
 from stickslip.estimation.controller_forms import OWN, forms
 from stickslip.estimation.known_loop import NO_LIMIT
 from stickslip.estimation.motion import position_of
+from stickslip.estimation.running import memory_force, remembered
 from stickslip.measurement import Array, smoothed
 from stickslip.recording import Recording
 
@@ -29,10 +30,11 @@ class ControllerCheck:
     Attributes
     ----------
     force : (n,) that it commands, each value held from its sample on [N]
-    error : root mean square of logged without commanded force, relative to the logged one, both
-        low-passed; NaN where no force was logged
+    error : root mean square of logged without commanded force, relative to how the logged one
+        varies, all low-passed; NaN where no force was logged
     shift : samples by which the log shows a command late
-    gains : of the FMU, in the form that commands the logged force best
+    gains : of the FMU, in the form that commands the logged force best, with what its memory held
+        if it was running before the log began
     form : how that differs from the FMU's own; empty if it does not
     """
 
@@ -73,22 +75,33 @@ def check_controller(
             _compared(force, T_s, commanded(said), said, form)
             for form, said in forms(gains, T_s).items()
         ]
-    own, best = checks[0], min(checks, key=lambda check: check.error)
-    return best if best.error < BETTER * own.error else own
+    return _believed(checks[0], min(checks, key=lambda check: check.error))
+
+
+def _believed(own: ControllerCheck, other: ControllerCheck) -> ControllerCheck:
+    return other if other.error < BETTER * own.error else own
 
 
 def _compared(
     force: Array, T_s: float, commanded: Array, gains: Mapping[str, float], form: str
 ) -> ControllerCheck:
-    n = len(commanded) - max(SHIFTS)
+    """Compare with a controller that begins with the log, and with one that was running before."""
 
-    def slow(signal: Array) -> Array:
-        return smoothed(signal, T_s, SHARE / T_s)
+    def best(*, running: bool) -> ControllerCheck:
+        checks = []
+        for shift in SHIFTS:
+            late = force[shift : shift + len(force) - max(SHIFTS)]
+            missing = late - commanded[: len(late)]
+            memory = remembered(missing, gains, T_s) if running else {}
+            rest = missing - memory_force({**gains, **memory}, len(late), T_s)
+            error = _slow(rest, T_s) / (_slow(late - late.mean(), T_s) or 1.0)
+            said = {**gains, **memory}
+            shown = commanded + memory_force(said, len(commanded), T_s)
+            checks.append(ControllerCheck(shown, error, shift, said, form))
+        return min(checks, key=lambda check: check.error)
 
-    size = float(np.linalg.norm(slow(force))) or 1.0
-    errors = [
-        float(np.linalg.norm(slow(force[shift : shift + n] - commanded[:n]))) / size
-        for shift in SHIFTS
-    ]
-    best = int(np.argmin(errors))
-    return ControllerCheck(commanded, errors[best], best, gains, form)
+    return _believed(best(running=False), best(running=True))
+
+
+def _slow(signal: Array, T_s: float) -> float:
+    return float(np.linalg.norm(smoothed(signal, T_s, SHARE / T_s)))

@@ -14,12 +14,14 @@ import numpy as np
 import cosim
 from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import position_of
+from stickslip.estimation.running import fmu_gains, is_running, memory_force
 from stickslip.estimation.unknowns import SOUGHT, Values
 from stickslip.measurement import Array
 from stickslip.recording import Recording
 
 SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
 NO_LIMIT = 1e9  # [N]
+FEW = 11  # samples that tell the first velocity
 
 
 class KnownLoop(Closing):
@@ -29,7 +31,7 @@ class KnownLoop(Closing):
     ----------
     fmus : folder of the FMUs
     recording : gives commands, start and encoder
-    gains : parameters of the controller FMU by name
+    gains : parameters of the controller FMU by name, and what its memory held, if it was running
     encoder : whether the position is read in steps; the trajectory is no smooth function of the
         parameters then
     """
@@ -41,7 +43,7 @@ class KnownLoop(Closing):
         start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
         limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
         system = cosim.System("known_loop")
-        system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
+        system.add("controller", fmus / "velocity_controller.fmu", {**limits, **fmu_gains(gains)})
         step = recording.encoder_step
         optics: dict[str, object] = {"encoder": False}
         if encoder:
@@ -67,6 +69,9 @@ class KnownLoop(Closing):
             record=("candidate.x", "candidate.x_enc", "candidate.F_m", "controller.u"),
         )
         self._simulation = self.specification.prepare()
+        self._memory = memory_force(gains, len(recording.t), recording.T_s)
+        force = recording.force if is_running(gains) else None
+        self._first = None if force is None else float(force[0])
 
     def run(self, values: Values, further: Mapping[str, float] | None = None) -> cosim.Result:
         """Run the experiment with these values in the drive.
@@ -76,7 +81,12 @@ class KnownLoop(Closing):
         further : parameters of this run only, such as ``candidate.noise_x``
         """
         parameters = {**candidate(values), **(further or {})}
-        return self._simulation.run(parameters, {**self._inputs, "F_ff": -values["F_0"]})
+        if self._first is not None:  # the bristles bear what the motor gives
+            bent = np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"])
+            parameters["candidate.z"] = float(bent) / values["sigma_0"]
+        return self._simulation.run(
+            parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]}
+        )
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -92,5 +102,6 @@ def candidate(values: Values) -> dict[str, float]:
 
 
 def _first_velocity(position: Array, T_s: float) -> float:
-    few = position[:6]
-    return float(np.polyfit(np.arange(len(few)) * T_s, few, 1)[0])
+    """Return the slope of a parabola at its begin [m/s]."""
+    few = position[:FEW]
+    return float(np.polyfit(np.arange(len(few)) * T_s, few, 2)[1])

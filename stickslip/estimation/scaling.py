@@ -34,6 +34,8 @@ _EXPONENTS = {
     "P_x": (1, -1),
     "I_x": (1, -1),
     "u_max": (1, 0),
+    "F_held": (1, 0),
+    "F_fading": (1, 0),
 }
 """Powers of the units of force and length in a value; what is absent has neither."""
 

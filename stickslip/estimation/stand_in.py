@@ -16,6 +16,7 @@ from stickslip.estimation.fit import Fit, linearised
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.known_loop import KnownLoop
 from stickslip.estimation.motion import position_of
+from stickslip.estimation.running import HELD
 from stickslip.estimation.unknowns import Values
 from stickslip.measurement import Array, smoothed
 from stickslip.recording import Recording
@@ -71,10 +72,11 @@ def correct_inverse(
 
 
 def _gains(values: Values, T_s: float) -> dict[str, float]:
-    """Return a cascade for the fitted mass."""
+    """Return a cascade for the fitted mass, that bears the constant force from the begin on."""
     rate = 2.0 * np.pi * BANDWIDTH / T_s  # [rad/s]
     K_p = rate * values["m"]
-    return {"K_p": K_p, "K_i": K_p * rate / 8.0, "K_x": rate / 4.0, "tau_f": T_s, "T_s": T_s}
+    gains = {"K_p": K_p, "K_i": K_p * rate / 8.0, "K_x": rate / 4.0, "tau_f": T_s, "T_s": T_s}
+    return {**gains, HELD: values["F_0"]}
 
 
 def _residual(

@@ -6,6 +6,7 @@ import math
 
 from stickslip.estimation import Estimation
 from stickslip.estimation.output_error import OutputError
+from stickslip.estimation.running import is_running
 from stickslip.learned_report.parts import measures_friction
 from stickslip.learned_report.scales import WORDS
 from stickslip.learned_report.section_known import relative
@@ -84,9 +85,10 @@ def _controller(estimation: Estimation) -> Html:
     samples = "sample" if check.shift == 1 else "samples"
     form = f", its {check.form}," if check.form else ""
     late = f", {check.shift} {samples} late" if check.shift else ""
+    running = " It was running when the log began." if is_running(check.gains) else ""
     return paragraph(
         f"Along the recorded motion the controller given{form} commands the recorded {push}{late}, "
-        f"with a relative error of {relative(check.error)}."
+        f"with a relative error of {relative(check.error)}.{running}"
     )
 
 

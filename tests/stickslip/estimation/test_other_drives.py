@@ -27,12 +27,16 @@ def command(duration):
     return t, np.where(early, moves, slow)
 
 
-def recorded(delta, encoder, duration=14.0, sub=SUB):
-    """Position and force of a PI of velocity whose integral runs behind (forward Euler)."""
+def recorded(delta, encoder, duration=14.0, sub=SUB, pull=0.0, held=0.0, skipped=0):
+    """Position and force of a PI of velocity whose integral runs behind (forward Euler).
+
+    A force pulls at the drive, the integral holds one at first; the log lacks the first samples.
+    """
     t, v_cmd = command(duration)
     p, h = DRIVE, T_S / sub
     weight = 1.0 - math.exp(-T_S / GAINS["tau_f"])
-    x = v = z = v_est = integral = last = 0.0
+    x = v = z = v_est = last = 0.0
+    integral = held
     position, force = np.empty(len(t)), np.empty(len(t))
     for k, wanted in enumerate(v_cmd.tolist()):
         shown = round(x / encoder) * encoder if encoder else x
@@ -46,11 +50,17 @@ def recorded(delta, encoder, duration=14.0, sub=SUB):
             lost = 1.0 + h * p["sigma_0"] * abs(v) / (p["F_c"] + (p["F_s"] - p["F_c"]) * fall)
             old = p["sigma_0"] * z / lost + p["sigma_1"] * (z / lost - z) / h
             new = (p["sigma_0"] * h + p["sigma_1"]) / lost
-            v = (v + h / p["m"] * (u - old)) / (1.0 + h / p["m"] * (p["b"] + new))
+            v = (v + h / p["m"] * (u - pull - old)) / (1.0 + h / p["m"] * (p["b"] + new))
             z = (z + h * v) / lost
             x += h * v
+    position, force, v_cmd = position[skipped:], force[skipped:], v_cmd[skipped:]
     return Recording(
-        t, position, force=force, velocity_command=v_cmd, encoder_step=encoder, source="elsewhere"
+        t[: len(t) - skipped],
+        position,
+        force=force,
+        velocity_command=v_cmd,
+        encoder_step=encoder,
+        source="elsewhere",
     )
 
 
@@ -85,3 +95,22 @@ def test_a_log_of_another_simulation_is_judged_by_its_loop(candidates):
     assert learned.judge == "output error"
     for name, value in DRIVE.items():
         assert learned.parameters[name] == pytest.approx(value, rel=0.01), name
+
+
+@pytest.mark.parametrize("held", [0.0, 100.0])
+def test_a_constant_force_is_told_from_the_controllers_integral(held, candidates):
+    """Let go as the log begins, and held since before, as a vertical axis is."""
+    learned = learn(Task(candidates, recorded(1.0, 1e-6, pull=100.0, held=held), GAINS))
+    assert learned.judge == "output error"
+    assert learned.parameters["F_0"] == pytest.approx(100.0, rel=0.01)
+    for name, value in DRIVE.items():
+        assert learned.parameters[name] == pytest.approx(value, rel=0.03), name
+
+
+@pytest.mark.parametrize("skipped", [300, 1100])
+def test_a_log_may_begin_while_the_drive_moves(skipped, candidates):
+    learned = learn(Task(candidates, recorded(1.0, 1e-6, skipped=skipped), GAINS))
+    assert learned.judge == "output error"
+    assert "running when the log began" in learned.reason
+    for name, value in DRIVE.items():
+        assert learned.parameters[name] == pytest.approx(value, rel=0.03), name

@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.estimation.output_error import predictor_error
+from stickslip.estimation.fit import linearised
+from stickslip.estimation.learn import MODEL_ERROR
+from stickslip.estimation.output_error import OutputError, predictor_error
+from stickslip.estimation.replica import correct
+from stickslip.estimation.unknowns import NAMES
+
+F_C = NAMES.index("F_c")
 
 
 @pytest.mark.parametrize("pole", [0.9, -0.5])
@@ -17,3 +23,20 @@ def test_the_whitening_of_an_autoregression_is_its_polynomial(pole):
 
 def test_a_signal_of_zeros_stays():
     assert predictor_error(np.zeros(100), 5).tolist() == [1.0]
+
+
+@pytest.mark.parametrize("off", [0.0, 0.2])
+def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
+    """Replicas are given as much noise as the fit left, so they leave as much themselves."""
+    learned = recorded.estimation
+    best = learned.fit
+    q = best.q.copy()
+    q[F_C] += off
+    with OutputError(candidates, learned.recording, learned.gains) as judge:
+        judge.whiten(best.parameters)
+        values = best.unknowns.values(q)
+        variance = float(np.var(judge.residual(values)))
+        bad = linearised(judge, best.unknowns, q, variance)
+        told = correct(judge, bad, candidates, learned.recording, learned.gains, 0)
+    assert told.found / told.expected < MODEL_ERROR
+    assert (told.model_error > MODEL_ERROR) == (off > 0.0)

@@ -8,7 +8,7 @@ import pytest
 from stickslip.estimation.fit import fit
 from stickslip.estimation.motion import position_noise
 from stickslip.estimation.unknowns import NAMES, Unknowns
-from stickslip.estimation.valleys import V_S, with_exponent
+from stickslip.estimation.valleys import V_S, with_exponent, without_stribeck
 
 TRUTH = dict(zip(NAMES, [9.0, 6.0, 1e-3, 4e5, 4e3, 5.5, 6.6, 0.0, 1e-4], strict=True))
 
@@ -18,10 +18,10 @@ class Curve:
 
     name, used = "curve", slice(None)
 
-    def __init__(self, delta, speeds):
+    def __init__(self, delta, speeds, **changes):
         self.v = speeds
         noise = np.random.default_rng(0).normal(0.0, 0.01, len(speeds))
-        self.seen = self.friction({**TRUTH, "delta": delta}) + noise
+        self.seen = self.friction({**TRUTH, "delta": delta, **changes}) + noise
 
     def friction(self, p):
         return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((self.v / p["v_s"]) ** p["delta"]))
@@ -56,6 +56,22 @@ def test_what_is_not_sure_stays_the_papers_and_is_doubted(delta):
     other = fit(judge, replace(first.unknowns, delta=2.0), first.q)
     half_width = 1.96 * np.sqrt(ambiguity[V_S, V_S])
     assert 1.0 < half_width / abs(other.q[V_S] - first.q[V_S]) < 1.5
+
+
+def test_a_rise_towards_rest_that_does_not_show_is_left_out():
+    """F_s is sure there, as a level; only v_s tells that nothing falls."""
+    judge = Curve(1.0, np.linspace(1e-5, 4e-3, 400), F_s=6.0)
+    first = begun(judge)
+    assert first.parameters["F_s"] != first.parameters["F_c"]
+    found = without_stribeck(judge, first)
+    assert found.parameters["F_s"] == pytest.approx(found.parameters["F_c"], rel=1e-6)
+    assert found.parameters["F_c"] == pytest.approx(6.0, rel=1e-3)
+
+
+def test_a_rise_towards_rest_that_shows_stays():
+    judge = Curve(1.0, np.linspace(1e-5, 4e-3, 400))
+    first = begun(judge)
+    assert without_stribeck(judge, first) is first
 
 
 def test_noise_is_told_from_motion():

@@ -1,6 +1,7 @@
 """A recording whose controller is not known."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -29,6 +30,16 @@ def test_it_is_less_sure_than_with_the_loop(alone, recorded):
         assert known.standard_error > recorded.estimation.known[name].standard_error
 
 
+def test_a_constant_force_changes_nothing_else(alone, candidates):
+    """As on a vertical axis, whose controller bears the load when the log begins."""
+    lifted = replace(alone.recording, force=alone.recording.force + 40.0)
+    learned = learn(Task(candidates, lifted))
+    assert abs(learned.F_0 - alone.F_0 - 40.0) < 0.02
+    for name in alone.known:
+        apart = learned.parameters[name] - alone.parameters[name]
+        assert abs(apart) < 0.2 * alone.errors[name], name
+
+
 def test_an_encoder_counts_as_coarse_by_its_step(recorded, candidates):
     recording = recorded.estimation.recording
     with InverseModel(candidates, recording) as model:
@@ -47,3 +58,26 @@ def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
     task = Task(candidates, recorded.estimation.recording, judge="output error")
     with pytest.raises(UsageError, match="needs the controller"):
         learn(task)
+
+
+@pytest.mark.parametrize("shaken", [0.0, 1.0])
+def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(
+    shaken, recorded, candidates, monkeypatch
+):
+    """What no replica shows, here noise on the logged force, is none of the encoder's doing."""
+    module, seen = import_module("stickslip.estimation.learn"), []
+    correct = module.correct_inverse
+
+    def watched(inverse, found, *others):
+        seen.append((found, *correct(inverse, found, *others)))
+        return seen[-1][1:]
+
+    monkeypatch.setattr(module, "correct_inverse", watched)
+    recording = replace(recorded.estimation.recording, velocity_command=None)
+    noise = np.random.default_rng(0).normal(0.0, 1.0, len(recording.t))
+    learned = learn(Task(candidates, replace(recording, force=recording.force + shaken * noise)))
+    [(found, corrected, bias, alike)] = seen
+    assert alike == (shaken == 0.0)
+    assert learned.parameters == (corrected if alike else found).parameters
+    assert learned.errors["F_c"] > found.errors()["F_c"]
+    assert bias.any()
