@@ -97,19 +97,17 @@ def test_a_log_of_another_simulation_is_judged_by_its_loop(candidates):
         assert learned.parameters[name] == pytest.approx(value, rel=0.01), name
 
 
-@pytest.mark.parametrize("held", [0.0, 100.0])
-def test_a_constant_force_is_told_from_the_controllers_integral(held, candidates):
-    """Let go as the log begins, and held since before, as a vertical axis is."""
-    learned = learn(Task(candidates, recorded(1.0, 1e-6, pull=100.0, held=held), GAINS))
+def test_a_constant_force_is_told_from_the_controllers_integral(candidates):
+    """On a vertical axis it was held before the log began."""
+    learned = learn(Task(candidates, recorded(1.0, 1e-6, pull=100.0, held=100.0), GAINS))
     assert learned.judge == "output error"
-    assert learned.parameters["F_0"] == pytest.approx(100.0, rel=0.01)
+    assert learned.parameters["F_0"] == pytest.approx(100.0, rel=1e-3)
     for name, value in DRIVE.items():
         assert learned.parameters[name] == pytest.approx(value, rel=0.03), name
 
 
-@pytest.mark.parametrize("skipped", [300, 1100])
-def test_a_log_may_begin_while_the_drive_moves(skipped, candidates):
-    learned = learn(Task(candidates, recorded(1.0, 1e-6, skipped=skipped), GAINS))
+def test_a_log_may_begin_while_the_drive_moves(candidates):
+    learned = learn(Task(candidates, recorded(1.0, 1e-6, skipped=1100), GAINS))
     assert learned.judge == "output error"
     assert "running when the log began" in learned.reason
     for name, value in DRIVE.items():
