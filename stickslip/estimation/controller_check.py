@@ -92,10 +92,9 @@ def _compared(
         for shift in SHIFTS:
             late = force[shift : shift + len(force) - max(SHIFTS)]
             missing = late - commanded[: len(late)]
-            memory = remembered(missing, gains, T_s) if running else {}
-            rest = missing - memory_force({**gains, **memory}, len(late), T_s)
+            said = {**gains, **(remembered(missing, gains, T_s) if running else {})}
+            rest = missing - memory_force(said, len(late), T_s)
             error = _slow(rest, T_s) / (_slow(late - late.mean(), T_s) or 1.0)
-            said = {**gains, **memory}
             shown = commanded + memory_force(said, len(commanded), T_s)
             checks.append(ControllerCheck(shown, error, shift, said, form))
         return min(checks, key=lambda check: check.error)
