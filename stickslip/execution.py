@@ -5,6 +5,7 @@ None of it changes a result.
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -19,9 +20,10 @@ class Execution:
 
     Attributes
     ----------
-    workers : candidates side by side
-    where : ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see
-        ``ga.executor``
+    workers : candidates side by side; also, in threads, the runs of an experiment while what a
+        search found is fitted
+    where : of candidates: ``threads``, ``processes``, ``local`` or the address of a Dask
+        scheduler, see ``ga.executor``
     checkpoint : file of what was learned so far, written after every generation; None for none
     resume : go on from the checkpoint, if it exists
     """
@@ -34,3 +36,10 @@ class Execution:
     def opened(self) -> AbstractContextManager[Executor | None]:
         """Return the workers as a context, to be entered when there is work."""
         return ga.executor(self.where, self.workers)
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

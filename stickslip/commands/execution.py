@@ -8,7 +8,7 @@ from pathlib import Path
 import ga
 from ga.checkpoint import check
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
+from stickslip.execution import Execution, processors
 
 
 def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None:
@@ -27,7 +27,11 @@ def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None
 def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
     """Declare where work is done."""
     parser.add_argument(
-        "--workers", type=int, default=1, metavar="N", help=f"{what} run side by side"
+        "--workers",
+        type=int,
+        default=processors(),
+        metavar="N",
+        help=f"{what} run side by side; as many as there are processors by default",
     )
     place = parser.add_mutually_exclusive_group()
     place.add_argument(

@@ -6,7 +6,7 @@ all others give way. In the units of the fit its parabola is (distance / standar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,10 @@ REMEDY = {
     "m": "quick ramps of velocity",
 }
 """Which experiment shows a parameter."""
+
+
+_Point = tuple[str, float]  # a parameter, and by how many standard errors it is moved
+_Row = tuple[str, float, float]
 
 
 @dataclass(frozen=True)
@@ -113,7 +117,12 @@ def _mute(name: str, fitted: Fit) -> bool:
     return bool(at_bound) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
 
 
-def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -> pd.DataFrame:
+def profiles(
+    fitted: Fit,
+    residual: Callable[[Values], Array],
+    errors: Values,
+    each: Callable[[Callable[[_Point], _Row | None], Iterable[_Point]], list[_Row | None]],
+) -> pd.DataFrame:
     """Return the profile likelihoods of LuGre's five.
 
     Each point holds one parameter and lets the others follow by three Gauss steps with the Jacobian
@@ -124,6 +133,7 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
     ----------
     residual : (k,) of values by name, as the fit saw it
     errors : standard errors by name [SI]
+    each : applies a function to every point, perhaps side by side
 
     Returns
     -------
@@ -143,36 +153,43 @@ def profiles(fitted: Fit, residual: Callable[[Values], Array], errors: Values) -
         return float(rest @ rest) / fitted.noise + float(np.sum(u.surprise(q) ** 2))
 
     least = loss(residual(fitted.parameters), fitted.q)
-    rows = []
-    for name in LUGRE:
+
+    def row(point: _Point) -> _Row | None:
+        name, distance = point
+        value = fitted.parameters[name]
         direction = np.zeros(len(NAMES))
         direction[NAMES.index(name)] = 1.0
         direction[1] = 1.0 if name in ("F_s", "F_c") else 0.0
         index = NAMES.index(name)
         held = bool(loose[index])  # itself alone, as the others do not depend on it
         plain = float(np.sqrt(direction @ (inverse if held else frozen) @ direction))
-        relative = max(errors[name] / fitted.parameters[name], 1e-12)
-        rows.append((name, fitted.parameters[name], 0.0))
-        for point in POINTS:
-            wanted = float(direction @ fitted.q) + point * relative
-            q = fitted.q.copy()
-            if held:
-                q[index] = np.clip(q[index] + point * relative, u.lower[index], u.upper[index])
-            losses = []
-            for _ in range(PASSES):
-                rest = residual(u.values(q))
-                gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
-                step = -frozen @ gradient
-                if not held:
-                    missing = wanted - direction @ (q + step)
-                    step += frozen @ direction * missing / plain**2
-                q = np.clip(q + step, u.lower, u.upper)
-                losses.append(loss(residual(u.values(q)), q))
-            if abs(float(direction @ q) - wanted) > AT_BOUND + 1e-3 * abs(point) * relative:
-                continue
-            # In the units of the standard error, which knows of correlation.
-            scale = (plain / relative) ** 2
-            value = fitted.parameters[name] * float(np.exp(point * relative))
-            rows.append((name, value, max((min(losses) - least) * scale, 0.0)))
+        relative = max(errors[name] / value, 1e-12)
+        wanted = float(direction @ fitted.q) + distance * relative
+        q = fitted.q.copy()
+        if held:
+            q[index] = np.clip(q[index] + distance * relative, u.lower[index], u.upper[index])
+        rest, losses = residual(u.values(q)), []
+        for _ in range(PASSES):
+            gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
+            step = -frozen @ gradient
+            if not held:
+                missing = wanted - direction @ (q + step)
+                step += frozen @ direction * missing / plain**2
+            q = np.clip(q + step, u.lower, u.upper)
+            rest = residual(u.values(q))
+            losses.append(loss(rest, q))
+        if abs(float(direction @ q) - wanted) > AT_BOUND + 1e-3 * abs(distance) * relative:
+            return None
+        # In the units of the standard error, which knows of correlation.
+        scale = (plain / relative) ** 2
+        return (
+            name,
+            value * float(np.exp(distance * relative)),
+            max((min(losses) - least) * scale, 0.0),
+        )
+
+    middle = [(name, fitted.parameters[name], 0.0) for name in LUGRE]
+    beside = each(row, [(name, distance) for name in LUGRE for distance in POINTS])
+    rows = middle + [point for point in beside if point is not None]
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
     return table.sort_values(["parameter", "value"], ignore_index=True)

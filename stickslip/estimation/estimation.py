@@ -46,6 +46,11 @@ class Task:
     seed: int = 0
     seeds: int = 1
 
+    @property
+    def workers(self) -> int:
+        """How many runs of an experiment go on side by side."""
+        return self.search.execution.workers
+
 
 @dataclass(frozen=True)
 class Estimation:

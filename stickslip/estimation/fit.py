@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -19,6 +18,10 @@ BLOCKS = 100
 ROUNDS = 30
 
 
+T = TypeVar("T")
+R = TypeVar("R")
+
+
 class Judge(Protocol):
     """Compares values with a recording."""
 
@@ -27,6 +30,9 @@ class Judge(Protocol):
 
     def residual(self, values: Values) -> Array:
         """Return what values leave unexplained (k,)."""
+
+    def each(self, function: Callable[[T], R], items: Iterable[T]) -> list[R]:
+        """Apply a function that asks for residuals to every item, perhaps side by side."""
 
 
 @dataclass(frozen=True)
@@ -94,15 +100,11 @@ def fit(judge: Judge, unknowns: Unknowns, start: Array) -> Fit:
     q = np.clip(start, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
     deviation = _deviation(judge.residual(unknowns.values(q)))
     for _ in range(2):
-        scale = deviation
-
-        def scaled(x: Array, scale: float = scale) -> Array:
-            return np.append(judge.residual(unknowns.values(x)) / scale, unknowns.surprise(x))
-
+        target = _Target(judge, unknowns, deviation)
         found = least_squares(
-            scaled,
+            target,
             q,
-            jac=partial(differences, scaled, unknowns=unknowns),
+            jac=target.jacobian,
             bounds=(unknowns.lower, unknowns.upper),
             x_scale="jac",
             max_nfev=ROUNDS,
@@ -126,21 +128,48 @@ def linearised(judge: Judge, unknowns: Unknowns, q: Array, noise: float) -> Fit:
     def residual(x: Array) -> Array:
         return judge.residual(unknowns.values(x))
 
-    jacobian = differences(residual, q, unknowns)
+    middle, *moved = judge.each(residual, [q, *_moved(q, unknowns)])
+    jacobian = _slopes(middle, moved, q, unknowns)
     spread = inverse_information(jacobian, noise, unknowns)
-    return Fit(unknowns, q, residual(q), jacobian, spread, noise)
+    return Fit(unknowns, q, middle, jacobian, spread, noise)
 
 
-def differences(function: Callable[[Array], Array], q: Array, unknowns: Unknowns) -> Array:
-    """Return the Jacobian (k, 9) of a function of coordinates, by differences inside the bounds."""
-    middle = function(q)
-    columns = []
-    for index in range(len(q)):
-        step = STEP if q[index] + STEP <= unknowns.upper[index] else -STEP
-        moved = q.copy()
-        moved[index] += step
-        columns.append((function(moved) - middle) / step)
-    return np.column_stack(columns)
+class _Target:
+    """What least squares makes small: the residual in its deviation, and the surprise."""
+
+    def __init__(self, judge: Judge, unknowns: Unknowns, deviation: float) -> None:
+        self._judge, self._unknowns, self._deviation = judge, unknowns, deviation
+        self._last: tuple[Array, Array] | None = None
+
+    def __call__(self, q: Array) -> Array:
+        value = self._at(q)
+        self._last = q.copy(), value
+        return value
+
+    def jacobian(self, q: Array) -> Array:
+        """Return the Jacobian at coordinates (9,), where the value is known mostly."""
+        known = self._last is not None and np.array_equal(self._last[0], q)
+        middle = self._last[1] if self._last and known else self(q)
+        moved = self._judge.each(self._at, _moved(q, self._unknowns))
+        return _slopes(middle, moved, q, self._unknowns)
+
+    def _at(self, q: Array) -> Array:
+        residual = self._judge.residual(self._unknowns.values(q))
+        return np.append(residual / self._deviation, self._unknowns.surprise(q))
+
+
+def _moved(q: Array, unknowns: Unknowns) -> Array:
+    """Return coordinates (9, 9), in each row another one moved for a difference."""
+    return q + np.diag(_steps(q, unknowns))
+
+
+def _slopes(middle: Array, moved: list[Array], q: Array, unknowns: Unknowns) -> Array:
+    """Return the Jacobian (k, 9) of what is (k,) in the middle and with each coordinate moved."""
+    return (np.column_stack(moved) - middle[:, np.newaxis]) / _steps(q, unknowns)
+
+
+def _steps(q: Array, unknowns: Unknowns) -> Array:
+    return np.where(q + STEP <= unknowns.upper, STEP, -STEP)
 
 
 def inverse_information(jacobian: Array, variance: float, unknowns: Unknowns) -> Array:

@@ -16,6 +16,7 @@ import numpy as np
 import cosim
 from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import SmoothMotion, measured_force, position_of, smooth_motion
+from stickslip.estimation.runs import Runs
 from stickslip.estimation.unknowns import FRICTION, Values
 from stickslip.measurement import Array, smoothed
 from stickslip.recording import Recording
@@ -43,11 +44,14 @@ class InverseModel(Closing):
     fmus : folder of the FMUs
     recording : with position, and force or friction
     cutoff : of the low-pass [Hz]; a share of the sample rate by default
+    workers : how many runs go on side by side
     """
 
     name = "inverse model"
 
-    def __init__(self, fmus: Path, recording: Recording, cutoff: float | None = None) -> None:
+    def __init__(
+        self, fmus: Path, recording: Recording, cutoff: float | None = None, workers: int = 1
+    ) -> None:
         self.T_s = recording.T_s
         self.cutoff = cutoff or SHARE / self.T_s
         self.t = recording.t
@@ -60,12 +64,13 @@ class InverseModel(Closing):
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
-        self._simulation = self.specification.prepare()
+        self._runs = Runs(self.specification, workers)
+        self.each, self.workers = self._runs.each, workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
         parameters = {f"compensator.{name}": values[name] for name in FRICTION}
-        return self._simulation.run(parameters, self.inputs)["compensator.F_f"]
+        return self._runs.run(parameters, self.inputs)["compensator.F_f"]
 
     def implied(self, values: Values) -> Array:
         """Return the force (n,) [N] that the motion implies, low-passed."""
@@ -85,7 +90,7 @@ class InverseModel(Closing):
 
     def close(self) -> None:
         """Free the FMU."""
-        self._simulation.close()
+        self._runs.close()
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import cosim
 from stickslip.estimation.closing import Closing
 from stickslip.estimation.motion import position_of
 from stickslip.estimation.running import fmu_gains, is_running, memory_force
+from stickslip.estimation.runs import Runs
 from stickslip.estimation.unknowns import SOUGHT, Values
 from stickslip.measurement import Array
 from stickslip.recording import Recording
@@ -34,10 +35,17 @@ class KnownLoop(Closing):
     gains : parameters of the controller FMU by name, and what its memory held, if it was running
     encoder : whether the position is read in steps; the trajectory is no smooth function of the
         parameters then
+    workers : how many runs go on side by side
     """
 
     def __init__(
-        self, fmus: Path, recording: Recording, gains: Mapping[str, float], *, encoder: bool = False
+        self,
+        fmus: Path,
+        recording: Recording,
+        gains: Mapping[str, float],
+        *,
+        encoder: bool = False,
+        workers: int = 1,
     ) -> None:
         position = position_of(recording)
         start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
@@ -62,13 +70,14 @@ class KnownLoop(Closing):
             if command is not None:
                 system.expose(name, f"controller.{name}")
                 self._inputs[name] = command
-        self.specification = cosim.Specification(
+        specification = cosim.Specification(
             system,
             step=recording.T_s,
             stop=(len(recording.t) - 1) * recording.T_s,
             record=("candidate.x", "candidate.x_enc", "candidate.F_m", "controller.u"),
         )
-        self._simulation = self.specification.prepare()
+        self._runs = Runs(specification, workers)
+        self.each, self.workers = self._runs.each, workers
         self._memory = memory_force(gains, len(recording.t), recording.T_s)
         force = recording.force if is_running(gains) else None
         self._first = None if force is None else float(force[0])
@@ -84,13 +93,11 @@ class KnownLoop(Closing):
         if self._first is not None:  # the bristles bear what the motor gives
             bent = np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"])
             parameters["candidate.z"] = float(bent) / values["sigma_0"]
-        return self._simulation.run(
-            parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]}
-        )
+        return self._runs.run(parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]})
 
     def close(self) -> None:
         """Free the FMUs."""
-        self._simulation.close()
+        self._runs.close()
 
 
 def candidate(values: Values) -> dict[str, float]:

@@ -95,7 +95,7 @@ def _learn(
     recording, remarks = _against_motion(recording)
     task = replace(task, recording=recording)
     judge, reason = choose(task, check)
-    with InverseModel(task.fmus, recording) as inverse:
+    with InverseModel(task.fmus, recording, workers=task.workers) as inverse:
         start = begin(inverse, recording)
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
@@ -118,7 +118,7 @@ def _learn(
         else:
             best, errors = _inverse_model(task, inverse, found)
             degrees = BLOCKS - len(found.q)
-            table = profiles(best, inverse.residual, errors)
+            table = profiles(best, inverse.residual, errors, inverse.each)
         shown = figures(task.fmus, recording, inverse, best.parameters, task.gains, check)
     names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
     known = {name: certainty(name, best, errors, degrees) for name in names}
@@ -214,7 +214,7 @@ def _output_error(
     expected[F_0] = found.q[F_0]
     doubt[F_0] = max(F_0_DOUBT, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
     unknowns = replace(unknowns, lower=lower, expected=expected, doubt=doubt)
-    with OutputError(task.fmus, task.recording, gains) as judge:
+    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
         lag = LAG * task.recording.T_s
         begins = [
             unknowns.coordinates({**at, "delay": lag}) for at in (found.parameters, start.line)
@@ -250,10 +250,10 @@ def _known_loop(
     best = corrected.fit
     bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
     errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
-    with OutputError(task.fmus, task.recording, gains) as judge:
+    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
         judge.whitening = corrected.whitening
 
         def residual(values: Values) -> Array:
             return judge.residual(values) - corrected.mean
 
-        return errors, profiles(best, residual, errors)
+        return errors, profiles(best, residual, errors, judge.each)

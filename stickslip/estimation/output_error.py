@@ -26,14 +26,21 @@ class OutputError(Closing):
 
     Residuals can be whitened: the encoder's errors went around the loop, and what is left of them
     is predictable from one sample to the next.
+
+    Parameters
+    ----------
+    workers : how many runs go on side by side
     """
 
     name = "output error"
 
-    def __init__(self, fmus: Path, recording: Recording, gains: Mapping[str, float]) -> None:
+    def __init__(
+        self, fmus: Path, recording: Recording, gains: Mapping[str, float], workers: int = 1
+    ) -> None:
         self.t = recording.t
         self.position = position_of(recording)
-        self.loop = KnownLoop(fmus, recording, gains)
+        self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        self.each = self.loop.each
         self.whitening = np.ones(1)
         self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
 

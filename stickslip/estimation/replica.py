@@ -82,7 +82,8 @@ def correct(
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
-    with KnownLoop(fmus, recording, gains, encoder=True) as loop:
+    workers = judge.loop.workers
+    with KnownLoop(fmus, recording, gains, encoder=True, workers=workers) as loop:
         for _ in range(ROUNDS):
             raws = _replicas(judge, loop, at.parameters, step, noise, rng)
             moves = np.array([at.shift(judge.white(raw)) for raw in raws])
@@ -110,13 +111,15 @@ def _replicas(
 ) -> Array:
     """Return what the smooth loop leaves of recordings made anew (RUNS, n) [m]."""
     smooth = judge.loop.run(values)["candidate.x"]
-    raws = []
-    for _ in range(RUNS):
-        offset = step * rng.random()
+
+    def left(drawn: tuple[float, int]) -> Array:
+        offset, seed = drawn
         further = {
             "candidate.noise_x": noise,
-            "candidate.seed": int(rng.integers(2**31)),
+            "candidate.seed": seed,
             "candidate.x": smooth[0] + offset,
         }
-        raws.append(loop.run(values, further)["candidate.x_enc"] - offset - smooth)
-    return np.array(raws)
+        return np.asarray(loop.run(values, further)["candidate.x_enc"] - offset - smooth)
+
+    drawn = [(step * rng.random(), int(rng.integers(2**31))) for _ in range(RUNS)]
+    return np.array(loop.each(left, drawn))

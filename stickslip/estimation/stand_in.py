@@ -8,6 +8,7 @@ encoder, and fitted in the same way by one Gauss step; what that finds too much 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,11 +58,13 @@ def correct_inverse(
     loose = np.sqrt(np.diag(fitted.covariance)) > LOOSE
     path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
     led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
-    with KnownLoop(fmus, led, _gains(fitted.parameters, inverse.T_s), encoder=True) as loop:
+    gains = _gains(fitted.parameters, inverse.T_s)
+    with KnownLoop(fmus, led, gains, encoder=True, workers=inverse.workers) as loop:
         for _ in range(ROUNDS):
-            left = [
-                _residual(inverse, loop, fmus, recording, at.parameters, rng) for _ in range(RUNS)
-            ]
+            drawn = recording.encoder_step * rng.random(RUNS)
+            left = loop.each(
+                partial(_residual, inverse, loop, fmus, recording, at.parameters), drawn
+            )
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
@@ -85,10 +88,9 @@ def _residual(
     fmus: Path,
     recording: Recording,
     values: Values,
-    rng: np.random.Generator,
+    offset: float,
 ) -> Array:
-    """Record a drive of these values anew; return what the inverse model leaves of it (k,) [N]."""
-    offset = recording.encoder_step * rng.random()
+    """Record a drive anew, displaced [m]; return what the inverse model leaves of it (k,) [N]."""
     start = position_of(recording)[0] + offset
     further = {"candidate.x": start, "candidate.noise_x": 1e-9 * abs(offset)}
     result = loop.run({**values, "delay": 0.0}, further)

@@ -15,7 +15,7 @@ from stickslip.commands.execution import (
     forget,
 )
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
+from stickslip.execution import Execution, processors
 from stickslip.learning import Study, learn
 from stickslip.setup import TRAINING
 
@@ -29,7 +29,7 @@ def chosen(*arguments):
 
 def test_options_become_an_execution(tmp_path):
     path = tmp_path / "learning.checkpoint.json"
-    assert execution_of(chosen(), path) == Execution(1, "threads", path)
+    assert execution_of(chosen(), path) == Execution(processors(), "threads", path)
     there = execution_of(chosen("--workers", "3", "--pool", "processes", "--resume"), path)
     assert there == Execution(3, "processes", path, resume=True)
     assert execution_of(chosen("--cluster", "tcp://h:1"), path).where == "tcp://h:1"

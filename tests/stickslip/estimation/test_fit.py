@@ -13,6 +13,7 @@ class Line:
     """A judge that is linear in the coordinates."""
 
     name, unit, used = "line", "m", slice(None)
+    each = staticmethod(lambda function, items: [function(item) for item in items])
 
     def __init__(self, regressors, seen):
         self.regressors, self.seen = regressors, seen

@@ -17,6 +17,7 @@ class Curve:
     """Sees friction at steady speeds, with noise."""
 
     name, used = "curve", slice(None)
+    each = staticmethod(lambda function, items: [function(item) for item in items])
 
     def __init__(self, delta, speeds, **changes):
         self.v = speeds
