@@ -1,6 +1,6 @@
 """What can go wrong, as a tree.
 
-CosimError
+CosimError(toolchain.Fault)
     FmuError(ValueError)           the file is no FMU that can be run here
     ConnectionFault(ValueError)    a component, connection or exposed input cannot be
     ParameterError(ValueError)     no such start value, or not this value
@@ -11,8 +11,10 @@ CosimError
         FmuCrashed                 it ended its process, or had to be ended with it
 """
 
+from toolchain import Fault
 
-class CosimError(Exception):
+
+class CosimError(Fault):
     """Any error of this package that the caller may want to catch."""
 
 

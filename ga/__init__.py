@@ -7,7 +7,7 @@ The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it
     with ga.executor("processes", workers=4) as executor:
         learned = ga.learn(optimiser, evaluate, executor, checkpoint="run.json")
 
-    GaError(Exception)
+    GaError(toolchain.Fault)
         SettingsError(ValueError)      a gene, a setting or a repair makes no sense
         CostError(ValueError)          costs do not fit the candidates asked
         StateError(ValueError)         a checkpoint of another problem, or none at all

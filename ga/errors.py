@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from toolchain import Fault
 
-class GaError(Exception):
+
+class GaError(Fault):
     """Something about a learning run is wrong."""
 
 

@@ -1,14 +1,16 @@
 """Errors of the models package.
 
-ModelError(Exception)
+ModelError(toolchain.Fault)
     UnknownModel(ValueError)      no folder of that name in models/
     DescriptionError(ValueError)  model.toml says something that cannot be built
     LtiError(ValueError)          a linear system that cannot be an FMU
     StartValueError(ValueError)   a start value for a variable that has none, or out of its range
 """
 
+from toolchain import Fault
 
-class ModelError(Exception):
+
+class ModelError(Fault):
     """A model cannot be read or built."""
 
 

@@ -1,4 +1,4 @@
 """The application: learns a friction compensator for a servo drive, and reproduces the paper.
 
-StickslipError(Exception)         drawn in ``stickslip/errors.py``
+StickslipError                    drawn in ``stickslip/errors.py``
 """

@@ -6,65 +6,49 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
+from importlib.metadata import version
 from typing import Any, NoReturn
 
 from threadpoolctl import threadpool_limits
 
-import cosim
-import ga
-import models
 import toolchain
-from cosim.control import ControlError
-from stickslip.commands import (
-    build,
-    check,
-    design,
-    export,
-    fleet,
-    identify,
-    learn,
-    plan,
-    reproduce,
-    simulate,
-    validate,
-    verify,
-)
-from stickslip.errors import StickslipError
 
-COMMANDS = (
-    reproduce,
-    build,
-    simulate,
-    check,
-    design,
-    plan,
-    identify,
-    learn,
-    fleet,
-    validate,
-    verify,
-    export,
-)
-EXPECTED = (
-    StickslipError,
-    cosim.CosimError,
-    ControlError,
-    ga.GaError,
-    models.ModelError,
-    toolchain.ToolchainError,
-    OSError,
-)
+COMMANDS = {
+    "reproduce": "reproduce the paper: identify, learn, validate, report",
+    "build": "build FMUs of the models",
+    "simulate": "run a system of FMUs (.ssp) or one FMU",
+    "check": "judge FMUs of any tool",
+    "design": "design the velocity loop from bandwidth and phase margin",
+    "plan": "write the command of an experiment that shows a drive's parameters",
+    "identify": "identify the drive FMU's parameters",
+    "learn": "learn a drive's parameters from one log, with their uncertainty",
+    "fleet": "learn many drives at once, from a table of logs or drive variants",
+    "validate": "judge a compensator's parameters on the drive FMU, as in Table 4",
+    "verify": "check folders of results against their manifests",
+    "export": "the tuned compensator, a linear system or a whole loop, for other tools",
+}
+"""Each is a module of ``stickslip.commands``, imported when it is called for."""
+EXPECTED = (toolchain.Fault, OSError)
 """What a user can cause; everything else is a defect of ours and shows its traceback."""
 _LONGEST = 2000  # characters of a message, which may hold what a stranger wrote
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    try:
+        return _run(_parser(given).parse_args(given))
+    except KeyboardInterrupt as interruption:
+        print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
+        return 130
+
+
+def _run(options: argparse.Namespace) -> int:
     try:
         # One thread, so that results do not depend on how many the linear algebra would take.
         with threadpool_limits(limits=1, user_api="blas"):
-            status = options.run(options)
+            status: int | None = options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -79,9 +63,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print("stickslip: more memory is needed than there is; give it less", file=sys.stderr)
         return 1
-    except KeyboardInterrupt as interruption:
-        print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
-        return 130
     return status or 0
 
 
@@ -92,14 +73,26 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"stickslip: {message}; see '{self.prog} --help'\n")
 
 
-def _parser() -> argparse.ArgumentParser:
+class _Version(argparse.Action):
+    """Shows the version of what is installed, which only this asks for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        print(f"stickslip {version('stickslip')}")
+        parser.exit()
+
+
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser = _Parser(
         prog="stickslip", description="Learn a friction compensator for a servo drive, in FMUs."
     )
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show it and leave")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.add_to(subparsers)
+    called = next((word for word in arguments if not word.startswith("-")), None)
+    for name, does in COMMANDS.items():
+        command = subparsers.add_parser(name, help=does)
+        if name == called:
+            import_module(f"stickslip.commands.{name}").declare(command)
     _take_debug(subparsers)
     return parser
 

@@ -1,6 +1,6 @@
 """Errors of the application.
 
-StickslipError(Exception)
+StickslipError(toolchain.Fault)
     UsageError(ValueError)              an option, name or value that a command cannot take
     RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
@@ -8,8 +8,10 @@ StickslipError(Exception)
     ResultsError(RuntimeError)          a folder of results that is not what its manifest says
 """
 
+from toolchain import Fault
 
-class StickslipError(Exception):
+
+class StickslipError(Fault):
     """A command cannot go on; the message is for the user."""
 
 

@@ -2,6 +2,7 @@
 
 The ground floor of the house: it knows C files and platforms, nothing of FMI or friction.
 
+    Fault                       what a user can cause; every package's errors are of this kind
     ToolchainError(RuntimeError)
         CompilerMissing     the ``ziglang`` package is not installed
         CompilationFailed   the compiler refused the sources; carries its output
@@ -16,6 +17,7 @@ from toolchain.compiler import shared_library
 from toolchain.errors import (
     CompilationFailed,
     CompilerMissing,
+    Fault,
     NotALibrary,
     ToolchainError,
     WrongExports,
@@ -33,6 +35,7 @@ __all__ = [
     "PLATFORMS",
     "CompilationFailed",
     "CompilerMissing",
+    "Fault",
     "Interface",
     "NotALibrary",
     "Platform",

@@ -1,7 +1,11 @@
 """Errors of the toolchain; the tree is drawn in ``toolchain/__init__.py``."""
 
 
-class ToolchainError(RuntimeError):
+class Fault(Exception):
+    """What a user can cause, in whatever package: the command says it in one line."""
+
+
+class ToolchainError(Fault, RuntimeError):
     """Something between C sources and a shared library went wrong."""
 
 

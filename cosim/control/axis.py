@@ -8,10 +8,12 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
+from toolchain import Fault
+
 Array = NDArray[np.float64]
 
 
-class ControlError(ValueError):
+class ControlError(Fault, ValueError):
     """No controller meets the specification; the message says what can be reached."""
 
 

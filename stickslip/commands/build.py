@@ -7,7 +7,6 @@ import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
@@ -15,9 +14,8 @@ from stickslip.commands.platforms import add_platform_option, parse_platforms
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser("build", help="build FMUs of the models")
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
     add_platform_option(parser)

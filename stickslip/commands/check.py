@@ -5,19 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
 import fmucheck
 from fmucheck import Report, Severity
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "check",
-        help="judge FMUs of any tool",
-        epilog="status 0: no errors; 1: errors (with --strict also warnings); 2: usage",
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.epilog = "status 0: no errors; 1: errors (with --strict also warnings); 2: usage"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu")
     parser.add_argument("--json", action="store_true", help="print findings as JSON")
     parser.add_argument("--strict", action="store_true", help="warnings count as errors")

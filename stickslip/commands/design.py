@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
 from cosim.control import Axis, LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.loop import nominal_parameters
@@ -15,11 +14,8 @@ from stickslip.setup import LOOP, Datasheet
 from toolchain import write_whole
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "design", help="design the velocity loop from bandwidth and phase margin"
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     defaults = {
         "--bandwidth": (LOOP.bandwidth, "HZ", "gain crossover"),
         "--phase-margin": (LOOP.phase_margin, "DEG", "at the crossover"),

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from stickslip.commands import export_compensator, export_lti, export_system
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command and what it exports."""
-    parser = subparsers.add_parser(
-        "export", help="the tuned compensator, a linear system or a whole loop, for other tools"
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare what the command exports."""
     exports = parser.add_subparsers(dest="what", metavar="compensator|lti|FILE.ssp", required=True)
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
     export_compensator.add_to(exports)

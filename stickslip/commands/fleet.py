@@ -6,7 +6,6 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -22,15 +21,13 @@ from stickslip.result_folder import claimed
 VISIBLE = ("well known", "weakly known", "not visible")
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "fleet",
-        help="learn many drives at once, from a table of logs or drive variants",
-        description="Learn each drive of a table, side by side. TABLE is a CSV file with a row "
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = (
+        "Learn each drive of a table, side by side. TABLE is a CSV file with a row "
         "for each drive: its name, and either log, with config, a TOML file that describes the "
         "log (both relative to the table), or set, parameters of a proxy drive that is then "
-        "recorded, such as 'drive.m=10 drive.noise=on'.",
+        "recorded, such as 'drive.m=10 drive.noise=on'."
     )
     parser.add_argument("table", type=Path, metavar="TABLE")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")

@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
@@ -19,9 +18,8 @@ from stickslip.setup import LOOP
 from toolchain import write_whole
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser("identify", help="identify the drive FMU's parameters")
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("--out", type=Path, metavar="DIR", help="write identified.json there")
     add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
     parser.set_defaults(run=run)

@@ -8,7 +8,6 @@ import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from stickslip.commands.execution import (
     add_algorithm_option,
@@ -39,11 +38,8 @@ FIGURES = {
 }
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "learn", help="learn a drive's parameters from one log, with their uncertainty"
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument(
         "--log", type=Path, required=True, metavar="FILE", help="CSV, Parquet or MAT"
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -23,14 +22,12 @@ _OPTIONS = {
 }
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "plan",
-        help="write the command of an experiment that shows a drive's parameters",
-        description="Write the velocity and position command of one experiment as CSV: small "
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = (
+        "Write the velocity and position command of one experiment as CSV: small "
         "moves, slow reversals, constant speeds, quick ramps and a sine sweep. Run it on the "
-        "drive, log time, force and position, and learn from the log.",
+        "drive, log time, force and position, and learn from the log."
     )
     parser.add_argument(
         "--motion", choices=("linear", "rotary"), default="linear", help="rotary: read rad for m"

@@ -6,7 +6,6 @@ import argparse
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.execution import (
@@ -29,11 +28,8 @@ from stickslip.results import write_results
 from stickslip.validation import Validation
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "reproduce", help="reproduce the paper: identify, learn, validate, report"
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("--out", type=Path, default=Path("results/paper"), metavar="DIR")
     parser.add_argument(
         "--mode",

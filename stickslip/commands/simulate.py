@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
@@ -19,9 +18,8 @@ from toolchain import refuse_odd
 _STEPS = 500  # of an FMU that proposes no step
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser("simulate", help="run a system of FMUs (.ssp) or one FMU")
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
     parser.add_argument("--stop", type=float, metavar="S", help="instead of the file's own")
     parser.add_argument(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 from stickslip.attribution import attribute
 from stickslip.commands.assignments import add_set_option, drive_changes
@@ -23,11 +22,8 @@ from stickslip.validation import validate
 from toolchain import write_whole
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "validate", help="judge a compensator's parameters on the drive FMU, as in Table 4"
-    )
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument(
         "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
     )

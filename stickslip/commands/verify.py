@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from stickslip.errors import ResultsError
 from stickslip.result_folder import verify
 
 
-def add_to(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Declare the command."""
-    parser = subparsers.add_parser(
-        "verify",
-        help="check folders of results against their manifests",
-        description="Compare the files of a folder with the hashes in its manifest.json, and name "
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = (
+        "Compare the files of a folder with the hashes in its manifest.json, and name "
         "each that is missing, changed or additional. New results that a killed process left "
-        "complete but not all in place are moved in first.",
-        epilog="status 0: all is as it was written; 1: it is not; 2: usage",
+        "complete but not all in place are moved in first."
     )
+    parser.epilog = "status 0: all is as it was written; 1: it is not; 2: usage"
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
     parser.add_argument(
         "--without",

@@ -1,13 +1,16 @@
 """The command line: what works, and one clear line for what does not."""
 
 import json
+import subprocess
+import sys
+from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import models
-from stickslip.cli import main
+from stickslip.cli import COMMANDS, main
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +27,24 @@ def complaint(capsys, *arguments) -> str:
     assert len(lines) == 1
     assert lines[0].startswith("stickslip: ")
     return lines[0]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_tells_its_options(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([command, "--help"])
+    assert f"usage: stickslip {command}" in capsys.readouterr().out
+
+
+def test_help_and_version_come_at_once():
+    """Nothing is loaded for them; a whole command takes seconds to load."""
+    code = "import sys; from stickslip.cli import main; main(sys.argv[1:])"
+    loaded = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {code}"
+    for option, says in (("--help", [*COMMANDS]), ("--version", [version("stickslip")])):
+        command = [sys.executable, "-c", loaded, option]
+        said = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+        assert {*says} <= {*said}
+        assert not {"numpy", "cosim", "fmpy"} & {*said}
 
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
