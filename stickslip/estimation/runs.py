@@ -25,7 +25,6 @@ class Runs(Closing):
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
         self._specification = specification
-        self.workers = workers
         self._threads = ThreadPoolExecutor(workers) if workers > 1 else None
         self._all = [specification.prepare()]
         self._idle = self._all.copy()
