@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(_parser(given).parse_args(given))
     except KeyboardInterrupt as interruption:
-        print(f"stickslip: {interruption or 'interrupted'}", file=sys.stderr)
+        print(f"stickslip: {str(interruption) or 'interrupted'}", file=sys.stderr)
         return 130
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import ga
@@ -91,3 +93,19 @@ def forget(execution: Execution, options: argparse.Namespace) -> None:
     """Delete the checkpoint of a run whose results are written, unless the user named it."""
     if execution.checkpoint is not None and options.checkpoint is None:
         execution.checkpoint.unlink(missing_ok=True)
+
+
+@contextmanager
+def keeping(execution: Execution) -> Iterator[None]:
+    """Let Ctrl-C say what is kept and how to go on, also when the search is over."""
+    try:
+        yield
+    except ga.Interrupted:
+        raise
+    except KeyboardInterrupt:
+        path = execution.checkpoint
+        if path is None or not path.exists():
+            raise
+        raise KeyboardInterrupt(
+            f"interrupted; what the search found is kept in {path}; go on with --resume"
+        ) from None

@@ -14,6 +14,7 @@ from stickslip.commands.execution import (
     add_execution_options,
     execution_of,
     forget,
+    keeping,
 )
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
@@ -84,7 +85,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
     execution = execution_of(options, (options.out or Path()) / "learning.checkpoint.json")
     if not options.out and options.checkpoint is None:
         execution = replace(execution, checkpoint=None)
-    with TerminalProgress(sys.stderr) as progress:
+    with TerminalProgress(sys.stderr) as progress, keeping(execution):
         learned = learn_from_log(
             options.log,
             description,
@@ -96,12 +97,12 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             on_stage=progress.stage,
         )
         print_estimation(learned.estimation)
-        forget(execution, options)
         if options.out:
             progress.stage("writing the results")
             for warning in write_learned(learned, options.out, force=options.force):
                 print(f"stickslip: warning: {warning}", file=sys.stderr)
             print(f"all results in {options.out}; begin with report.html")
+        forget(execution, options)
 
 
 def _print_findings(findings: Iterable[Finding]) -> None:

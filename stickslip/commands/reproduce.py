@@ -13,6 +13,7 @@ from stickslip.commands.execution import (
     add_execution_options,
     execution_of,
     forget,
+    keeping,
 )
 from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
@@ -91,7 +92,9 @@ def run(options: argparse.Namespace) -> None:
         TerminalProgress(sys.stderr) as progress,
     ):
         execution = execution_of(options, options.out / "learning.checkpoint.json")
-        validation = MODES[options.mode](chosen, Path(fmus), progress, execution, options.out)
-        forget(execution, options)
+        with keeping(execution):
+            how = MODES[options.mode]
+            validation = how(chosen, Path(fmus), progress, execution, options.out)
+            forget(execution, options)
     print_table4(validation.table())
     print(f"all results in {options.out}; begin with report.html")

@@ -67,6 +67,26 @@ def test_ctrl_c_says_on_one_line_how_to_go_on(monkeypatch, tmp_path, capsys):
     assert len(said.splitlines()) == 1
 
 
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
+def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", interrupt)
+    assert main(["reproduce", "--out", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == "stickslip: interrupted\n"
+
+    def searched(*given):
+        given[-1].checkpoint.touch()
+        interrupt()
+
+    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", searched)
+    assert main(["reproduce", "--out", str(tmp_path)]) == 130
+    kept = tmp_path / "learning.checkpoint.json"
+    said = f"interrupted; what the search found is kept in {kept}; go on with --resume"
+    assert capsys.readouterr().err == f"stickslip: {said}\n"
+
+
 class Stopped(Exception):
     pass
 
