@@ -1,13 +1,18 @@
-"""One reproduction of the paper, computed once for all tests that judge it."""
+"""One reproduction of the paper, and one short log, made once for all tests that judge them."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+from cosim.control import design_velocity_loop
 from stickslip.loop import build_fmus
+from stickslip.plan import LINEAR, plan
+from stickslip.record_mode import COMMISSIONING
 from stickslip.reproduction import Options, Reproduction, reproduce
 from stickslip.results import write_results
-from stickslip.rig import Rig
+from stickslip.rig import Rig, rig_of
 from stickslip.setup import LOOP, Datasheet
 
 
@@ -47,3 +52,16 @@ def make_rig(tmp_path):
         return Rig(tmp_path, Datasheet(), LOOP.T_s)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def log(tmp_path_factory):
+    """Return a log of 2 s of a drive with m = 8 kg and F_c = 4 N, every other sample."""
+    path = tmp_path_factory.mktemp("log") / "log.csv"
+    with rig_of({"m": 8.0, "F_c": 4.0}) as rig:
+        loop = design_velocity_loop(rig.datasheet.axis(5.5, 0.0), COMMISSIONING)
+        v_cmd = plan(replace(LINEAR, duration=2.0))["velocity_command"].to_numpy()
+        log = rig.follow(v_cmd, loop)
+    table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
+    pd.DataFrame(table)[::2].to_csv(path, index=False)
+    return path

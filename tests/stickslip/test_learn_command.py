@@ -1,0 +1,52 @@
+"""``stickslip learn``: from a log to a folder of results."""
+
+import json
+
+import pytest
+
+from stickslip.cli import main
+
+
+@pytest.fixture(scope="module")
+def folder(log, tmp_path_factory):
+    out = tmp_path_factory.mktemp("learned") / "out"
+    assert main(["learn", "--log", str(log), "--workers", "3", "--out", str(out)]) == 0
+    return out
+
+
+def test_it_prints_what_is_known(log, capsys):
+    assert main(["learn", "--log", str(log), "--judge", "inverse"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    known = {line.split()[0]: line for line in lines if "known" in line or "visible" in line}
+    assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
+    low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
+    assert float(low) < 4.0 < float(high)
+
+
+def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
+    assert main(["verify", str(folder)]) == 0
+    files = {path.name for path in folder.iterdir()}
+    assert {"learned.json", "parameters.csv", "report.html", "compensator.fmu"} <= files
+    assert not [name for name in files if "checkpoint" in name]
+
+
+def test_workers_change_no_byte(log, folder, tmp_path):
+    assert main(["learn", "--log", str(log), "--workers", "1", "--out", str(tmp_path)]) == 0
+    for name in ("learned.json", "parameters.csv", "report.html"):
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+
+
+def test_the_compensator_has_what_was_learned(folder, tmp_path):
+    learned = json.loads((folder / "learned.json").read_text())["parameters"]
+    given = [
+        "--input",
+        str(tmp_path / "v.csv"),
+        "--record",
+        "F_f",
+        "--out",
+        str(tmp_path / "F.csv"),
+    ]
+    (tmp_path / "v.csv").write_text("time,v\n0,0.02\n1,0.02\n")
+    assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
+    last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
+    assert last == pytest.approx(learned["F_c"]["value"], rel=0.02)
