@@ -139,17 +139,15 @@ class _Target:
 
     def __init__(self, judge: Judge, unknowns: Unknowns, deviation: float) -> None:
         self._judge, self._unknowns, self._deviation = judge, unknowns, deviation
-        self._last: tuple[Array, Array] | None = None
+        self._q, self._value = np.empty(0), np.empty(0)
 
     def __call__(self, q: Array) -> Array:
-        value = self._at(q)
-        self._last = q.copy(), value
-        return value
+        self._q, self._value = q.copy(), self._at(q)
+        return self._value
 
     def jacobian(self, q: Array) -> Array:
         """Return the Jacobian at coordinates (9,), where the value is known mostly."""
-        known = self._last is not None and np.array_equal(self._last[0], q)
-        middle = self._last[1] if self._last and known else self(q)
+        middle = self._value if np.array_equal(self._q, q) else self(q)
         moved = self._judge.each(self._at, _moved(q, self._unknowns))
         return _slopes(middle, moved, q, self._unknowns)
 

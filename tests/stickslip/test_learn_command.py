@@ -36,6 +36,21 @@ def test_workers_change_no_byte(log, folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
+def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_path, capsys):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    arguments = ["learn", "--log", str(log), "--out", str(tmp_path)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.commands.learn.write_learned", interrupt)
+        assert main(arguments) == 130
+    checkpoint = tmp_path / "learning.checkpoint.json"
+    assert f"kept in {checkpoint}; go on with --resume" in capsys.readouterr().err
+    assert main([*arguments, "--resume"]) == 0
+    assert not checkpoint.exists()
+    assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
+
+
 def test_the_compensator_has_what_was_learned(folder, tmp_path):
     learned = json.loads((folder / "learned.json").read_text())["parameters"]
     given = [
