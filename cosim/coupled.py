@@ -164,8 +164,9 @@ class Coupled:
         return before and self._coupling.method != "jacobi"
 
     def _is_fresh(self, source: str, component: str) -> bool:
-        if source in self._system.inputs:
-            return self._coupling.degree > 0
+        if source in self._system.inputs:  # Model Exchange looks into the step in any case
+            exchange = self._system.components[component].interface == "model_exchange"
+            return self._coupling.degree > 0 or exchange
         group = self._group[component_of(source)]
         solved = group.iterated and component in group.components
         return solved or self._is_earlier(source, component)
@@ -211,7 +212,8 @@ class Coupled:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
         fed = self._system.sources()
         shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
-        interpolates = fmu.interpolates_inputs and degree > 0 and name not in self._facades
+        facade, exchange = self._facades.get(name), fmu.interface == "model_exchange"
+        interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and facade is None))
         links = (tables.Link * n)()
         for link, (_, target) in zip(links, self._inputs[name], strict=True):
             link.column = self._layout.columns[fed[target]]
@@ -229,15 +231,18 @@ class Coupled:
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:
-            keeper = self._facades.get(name) or library
+            keeper = facade or library
             member.save, member.restore, member.discard = keeper.state_calls()
             member.outputs = (ctypes.c_double * slot.n_outputs)()
             member.again = (ctypes.c_double * slot.n_outputs)()
+        if facade and exchange:
+            fresh = [bool(link.fresh) for link in links]
+            member.set_derivatives = facade.follow_polynomials(fresh, degree)
         if interpolates:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]
             member.interpolates = True
-            member.set_derivatives = library.derivatives_call()
+            member.set_derivatives = member.set_derivatives or library.derivatives_call()
             member.derivative_references = (ctypes.c_uint32 * len(references))(*references)
             member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
             member.derivatives = (ctypes.c_double * len(orders))()

@@ -47,10 +47,10 @@ class Coupling:
     degree : of the polynomials through the last known points that inputs follow during a step:
         0 constant, 1 linear, 2 quadratic; by default 1 for ``iterative``, else 0. ``iterative``
         knows the end of the step and interpolates; the other methods extrapolate what is not
-        computed yet. FMUs that interpolate their inputs follow exactly. The others are given the
-        mean over the step; where an output depends on an input directly, they do the last eighth
-        of the step with its value at the end, if they can vary their step, else all of it.
-        Inputs from outside are joined likewise; with degree 0 they hold
+        computed yet. FMUs that interpolate their inputs and Model Exchange follow exactly. The
+        others are given the mean over the step; where an output depends on an input directly, they
+        do the last eighth of the step with its value at the end, if they can vary their step, else
+        all of it. Inputs from outside are joined likewise; with degree 0 they hold
     tolerance : of what is iterated, relative to the greater of its value and its nominal value
     max_iterations : of one step
     adaptive : whether and how the step adapts

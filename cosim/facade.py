@@ -79,6 +79,7 @@ class Facade:
             courses=(mirror.Course * len(inputs))(),
             before=(ctypes.c_double * len(inputs))(),
             after=(ctypes.c_double * len(inputs))(),
+            rates=(ctypes.c_double * (2 * len(inputs)))(),
             tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
             n_clocks=len(fmu.clocks),
             clocks=(mirror.Clock * len(fmu.clocks))(
@@ -109,6 +110,18 @@ class Facade:
             _address(getattr(library, f"facade_{verb}FMUstate")) for verb in ("Get", "Set", "Free")
         )
         return save, restore, free
+
+    def follow_polynomials(self, fresh: Sequence[bool], degree: int) -> int:
+        """Let inputs of Model Exchange follow those of a coupling; return what sets derivatives.
+
+        Parameters
+        ----------
+        fresh : for each input, whether the coupling knows its value at the end of the step
+        """
+        for i, known in enumerate(fresh):
+            self.c.input_ports[i].ahead = known
+        self.c.follows = degree > 0
+        return _address(kernel.load().facade_SetRealInputDerivatives)
 
     def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
         """Take start values from here: of structural parameters, most others, and inputs."""

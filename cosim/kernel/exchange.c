@@ -9,6 +9,7 @@
 enum { MOST_STATES = 20000 };                            /* the solver's matrix is dense */
 enum { MAX_EVENTS = 10000, MAX_SOLVER_STEPS = 1000000 }; /* in one communication step */
 static const double LONGEST = 0.02; /* of a run: the longest solver step, as in FMPy */
+static const double ROUNDING = 1e-12;
 
 struct Integrator {
     void *context, *memory, *matrix, *solver;
@@ -33,18 +34,28 @@ static fmi2Status set_time(Facade *f, double t) {
     return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
 
-/* The inputs at time t: those that follow no course but are known at both ends of the step lie on a
- * straight line. */
-static fmi2Status set_moving_inputs(Facade *f, double t) {
+/* A continuous input at time t of the step: on its course, on the polynomial that the coupling
+ * gave, on a straight line where both ends of the step are known, else held from the begin of the
+ * step. */
+static double input_at(const Facade *f, size_t i, double t) {
     const Integrator *in = f->integrator;
-    const double share = fmin(1.0, (t - in->begin) / (in->end - in->begin));
+    const double s = t - in->begin;
+    if (f->courses[i].n) {
+        return value_of(&f->courses[i], t, f->passed);
+    }
+    if (f->follows) {
+        return f->after[i] + s * (f->rates[i] + s / 2.0 * f->rates[f->n_inputs + i]);
+    }
+    const double share = f->input_ports[i].ahead ? fmin(1.0, s / (in->end - in->begin)) : 1.0;
+    return (1.0 - share) * f->before[i] + share * f->after[i];
+}
+
+static fmi2Status set_moving_inputs(Facade *f, double t) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
-        if (f->courses[i].n && !group->discrete) {
-            store(group, port->place, value_of(&f->courses[i], t, f->passed));
-        } else if (port->ahead && !group->discrete) {
-            store(group, port->place, (1.0 - share) * f->before[i] + share * f->after[i]);
+        if (!group->discrete) {
+            store(group, port->place, input_at(f, i, t));
         }
     }
     for (size_t i = 0; i < f->inputs.n; i++) {
@@ -275,36 +286,56 @@ static fmi2Status integrate(Facade *f, double target, bool *event) {
     return completed_step(f, event);
 }
 
-/* Of the inputs that follow no course. Those whose value is only known from before hold it for the
- * step, from its begin on; the others reach theirs at the end, where those that are discrete jump.
- */
-static fmi2Status take_inputs(Facade *f, bool ahead) {
-    bool event = false, jump = false;
+/* Whether a continuous input begins a step elsewhere than it ended the one before. A polynomial may
+ * miss it by a rounding error. */
+static bool leaps(const Facade *f, size_t i, double value) {
+    const Integrator *in = f->integrator;
+    const double h = in->end - in->begin, *rates = f->rates;
+    const double size = fabs(value) + fabs(f->before[i]) + h * fabs(rates[i]) +
+                        h * h * fabs(rates[f->n_inputs + i]);
+    return f->follows ? fabs(value - f->before[i]) > ROUNDING * size : value != f->before[i];
+}
+
+/* Of the inputs that follow no course, at the begin of a step or at its end. A discrete one jumps
+ * at the end where the value there is what is known. */
+static fmi2Status take_inputs(Facade *f, bool at_end) {
+    const Integrator *in = f->integrator;
+    bool event = false, leap = false;
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
-        if ((port->ahead != 0) == ahead && !f->courses[i].n) {
-            const bool changed = f->before[i] != f->after[i];
-            event = event || (changed && group->discrete);
-            jump = jump || (changed && !ahead);
-            f->before[i] = f->after[i];
-            store(group, port->place, f->after[i]);
+        if (f->courses[i].n || (group->discrete && (port->ahead != 0) != at_end)) {
+            continue;
         }
+        const double value =
+            group->discrete ? f->after[i] : input_at(f, i, at_end ? in->end : in->begin);
+        event = event || (group->discrete && value != f->before[i]);
+        leap = leap || (!group->discrete && !at_end && leaps(f, i, value));
+        if (group->discrete || at_end) {
+            f->before[i] = value;
+        }
+        store(group, port->place, value);
     }
     if (event) {
         TRY_STATUS(handle_event(f, true));
-    } else if (jump) {
+    } else if (leap) {
         TRY_STATUS(set_moving_inputs(f, f->time));
     }
-    return event || jump ? restart_exchange(f) : fmi2OK;
+    return event || leap ? restart_exchange(f) : fmi2OK;
+}
+
+static bool moves(const Facade *f, size_t i) {
+    if (f->courses[i].n) {
+        return !f->courses[i].held;
+    }
+    const bool changes = f->before[i] != f->after[i];
+    return f->follows ? changes || f->rates[i] != 0.0 || f->rates[f->n_inputs + i] != 0.0
+                      : f->input_ports[i].ahead && changes;
 }
 
 static bool inputs_move(const Facade *f) {
     for (size_t i = 0; i < f->n_inputs; i++) {
-        const Port *port = &f->input_ports[i];
-        const bool moves =
-            f->courses[i].n ? !f->courses[i].held : port->ahead && f->before[i] != f->after[i];
-        if (moves && !f->inputs.groups[port->group].discrete) {
+        if (!f->inputs.groups[f->input_ports[i].group].discrete && moves(f, i)) {
             return true;
         }
     }

@@ -126,6 +126,8 @@ typedef struct {
     const Port *input_ports, *output_ports;
     size_t n_inputs;
     double *before, *after; /* n_inputs, values of the input ports at the two ends of a step */
+    int64_t follows;        /* Model Exchange: inputs are polynomials; after is their begin ... */
+    double *rates;          /* (2, n_inputs): ... and these are their derivatives there */
     const Course *courses;  /* n_inputs, Model Exchange */
     const Cvode *cvode;     /* Model Exchange */
     double tolerance; /* relative, of Model Exchange; times the nominal value the absolute one */
@@ -210,6 +212,7 @@ EXPORT fmi2SetupExperimentTYPE facade_SetupExperiment;
 EXPORT fmi2EnterInitializationModeTYPE facade_EnterInitializationMode;
 EXPORT fmi2ExitInitializationModeTYPE facade_ExitInitializationMode;
 EXPORT fmi2SetRealTYPE facade_SetReal;
+EXPORT fmi2SetRealInputDerivativesTYPE facade_SetRealInputDerivatives;
 EXPORT fmi2GetRealTYPE facade_GetReal;
 EXPORT fmi2DoStepTYPE facade_DoStep;
 EXPORT fmi2TerminateTYPE facade_Terminate;

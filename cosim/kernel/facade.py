@@ -114,6 +114,8 @@ class Facade(Structure):
         ("n_inputs", c_size_t),
         ("before", POINTER(c_double)),
         ("after", POINTER(c_double)),
+        ("follows", c_int64),
+        ("rates", POINTER(c_double)),
         ("courses", POINTER(Course)),
         ("cvode", POINTER(c_void_p)),
         ("tolerance", c_double),

@@ -88,6 +88,16 @@ fmi2Status facade_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t 
     return fmi2OK;
 }
 
+/* Of Model Exchange, which follows the polynomials of a coupling in its next step. */
+fmi2Status facade_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                          const fmi2Integer orders[], const fmi2Real values[]) {
+    Facade *f = c;
+    for (size_t i = 0; i < n; i++) {
+        f->rates[(size_t)(orders[i] - 1) * f->n_inputs + r[i]] = values[i];
+    }
+    return fmi2OK;
+}
+
 fmi2Status facade_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
                           fmi2Real values[]) {
     Facade *f = c;

@@ -19,8 +19,17 @@ NAMES = [*SIGNALS, *MATRICES, "e1", "e2", "f1", "f2", "cubic"]
 Linear = Callable[..., Path]
 
 
-def describe(version: int, feedthrough: frozenset[str], abilities: Mapping[str, bool]) -> str:
-    """Return modelDescription.xml; ``feedthrough`` names the elements of D that count."""
+def describe(
+    version: int,
+    feedthrough: frozenset[str],
+    abilities: Mapping[str, bool],
+    *,
+    exchange: bool = False,
+) -> str:
+    """Return modelDescription.xml; ``feedthrough`` names the elements of D that count.
+
+    ``exchange`` describes Model Exchange in the place of Co-Simulation.
+    """
     variables, outputs = [], []
     for reference, name in enumerate(NAMES):
         causality = {"u": "input", "y": "output"}.get(name[0], "parameter")
@@ -41,20 +50,38 @@ def describe(version: int, feedthrough: frozenset[str], abilities: Mapping[str, 
                 outputs.append(
                     f'<Output valueReference="{reference}" dependencies="{_list(used)}"/>'
                 )
+    rates = []
+    for i in (1, 2) if exchange else ():  # the states, under names of their own
+        index, state, rate = len(variables) + 2, 40 + i, 50 + i
+        local = 'causality="local" variability="continuous"'
+        if version == 2:
+            entry = '<ScalarVariable name="{}" valueReference="{}" {}><Real {}/></ScalarVariable>'
+            variables += [entry.format(f"s{i}", state, local, "")]
+            variables += [entry.format(f"der(s{i})", rate, local, f'derivative="{index - 1}"')]
+            rates.append(f'<Unknown index="{index}"/>')
+        else:
+            variables += [f'<Float64 name="s{i}" valueReference="{state}" {local}/>']
+            variables += [
+                f'<Float64 name="der(s{i})" valueReference="{rate}" {local} derivative="{state}"/>'
+            ]
+            rates.append(f'<ContinuousStateDerivative valueReference="{rate}"/>')
     if version == 3:
         variables.append(
             '<Float64 name="time" valueReference="99" causality="independent"'
             ' variability="continuous"/>'
         )
-        structure, head = "".join(outputs), 'fmiVersion="3.0" instantiationToken="linear"'
+        structure = "".join(outputs + rates)
+        head = 'fmiVersion="3.0" instantiationToken="linear"'
     else:
         structure = f"<Outputs>{''.join(outputs)}</Outputs>"
+        structure += f"<Derivatives>{''.join(rates)}</Derivatives>" if rates else ""
         head = 'fmiVersion="2.0" guid="linear"'
     flags = " ".join(f'{name}="{str(can).lower()}"' for name, can in abilities.items())
+    varies = ' canHandleVariableCommunicationStepSize="true"'
+    kind = "ModelExchange" if exchange else "CoSimulation"
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {head} modelName="linear">'
-        f'<CoSimulation modelIdentifier="linear" {flags}'
-        ' canHandleVariableCommunicationStepSize="true"/>'
+        f'<{kind} modelIdentifier="linear" {flags}{"" if exchange else varies}/>'
         f"<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
@@ -71,9 +98,13 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
     made: dict[object, Path] = {}
 
     def make(
-        version: int = 2, *feedthrough: str, restores: bool = True, interpolates: bool = True
+        version: int = 2,
+        *feedthrough: str,
+        restores: bool = True,
+        interpolates: bool = True,
+        exchange: bool = False,
     ) -> Path:
-        key = (version, feedthrough, restores, interpolates)
+        key = (version, feedthrough, restores, interpolates, exchange)
         if key not in made:
             headers = Path(fmpy.__file__).parent / "c-code"
             files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
@@ -83,11 +114,11 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
             place = platform.fmi2 if version == 2 else platform.tuple
             word = "FMUstate" if version == 2 else "FMUState"
             abilities = {f"canGetAndSet{word}": restores, f"canSerialize{word}": restores}
-            if version == 2:
+            if version == 2 and not exchange:
                 abilities["canInterpolateInputs"] = interpolates
             path = folder / f"{len(made)}.fmu"
             with zipfile.ZipFile(path, "w") as archive:
-                text = describe(version, frozenset(feedthrough), abilities)
+                text = describe(version, frozenset(feedthrough), abilities, exchange=exchange)
                 archive.writestr("modelDescription.xml", text)
                 archive.write(binary, f"binaries/{place}/{binary.name}")
             made[key] = path

@@ -238,3 +238,86 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte room[], size_t
                                    fmi3FMUState *s) {
     return (fmi3Status)fmi2DeSerializeFMUstate(c, (const fmi2Byte *)room, size, s);
 }
+
+/* Model Exchange */
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return (void)c, fmi2OK; }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (void)c, fmi2OK; }
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) { return (void)c, (void)t, fmi2OK; }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+    (void)c;
+    return *info = (fmi2EventInfo){0}, fmi2OK;
+}
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
+    return memcpy(x, ((Model *)c)->x, n * sizeof *x), fmi2OK;
+}
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
+    return memcpy(((Model *)c)->x, x, n * sizeof *x), fmi2OK;
+}
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
+    const Model *m = c;
+    for (size_t i = 0; i < n; i++) {
+        dx[i] = m->real[E + i];
+        for (size_t j = 0; j < N; j++) {
+            dx[i] += m->real[A + i * N + j] * m->x[j] + m->real[B + i * N + j] * m->real[U + j];
+        }
+    }
+    return fmi2OK;
+}
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
+    return (void)c, (void)z, (void)n, fmi2OK;
+}
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
+    (void)c;
+    for (size_t i = 0; i < n; i++) {
+        x[i] = 1.0;
+    }
+    return fmi2OK;
+}
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback log) {
+    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)environment;
+    (void)log;
+    return calloc(1, sizeof(Model));
+}
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (void)c, fmi3OK; }
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return (void)c, fmi3OK; }
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 t) { return (void)c, (void)t, fmi3OK; }
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate,
+                                    fmi3Boolean *nominals, fmi3Boolean *states,
+                                    fmi3Boolean *defined, fmi3Float64 *next) {
+    (void)c, (void)next;
+    return *again = *terminate = *nominals = *states = *defined = false, fmi3OK;
+}
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {
+    return (void)c, *n = N, fmi3OK;
+}
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n) {
+    return (void)c, *n = 0, fmi3OK;
+}
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n) {
+    return (fmi3Status)fmi2GetContinuousStates(c, x, n);
+}
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t n) {
+    return (fmi3Status)fmi2SetContinuousStates(c, x, n);
+}
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 dx[], size_t n) {
+    return (fmi3Status)fmi2GetDerivatives(c, dx, n);
+}
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 z[], size_t n) {
+    return (void)c, (void)z, (void)n, fmi3OK;
+}
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n) {
+    return (fmi3Status)fmi2GetNominalsOfContinuousStates(c, x, n);
+}
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set, fmi2Boolean *enter,
+                                       fmi2Boolean *terminate) {
+    (void)c, (void)no_set;
+    return *enter = *terminate = fmi2False, fmi2OK;
+}
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set, fmi3Boolean *enter,
+                                       fmi3Boolean *terminate) {
+    (void)c, (void)no_set;
+    return *enter = *terminate = false, fmi3OK;
+}

@@ -1,0 +1,130 @@
+"""Every coupling method reaches the order that it declares, whatever the FMU and its source."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import cosim
+from cosim import Adaptive, Coupling, Table
+
+METHODS = ["gauss_seidel", "jacobi", "iterative"]
+KINDS = {
+    "CS 2.0": (2, {"interpolates": False}),
+    "CS 2.0 interpolating": (2, {}),
+    "CS 3.0": (3, {}),
+    "ME 2.0": (2, {"exchange": True}),
+    "ME 3.0": (3, {"exchange": True}),
+}
+FINE = 1e-11  # of the solver of Model Exchange, far below the errors of the coupling
+STEPS = (0.02, 0.01, 0.005)
+each_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def single(linear, kind):
+    """x' = u, y1 = x, y2 = x + 2 u."""
+    version, abilities = KINDS[kind]
+    system = cosim.System("single")
+    parameters = {"b11": 1.0, "c11": 1.0, "c21": 1.0, "d21": 2.0}
+    system.add("a", linear(version, "d21", **abilities), parameters)
+    system.expose("u", "a.u1")
+    return system
+
+
+def source_error(linear, kind, step, coupling, signal):
+    """Return the greatest error of state and output for u = cos 3t, and the declared order."""
+    spec = {"step": step, "stop": 2.0, "coupling": coupling, "tolerance": FINE}
+    with single(linear, kind).prepare(**spec) as simulation:
+        result = simulation.run(inputs={"u": signal})
+        t, order = result.time, simulation.accuracy
+    state = abs(result["a.y1"] - np.sin(3 * t) / 3).max()
+    shown = abs(result["a.y2"] - np.sin(3 * t) / 3 - 2 * np.cos(3 * t))[1:].max()
+    return state, shown, order
+
+
+def coupled_error(pair, linear, kind, step, coupling):
+    """Return the greatest error of the left of two masses, m, and the declared order."""
+    version, abilities = KINDS[kind]
+    spec = {"step": step, "stop": 1.0, "coupling": coupling, "tolerance": FINE}
+    with pair.system(linear, version, **abilities).prepare(**spec) as simulation:
+        result = simulation.run()
+        order = simulation.accuracy
+    once = expm(pair.matrix * step)
+    states = [np.array([1.0, 0.0, 0.0, 0.0])]
+    for _ in result.time[1:]:
+        states.append(once @ states[-1])
+    return abs(result["left.y1"] - np.array(states)[:, 0]).max(), order
+
+
+def measured(errors):
+    """Return the order from the finest step and the next; errors must lie above any floor."""
+    assert min(errors) > 1e-9, "a floor of rounding or of a solver would hide the order"
+    return np.log2(errors[-2] / errors[-1])
+
+
+@each_kind
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("sampled", [False, True], ids=["function", "array"])
+def test_a_signal_from_outside(linear, kind, method, degree, sampled):
+    coupling, states, outputs = Coupling(method, degree=degree), [], []
+    for step in STEPS:
+        signal = np.cos(3 * step * np.arange(round(2.0 / step) + 1)) if sampled else None
+        signal = (lambda t: np.cos(3 * t)) if signal is None else signal
+        state, shown, order = source_error(linear, kind, step, coupling, signal)
+        states.append(state)
+        outputs.append(shown)
+    assert order == coupling.order or not kind.startswith("ME")
+    assert measured(states) > order - 0.1
+    assert kind.startswith("ME") or degree or measured(states) < 1.2  # the test can tell them apart
+    if max(outputs) > 1e-7:
+        assert measured(outputs) > order - 0.1
+
+
+@each_kind
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("method", METHODS)
+def test_two_masses(two_masses, linear, kind, method, degree):
+    coupling, errors = Coupling(method, degree=degree), []
+    for step in STEPS[1:]:
+        error, order = coupled_error(two_masses, linear, kind, step, coupling)
+        errors.append(error)
+    assert order == coupling.order or not kind.startswith("ME")
+    assert measured(errors) > order - 0.2
+
+
+@each_kind
+@pytest.mark.parametrize("every", [{"left": 2}, {"right": 3}, {"left": 2, "right": 4}])
+@pytest.mark.parametrize("method", METHODS[:2])
+def test_several_rates(two_masses, linear, kind, method, every):
+    errors = []
+    for step in (1 / 240, 1 / 480):
+        coupling = Coupling(method, every=every)
+        errors.append(coupled_error(two_masses, linear, kind, step, coupling)[0])
+    assert measured(errors) > Coupling(method, every=every).order - 0.2
+
+
+@each_kind
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("method", METHODS)
+def test_adaptive_steps_follow_their_tolerance(two_masses, linear, kind, method, degree):
+    """The error of a step is of order degree + 1, the steps are chosen by it."""
+    errors = []
+    for tolerance in (1e-3, 1e-5) if degree else (1e-2, 1e-3):
+        coupling = Coupling(method, degree=degree, adaptive=Adaptive(tolerance))
+        errors.append(coupled_error(two_masses, linear, kind, 0.05, coupling)[0])
+    assert errors[1] < errors[0] / 2
+    assert errors[1] < (0.02 if degree == 0 else 2e-3)
+
+
+@each_kind
+def test_lines_of_a_table_are_followed_exactly(linear, kind):
+    """A polynomial of degree 1 between points of the run leaves no error but rounding."""
+    table = Table([0.0, 1.0, 2.0], [1.0, -3.0, 5.0])
+    spec = {"step": 0.1, "stop": 2.0, "coupling": "iterative", "tolerance": FINE}
+    with single(linear, kind).prepare(**spec) as simulation:
+        result = simulation.run(inputs={"u": table})
+    t = result.time
+    first, second = t - 2 * t**2, -1.0 + -3.0 * (t - 1) + 4 * (t - 1) ** 2
+    np.testing.assert_allclose(result["a.y1"], np.where(t < 1, first, second), atol=1e-8)
