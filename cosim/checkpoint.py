@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
 import struct
@@ -22,9 +23,12 @@ from cosim.names import printable
 from cosim.result import Array
 
 MOST_BYTES = 1 << 30
+FORMAT = 2
+_MOST_NAMED = 3  # differences in a message
+_MOST_SHOWN = 120  # characters of each
 _DAMAGES = (
     *(ValueError, KeyError, TypeError, EOFError, OverflowError, NotImplementedError),
-    *(RuntimeError, struct.error, zipfile.BadZipFile, zlib.error),
+    *(AttributeError, RuntimeError, struct.error, zipfile.BadZipFile, zlib.error),
 )
 """What zipfile and numpy make of bytes that are no saved state."""
 _HEADER = re.compile(
@@ -41,7 +45,8 @@ class Checkpoint:
 
     Attributes
     ----------
-    identity : what must be the same for the run to go on: times, coupling, signals and FMUs
+    identity : what must be the same for the run to go on (FMUs, connections, start values, times,
+        coupling, signals): what it is -> as text
     step : number of steps done
     row : all signals at that time, then the sums of squares up to there
     states : component -> state of its FMU
@@ -49,7 +54,7 @@ class Checkpoint:
     memory : what the coupling and facades remember: ``component/name``, of the coupling ``/name``
     """
 
-    identity: str
+    identity: Mapping[str, str]
     step: int
     row: Array
     states: Mapping[str, bytes]
@@ -64,7 +69,8 @@ class Checkpoint:
         }
         arrays |= {f"start:{name}": np.array(value) for name, value in self.starts.items()}
         arrays |= {f"memory:{name}": values for name, values in self.memory.items()}
-        np.savez(stream, identity=self.identity, step=self.step, row=self.row, **arrays)
+        arrays |= {"format": FORMAT, "identity": json.dumps(self.identity), "step": self.step}
+        np.savez(stream, row=self.row, **arrays)
         return toolchain.write_whole(Path(path), stream.getvalue())
 
     def memory_of(self, owner: str) -> dict[str, Array]:
@@ -102,12 +108,40 @@ class Checkpoint:
         for key, values in arrays.items():
             kind, _, name = key.partition(":")
             kinds.get(kind, {})[name] = values
+        version = int(arrays.get("format", np.array(1)))
+        if version != FORMAT:
+            raise ValueError(
+                f"it is of format {version}, this version of cosim reads {FORMAT}; run again from"
+                " the start and save anew"
+            )
+        identity = {str(k): str(v) for k, v in json.loads(str(arrays["identity"])).items()}
         states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
         starts = {name: float(start) for name, start in kinds["start"].items()}
         row = np.asarray(arrays["row"], np.float64)
-        return cls(
-            str(arrays["identity"]), int(arrays["step"]), row, states, starts, kinds["memory"]
-        )
+        return cls(identity, int(arrays["step"]), row, states, starts, kinds["memory"])
+
+
+def differences(then: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """Return the first differences of two identities for a message; empty where they agree."""
+    differing = [what for what in {**now, **then} if then.get(what) != now.get(what)]
+    parts = [
+        f"{printable(what)} was {_cut(then.get(what), now.get(what))}, is"
+        f" {_cut(now.get(what), then.get(what))}"
+        for what in differing[:_MOST_NAMED]
+    ]
+    more = len(differing) - len(parts)
+    return "; ".join(parts) + (f"; and {more} more" if more else "")
+
+
+def _cut(text: str | None, other: str | None) -> str:
+    """Return a text; of a long one, the part around its first difference from another."""
+    if text is None:
+        return "absent"
+    if len(text) <= _MOST_SHOWN:
+        return printable(text)
+    pairs = enumerate(zip(text, other or "", strict=False))
+    begin = max(0, next((i for i, (a, b) in pairs if a != b), 0) - _MOST_SHOWN // 2)
+    return ("..." if begin else "") + printable(text[begin:], _MOST_SHOWN)
 
 
 def _array(data: bytes) -> NDArray[Any]:

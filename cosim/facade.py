@@ -21,6 +21,10 @@ from cosim.library import Library
 from cosim.signals import Table
 from cosim.variables import Value, Variable
 
+# What it keeps of time, and of each clock, that does not follow from anything else.
+_TIMES = ("time", "next_event", "passed")
+_TICKS = ("interval", "begin", "ticks", "next")
+
 # Of Model Exchange, where neither the FMU nor the caller proposes one; that of FMPy.
 TOLERANCE = 1e-5
 
@@ -151,7 +155,8 @@ class Facade:
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return what it keeps from one step to the next that the FMU does not, by name."""
         memory = {name: place.copy() for name, place in self._places().items()}
-        memory["times"] = np.array([self.c.time, self.c.next_event])
+        memory["times"] = np.array([getattr(self.c, name) for name in _TIMES])
+        memory["clocks"] = np.array([getattr(c, name) for c in self._clocks() for name in _TICKS])
         return memory
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
@@ -163,13 +168,20 @@ class Facade:
             if memory[name].shape != place.shape:
                 raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
             place[:] = memory[name]
-        self.c.time, self.c.next_event = map(float, memory["times"])
+        for name, value in zip(_TIMES, memory["times"], strict=True):
+            setattr(self.c, name, float(value))
+        places = ((clock, name) for clock in self._clocks() for name in _TICKS)
+        for (clock, name), value in zip(places, memory["clocks"], strict=True):
+            setattr(clock, name, int(value) if name == "ticks" else float(value))
         return int(kernel.load().facade_go_on(ctypes.byref(self.c)))
 
     def lose(self) -> None:
         """Let go of an instance that may not be called any more."""
         self.c.instance = self.c.begun = None
         kernel.load().facade_FreeInstance(ctypes.byref(self.c))
+
+    def _clocks(self) -> list[Any]:
+        return [self.c.clocks[i] for i in range(self.c.n_clocks)]
 
     def _places(self) -> dict[str, NDArray[Any]]:
         n = int(self.c.n_inputs)

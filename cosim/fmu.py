@@ -210,7 +210,6 @@ class Fmu:
         if mute := [c.name for c in clocks if c not in running]:
             reason = "only clocks with an interval do" if ticking else "the FMU has no event mode"
             _log.warning("%s: the clocks %s never tick: %s", self.path, ", ".join(mute), reason)
-        self.restores_state = self.restores_state and not running
         return running
 
     def _read_feedthrough(self, description: Description) -> Mapping[str, frozenset[str]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.checkpoint import Checkpoint
+from cosim.checkpoint import Checkpoint, differences
 from cosim.coupling import Coupling
 from cosim.ending import last_outputs
 from cosim.errors import ExperimentError, SimulationError
@@ -123,13 +123,14 @@ class Simulation(Stepping):
         Raises
         ------
         SimulationError
-            Also when the state is of another system, step, start, coupling or record.
+            Also when the state is of another system (FMU files, connections, start values), step,
+            start, coupling or record; the first differences are named.
         """
         checkpoint = Checkpoint.read(path)
-        if checkpoint.identity != self._identity():
+        if difference := differences(checkpoint.identity, self._identity()):
             raise SimulationError(
-                f"{path} was saved by another system, or with another step, start, coupling or"
-                " record"
+                f"{path} was saved by another system or run: {difference}; make them equal, or run"
+                " from the start"
             )
         last = self._place(until)
         if checkpoint.step < 0:
@@ -151,7 +152,7 @@ class Simulation(Stepping):
                     self._recall(name, checkpoint)
                 self._coupled.recall(checkpoint.memory_of(""))
                 self._memory.go_on(checkpoint.step, checkpoint.row)
-            except (KeyError, ValueError, IndexError, TypeError) as fault:
+            except (KeyError, ValueError, IndexError, TypeError, OverflowError) as fault:
                 raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
             self._compare(path, checkpoint)
             return self._step(checkpoint.step, last, real_time, progress)
@@ -185,11 +186,26 @@ class Simulation(Stepping):
         if facade and "times" in memory and facade.recall(memory) not in {0, 1}:
             raise SimulationError(f"{name}: {(facade.c.called or b'').decode()} failed on resuming")
 
-    def _identity(self) -> str:
-        spec = self.spec
-        fmus = ((name, spec.system.components[name]) for name in self.order)
-        tokens = [(name, fmu.token, fmu.interface) for name, fmu in fmus]
-        signals = list(self._layout.columns), self._layout.summed
-        coupling = Coupling.of(spec.coupling)
-        how = spec.start, spec.step, coupling, spec.constant_step, spec.tolerance
-        return repr((*how, tokens, signals))
+    def _identity(self) -> dict[str, str]:
+        """Return what must be the same for a saved state to be this simulation's, by what it is."""
+        spec, system = self.spec, self.spec.system
+        how = {
+            "step": float(spec.step),
+            "start": float(spec.start),
+            "coupling": Coupling.of(spec.coupling),
+            "constant_step": spec.constant_step,
+            "tolerance": spec.tolerance,
+            "order of the components": ", ".join(self.order),
+            "signals": ", ".join(self._layout.columns),
+            "sums of squares": self._layout.summed,
+        }
+        fmus = {
+            f"component {name}": f"{fmu.interface} of the file with SHA-256 {fmu.folder.name}"
+            for name, fmu in system.components.items()
+        }
+        fed = {
+            f"input {target}": f"{source}, {system.scaling(source, target)}"
+            for target, source in system.sources().items()
+        }
+        starts = {f"start value of {name}": value for name, value in system.parameters.items()}
+        return {what: str(value) for what, value in {**fmus, **fed, **starts, **how}.items()}

@@ -9,7 +9,7 @@ static fmi2Status ask(Facade *f, Clock *clock, fmi3IntervalQualifier *qualifier)
                                                            &clock->interval, qualifier));
 }
 
-static void schedule(Facade *f) {
+void schedule_ticks(Facade *f) {
     f->next_tick = INFINITY;
     for (size_t i = 0; i < f->n_clocks; i++) {
         f->next_tick = fmin(f->next_tick, f->clocks[i].next);
@@ -27,7 +27,7 @@ fmi2Status begin_clocks(Facade *f) {
             TRY_STATUS(ask(f, clock, &qualifier));
         }
     }
-    schedule(f);
+    schedule_ticks(f);
     return fmi2OK;
 }
 
@@ -68,6 +68,6 @@ fmi2Status after_ticks(Facade *f) {
             clock->next = clock->begin + (double)++clock->ticks * clock->interval;
         }
     }
-    schedule(f);
+    schedule_ticks(f);
     return fmi2OK;
 }

@@ -156,13 +156,17 @@ static fmi2Status count(Facade *f, enum Call place, size_t *n) {
     return noted(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
 }
 
-/* All jumps up to the present time are made. */
-static void pass_jumps(Facade *f) {
-    f->passed = f->time + NEAR * fabs(f->time);
+void seek_jump(Facade *f) {
     f->next_jump = INFINITY;
     for (size_t i = 0; i < f->n_inputs; i++) {
         f->next_jump = fmin(f->next_jump, next_jump(&f->courses[i], f->passed));
     }
+}
+
+/* All jumps up to the present time are made. */
+static void pass_jumps(Facade *f) {
+    f->passed = f->time + NEAR * fabs(f->time);
+    seek_jump(f);
 }
 
 fmi2Status begin_exchange(Facade *f) {

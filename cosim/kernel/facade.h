@@ -172,12 +172,14 @@ fmi2Status update_discrete_states(Facade *f);
 void store(const Group *group, int64_t place, double value);
 
 fmi2Status begin_clocks(Facade *f);
+void schedule_ticks(Facade *f); /* find the next tick of all clocks */
 fmi2Status tick_clocks(Facade *f);
 fmi2Status after_ticks(Facade *f);
 
 fmi2Status begin_exchange(Facade *f);
 fmi2Status step_exchange(Facade *f, double t, double h);
 fmi2Status restart_exchange(Facade *f);
+void seek_jump(Facade *f); /* find the next jump after those that were passed */
 void end_exchange(Facade *f);
 
 /* Two times this close are the same; an event that is not due lies at infinity. */

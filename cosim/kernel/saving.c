@@ -1,15 +1,18 @@
-/* Saves and restores an FMU behind a facade: its state, its time and the inputs it was given. */
+/* Saves and restores an FMU behind a facade: its state, its time, its clocks and the inputs it was
+ * given. What follows from these is found again. */
 #include "facade.h"
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
     void *state;
-    double time, next_event, next_jump, passed;
+    double time, next_event, passed;
+    Clock *clocks;   /* n_clocks */
     double inputs[]; /* before and after, 2 n_inputs */
 } Saved;
 
 static size_t inputs_size(const Facade *f) { return f->n_inputs * sizeof(double); }
+static size_t clocks_size(const Facade *f) { return f->n_clocks * sizeof(Clock); }
 
 static fmi2Status call_on(Facade *f, enum Call place, void **state) {
     return noted(f, place, ((StateCall *)calling(f, place))(f->instance, state));
@@ -20,15 +23,16 @@ fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Facade *f = c;
     Saved *saved = *state;
     if (!saved) {
-        saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f));
+        saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f) + clocks_size(f));
     }
     if (!saved) {
         return blamed(f, GET_STATE, OUT_OF_MEMORY);
     }
     saved->time = f->time;
     saved->next_event = f->next_event;
-    saved->next_jump = f->next_jump;
     saved->passed = f->passed;
+    saved->clocks = (Clock *)(saved->inputs + 2 * f->n_inputs);
+    memcpy(saved->clocks, f->clocks, clocks_size(f));
     memcpy(saved->inputs, f->before, inputs_size(f));
     memcpy(saved->inputs + f->n_inputs, f->after, inputs_size(f));
     TRY_STATUS(call_on(f, GET_STATE, &saved->state));
@@ -40,8 +44,8 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     const Saved *saved = state;
     f->time = saved->time;
     f->next_event = saved->next_event;
-    f->next_jump = saved->next_jump;
     f->passed = saved->passed;
+    memcpy(f->clocks, saved->clocks, clocks_size(f));
     memcpy(f->before, saved->inputs, inputs_size(f));
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
     AnyCall *call = calling(f, SET_STATE);
@@ -49,7 +53,14 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     return facade_go_on(f);
 }
 
-fmi2Status facade_go_on(Facade *f) { return f->integrator ? restart_exchange(f) : fmi2OK; }
+fmi2Status facade_go_on(Facade *f) {
+    schedule_ticks(f);
+    if (!f->integrator) {
+        return fmi2OK;
+    }
+    seek_jump(f);
+    return restart_exchange(f);
+}
 
 fmi2Status facade_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Facade *f = c;

@@ -36,7 +36,7 @@ def repacked(path, change):
 def test_it_comes_back_bit_for_bit(tmp_path):
     # of all kinds that facades and couplings remember
     kinds = {f"/{kind}": np.ones(3, kind) for kind in ("f8", "f4", "i4", "i8", "u1", "u8", "b1")}
-    saved = Checkpoint("id \xe4", 7, np.arange(2.0), {"a": b"\0\1"}, {"a.k": 1.5}, kinds)
+    saved = Checkpoint({"step": "id \xe4"}, 7, np.arange(2.0), {"a": b"\0\1"}, {"a.k": 1.5}, kinds)
     again = Checkpoint.read(saved.write(tmp_path / "state"))
     assert (again.identity, again.step, again.states) == (saved.identity, 7, saved.states)
     assert again.starts == saved.starts
@@ -47,7 +47,12 @@ def test_it_comes_back_bit_for_bit(tmp_path):
 
 @pytest.mark.parametrize(
     ("left_out", "said"),
-    [("row", "no saved state"), ("state:a", "damaged"), ("identity", "no saved state")],
+    [
+        ("row", "no saved state"),
+        ("state:a", "damaged"),
+        ("identity", "no saved state"),
+        ("format", "of format 1, this version of cosim reads 2; run again"),
+    ],
 )
 def test_a_part_that_is_missing_is_told(halted, left_out, said):
     simulation, path = halted

@@ -91,5 +91,66 @@ def test_a_state_by_another_interface_is_refused(export, tmp_path):
                 simulation.run(until=1.0)
                 path = simulation.save(tmp_path / "a.state")
                 continue
-            with pytest.raises(cosim.SimulationError, match="another system"):
+            said = "component a was co_simulation .* is model_exchange"
+            with pytest.raises(cosim.SimulationError, match=said):
                 simulation.resume(path)
+
+
+JUMPS = {
+    "line": cosim.Table([0.0, 0.237, 0.237, 1.0, 1.0, 2.0], [0.0, 1.0, -2.0, 1.0, 3.0, 0.0]),
+    "held": cosim.Table([0.0, 0.237, 1.0], [0.5, -2.0, 3.0], held=True),
+}
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("table", JUMPS)
+@pytest.mark.parametrize("until", [0.1, 0.2, 0.3, 0.5, 0.9, 1.0, 1.1])
+@pytest.mark.parametrize("coupling", ["gauss_seidel", cosim.Coupling("jacobi", degree=1)], ids=str)
+def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, until, coupling):
+    """Model Exchange, saved before, at and after jumps on a point and between two."""
+    system = one(export("oscillator", version, "ME", flags(version)))
+    system.expose("u", "a.force")
+    spec = {"step": 0.1, "stop": 2.0, "tolerance": 1e-9, "coupling": coupling}
+    inputs = {"u": JUMPS[table]}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(inputs=inputs)
+        simulation.run(inputs=inputs, until=until)
+        path = simulation.save(tmp_path / "a.state")
+    with system.prepare(**spec) as another:
+        rest = another.resume(path, inputs)
+    n = len(rest.time)
+    np.testing.assert_array_equal(rest.values[0], whole.values[-n])
+    np.testing.assert_allclose(rest.values, whole.values[-n:], atol=1e-6)
+    np.testing.assert_array_equal(rest["a.gain"], whole["a.gain"][-n:])  # 2 force
+
+
+@pytest.mark.parametrize("interfaces", ["CS events", "ME"])
+@pytest.mark.parametrize("until", [0.1, 0.125, 0.2, 0.4, 0.475, 0.625, 1.0, 1.4, 1.875])
+def test_ticks_of_clocks_are_not_made_again(export, tmp_path, interfaces, until):
+    """Saved before, at and after ticks; 0.475 has one that asks for another at the same time."""
+    system = one(export("clocked", 3, interfaces, flags(3)))
+    spec = {"step": 0.025, "stop": 2.0}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run()
+        simulation.run(until=until)
+        path = simulation.save(tmp_path / "a.state")
+    with system.prepare(**spec) as another:
+        rest = another.resume(path)
+    np.testing.assert_array_equal(rest.values, whole.values[-len(rest.time) :])
+    assert rest["a.every_ticks"][-1] == 8
+
+
+@pytest.mark.parametrize("interfaces", ["CS events", "ME"])
+def test_clocks_go_back_with_their_fmu(export, interfaces):
+    """Steps that are tried again take back the ticks in them."""
+    system = one(export("clocked", 3, interfaces, flags(3)))
+    for name in ("b", "c"):
+        system.add(name, export("oscillator", 3, "CS", flags(3)))
+    system.connect("b.position", "c.force")
+    coupling = cosim.Coupling("iterative", degree=2, adaptive=cosim.Adaptive(1e-7))
+    with system.prepare(step=0.1, stop=2.0, coupling=coupling) as simulation:
+        result = simulation.run()
+        assert simulation.effort["rejected"] > 0
+    clocks = one(export("clocked", 3, interfaces, flags(3))).prepare(step=0.1, stop=2.0).run()
+    for name in (name for name in clocks.names if name.endswith("_ticks")):
+        np.testing.assert_array_equal(result[name], clocks[name])

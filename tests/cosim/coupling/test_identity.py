@@ -1,0 +1,124 @@
+"""A saved state is resumed by the system that saved it, and refused by any other."""
+
+from __future__ import annotations
+
+import zipfile
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim import Link, Scaling
+
+
+def ring(linear):
+    """Two components of one state each, connected in a ring; one has an input from outside."""
+    system = cosim.System("ring")
+    system.add("a", linear, {"a11": -1.0, "b11": 1.0, "b12": 1.0, "c11": 1.0, "x1": 1.0})
+    system.add("b", linear, {"a11": -2.0, "b11": 1.0, "c11": 1.0})
+    system.connect("a.y1", "b.u1", Link(Scaling(2.0, 0.5)))
+    system.connect("b.y1", "a.u1")
+    system.expose("x", "a.u2")
+    return system
+
+
+def without_connection(system):
+    del system.connections["a.u1"]
+
+
+def with_connection(system):
+    system.connect("a.y1", "b.u2")
+
+
+def other_source(system):
+    system.connections["a.u1"] = "b.y2"
+
+
+def other_factor(system):
+    system.links["b.u1"] = Link(Scaling(3.0, 0.5))
+
+
+def other_offset(system):
+    system.links["b.u1"] = Link(Scaling(2.0, 0.0))
+
+
+def without_input(system):
+    del system.inputs["x"]
+
+
+def other_start(system):
+    system.set("b.a11", -3.0)
+
+
+def further_start(system):
+    system.set("b.f1", 1.0)
+
+
+def other_order(system):
+    system.components = dict(reversed(system.components.items()))
+
+
+def other_file(system):
+    """The same description and token, another binary."""
+    old = system.components["b"].path
+    new = old.with_name("other.fmu")
+    with zipfile.ZipFile(old) as archive, zipfile.ZipFile(new, "w") as copy:
+        for name in archive.namelist():
+            copy.writestr(name, archive.read(name) + (b"\0" if "binaries" in name else b""))
+    system.components["b"] = cosim.Fmu(new)
+
+
+@pytest.mark.parametrize(
+    ("change", "how", "said"),
+    [
+        (without_connection, {}, r"input a\.u1 was b\.y1, .*, is absent"),
+        (with_connection, {}, r"input b\.u2 was absent, is a\.y1"),
+        (other_source, {}, r"input a\.u1 was b\.y1, .* is b\.y2"),
+        (other_factor, {}, r"input b\.u1 was .*factor=2\.0.* is .*factor=3\.0"),
+        (other_offset, {}, r"input b\.u1 was .*offset=0\.5.* is .*offset=0\.0"),
+        (without_input, {}, r"input a\.u2 was x, .* is absent"),
+        (other_start, {}, r"start value of b\.a11 was -2\.0, is -3\.0"),
+        (further_start, {}, r"start value of b\.f1 was absent, is 1\.0"),
+        (other_order, {}, r"order of the components was a, b, is b, a"),
+        (other_file, {}, r"component b was co_simulation of the file with SHA-256"),
+        (None, {"step": 0.05}, r"step was 0\.1, is 0\.05"),
+        (None, {"start": 0.1}, r"start was 0\.0, is 0\.1"),
+        (None, {"coupling": "jacobi"}, "coupling was .*gauss_seidel.* is .*jacobi"),
+        (None, {"tolerance": 1e-3}, r"tolerance was None, is 0\.001"),
+        (None, {"record": ["a.y1"]}, "signals was"),
+    ],
+    ids=lambda x: getattr(x, "__name__", None),
+)
+def test_a_changed_system_is_refused_and_the_change_named(linear, tmp_path, change, how, said):
+    fmu = tmp_path / "linear.fmu"
+    fmu.write_bytes(linear(2).read_bytes())
+    spec = {"step": 0.1, "stop": 1.0}
+    system = ring(fmu)
+    with system.prepare(**spec) as simulation:
+        simulation.run(inputs={"x": np.sin}, until=0.5)
+        path = simulation.save(tmp_path / "half.state")
+    if change:
+        change(system)
+    with (
+        system.prepare(**{**spec, **how}) as simulation,
+        pytest.raises(cosim.SimulationError, match=said) as error,
+    ):
+        simulation.resume(path)
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 1000
+
+
+def test_what_changes_nothing_may_change(linear, tmp_path):
+    """A later stop, names, outputs of the system, another way to step and to give parameters."""
+    system = ring(linear(2))
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        whole = simulation.run({"b.a11": -3.0}, {"x": np.sin})
+        simulation.run({"b.a11": -3.0}, {"x": np.sin}, until=0.5)
+        path = simulation.save(tmp_path / "half.state")
+    system.name = "renamed"
+    system.expose_output("y", "a.y1")
+    how = {"compiled": True, "allow_nan": True, "isolation": "process"}
+    with system.prepare(step=0.1, stop=2.0, **how) as simulation:
+        rest = simulation.resume(path, {"x": np.sin})
+    np.testing.assert_array_equal(rest.values[:6], whole.values[5:])
+    assert rest.time[-1] == 2.0
