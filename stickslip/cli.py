@@ -36,6 +36,7 @@ _LONGEST = 2000  # characters of a message, which may hold what a stranger wrote
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
+    toolchain.open_standard_streams()  # those that cron or a service has closed
     given = sys.argv[1:] if arguments is None else arguments
     try:
         return _run(_parser(given).parse_args(given))

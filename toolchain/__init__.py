@@ -26,6 +26,7 @@ from toolchain.frame import MAX_MEMBERS, check_frame
 from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
 from toolchain.reading import MOST_TEXT, digest, open_plain, parse_json, parse_toml, read_whole
+from toolchain.streams import open_standard_streams
 from toolchain.universal import universal
 from toolchain.whole import refuse_odd, sync_folder, write_whole
 
@@ -50,6 +51,7 @@ __all__ = [
     "is_at",
     "lock",
     "open_plain",
+    "open_standard_streams",
     "parse_json",
     "parse_toml",
     "read_whole",

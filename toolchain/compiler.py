@@ -40,6 +40,7 @@ def shared_library(
     """Compile the ``.c`` files among ``files`` into one shared library and return its path.
 
     The result lies in the cache under a hash of all that went in, so a second call returns at once.
+    Its own hash lies beside it; a library that has another one was damaged and is built again.
 
     Parameters
     ----------
@@ -70,14 +71,28 @@ def shared_library(
     ]
     if target.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-    key = _digest([_compiler_version(), name, *command[1:]], files)
+    key = _digest([_compiler_version(), target.target, name, *command[1:]], files)
     library = cache_directory() / "libraries" / key / (name + target.suffix)
-    if not library.exists():
+    if not _is_whole(library):
         linked = _compile(command, files, library.name)
         if exports is not None:
             _check_exports(linked, exports, library.name)
         write_whole(library, linked)
+        write_whole(_hash_file(library), hashlib.sha256(linked).hexdigest())
     return library
+
+
+def _hash_file(library: Path) -> Path:
+    return library.with_name(f"{library.name}.sha256")
+
+
+def _is_whole(library: Path) -> bool:
+    """Return whether a library is there, with the bytes that were written."""
+    try:
+        wanted = _hash_file(library).read_bytes()
+        return hashlib.sha256(library.read_bytes()).hexdigest().encode() == wanted
+    except OSError:
+        return False
 
 
 def _compiler(target: Platform) -> list[str]:

@@ -149,6 +149,27 @@ static int act(Model *m) {
             (void)!write(i, "{\"error\": 1}{\"error\": 1}", 24);
         }
     }
+    IF("scribble_standard") {
+        for (int i = 0; i < 3; i++) {
+            (void)!write(i, "what is printed", 15);
+        }
+    }
+    IF("scribble_lines") {
+        for (int i = 0; i < 1024; i++) {
+            (void)!write(i, "\n5\n[]\n\xff\xfe\n", 9);
+        }
+    }
+    IF("scribble_frame") { /* two bytes behind their length */
+        for (int i = 0; i < 1024; i++) {
+            (void)!write(i, "\2\0\0\0\0\0\0\0{}", 10);
+        }
+    }
+    IF("mumble") {
+        for (int i = 0; i < 1024; i++) {
+            (void)!write(i, "\2\0\0", 3);
+        }
+        sleep(1000);
+    }
     IF("chat") {
         pthread_t thread;
         pthread_create(&thread, NULL, chat, m);

@@ -1,4 +1,4 @@
-"""Answers of the child, awaited for a limited time."""
+"""Messages between parent and child, sent and awaited for a limited time."""
 
 from __future__ import annotations
 
@@ -6,39 +6,54 @@ import json
 import os
 import select
 import struct
-import sys
 import threading
+import time
+import zlib
 from contextlib import suppress
 from queue import Empty, SimpleQueue
-from typing import IO, Any
+from typing import Any
 
-HEAD = struct.Struct("<Q")
-"""Before each message: its length."""
+TOKEN_SIZE = 16
+"""Bytes of the random token by which parent and child know each other's messages."""
+
+_HEAD = struct.Struct(f"<{TOKEN_SIZE}sQL")  # before each message: token, length, CRC-32
 
 LOST = 113
 """Exit status of a child that cannot reach its parent."""
 
 _LONGEST = 2**20  # bytes of an answer
+_PART = 2**16  # bytes read at once
 
 Reply = dict[str, Any]
 
 NONSENSE: Reply = {"error": "nonsense"}
-"""What stands for an answer that is none."""
+"""Stands for bytes that are not an answer of the child, such as an FMU writes into the pipe."""
 
 
 class Answers:
-    """The reading end of a pipe.
+    """The parent's ends of both pipes. Nothing here blocks for longer than a given time.
 
     Parameters
     ----------
-    pipe : without a buffer
+    requests, replies : file descriptors, for writing and for reading
+    token : that the child was given; bytes without it are no answer
     """
 
-    def __init__(self, pipe: IO[bytes]) -> None:
-        self._pipe = pipe
-        if sys.platform != "win32":
-            self._poll = select.poll()
-            self._poll.register(pipe, select.POLLIN)
+    def __init__(self, requests: int, replies: int, token: bytes) -> None:
+        self._requests, self._replies, self._token = requests, replies, token
+        self._unsent = memoryview(b"")
+        self._received = bytearray()
+        self._open()
+
+    def _open(self) -> None:
+        os.set_blocking(self._requests, False)
+        self._poll = select.poll()
+        self._poll.register(self._replies, select.POLLIN)
+
+    def send(self, request: bytes) -> None:
+        """Begin to send a request; the rest goes while its answer is awaited."""
+        self._unsent = memoryview(message(self._token, request))
+        self._poll.register(self._requests, select.POLLOUT)
 
     def get(self, timeout: float) -> Reply | None:
         """Return the next answer, None when there will be no more.
@@ -46,43 +61,115 @@ class Answers:
         Raises
         ------
         queue.Empty
-            When none came within ``timeout`` (s).
+            When no whole one came within ``timeout`` (s).
         """
-        if not self._poll.poll(1000.0 * timeout):
-            raise Empty
-        return self._read()
-
-    def _read(self) -> Reply | None:
-        with suppress(OSError, ValueError, struct.error):
-            head = read(self._pipe.fileno(), HEAD.size)
-            if not head:
+        end = time.monotonic() + timeout
+        while (reply := self._taken()) is None:
+            part = self._part(end)
+            if not part:
                 return None
-            (length,) = HEAD.unpack(head)
-            if length <= _LONGEST:
-                reply = json.loads(read(self._pipe.fileno(), length))
-                return reply if isinstance(reply, dict) else NONSENSE
+            self._received += part
+        return reply
+
+    def _part(self, end: float) -> bytes:
+        """Return the bytes that come next, none at the end of the file."""
+        while ready := self._poll.poll(1000.0 * max(0.0, end - time.monotonic())):
+            if any(file == self._replies for file, _ in ready):
+                return _read_part(self._replies)
+            self._send_more()
+        raise Empty
+
+    def _send_more(self) -> None:
+        try:
+            self._unsent = self._unsent[os.write(self._requests, self._unsent) :]
+        except OSError:  # the child is dead, which is noticed on waiting for its answer
+            self._unsent = memoryview(b"")
+        if not self._unsent:
+            self._poll.unregister(self._requests)
+
+    def _taken(self) -> Reply | None:
+        """Take the first answer out of what was received; None where it is not whole yet."""
+        received = self._received
+        if received[:TOKEN_SIZE] != self._token[: len(received)]:
+            return NONSENSE
+        if len(received) < _HEAD.size:
+            return None
+        _, length, check = _HEAD.unpack_from(received)
+        if length > _LONGEST:
+            return NONSENSE
+        end = _HEAD.size + length
+        if len(received) < end:
+            return None
+        content = bytes(received[_HEAD.size : end])
+        del received[:end]
+        with suppress(ValueError, RecursionError):
+            reply = json.loads(content)
+            if zlib.crc32(content) == check and isinstance(reply, dict):
+                return reply
         return NONSENSE
 
 
-class HeardAnswers(Answers):
-    """The same by a thread, for systems that cannot wait for a pipe."""
+class ThreadedAnswers(Answers):
+    """The same by threads, for systems that cannot wait for a pipe."""
 
-    def __init__(self, pipe: IO[bytes]) -> None:
-        super().__init__(pipe)
-        self._heard: SimpleQueue[Reply | None] = SimpleQueue()
-        threading.Thread(target=self._hear, daemon=True).start()
+    def _open(self) -> None:
+        self._parts: SimpleQueue[bytes] = SimpleQueue()
+        threading.Thread(target=self._listen, daemon=True).start()
 
-    def get(self, timeout: float) -> Reply | None:
-        """Return the next answer, see Answers."""
-        return self._heard.get(timeout=timeout)
+    def send(self, request: bytes) -> None:
+        """Send a request, see Answers."""
+        threading.Thread(target=self._write, args=(request,), daemon=True).start()
 
-    def _hear(self) -> None:
-        while (reply := self._read()) is not None:
-            self._heard.put(reply)
-        self._heard.put(None)
+    def _write(self, request: bytes) -> None:
+        with suppress(OSError):
+            send(self._requests, self._token, request)
+
+    def _part(self, end: float) -> bytes:
+        return self._parts.get(timeout=max(0.0, end - time.monotonic()))
+
+    def _listen(self) -> None:
+        while part := _read_part(self._replies):
+            self._parts.put(part)
+        self._parts.put(b"")
 
 
-def read(file: int, n: int) -> bytes:
+def message(token: bytes, content: bytes) -> bytes:
+    """Return content behind what tells the other side that it is a message, whole and as sent."""
+    return _HEAD.pack(token, len(content), zlib.crc32(content)) + content
+
+
+def send(file: int, token: bytes, content: bytes) -> None:
+    """Write a message, however long that takes.
+
+    Raises
+    ------
+    OSError
+        When nobody reads.
+    """
+    rest = memoryview(message(token, content))
+    while rest:
+        rest = rest[os.write(file, rest) :]
+
+
+def receive(file: int, token: bytes) -> bytes:
+    """Return the content of the next message, however long that takes.
+
+    Raises
+    ------
+    OSError
+        When there is none, or what comes is not one.
+    """
+    head = _read(file, _HEAD.size)
+    if len(head) == _HEAD.size:
+        found, length, check = _HEAD.unpack(head)
+        if found == token:
+            content = _read(file, length)
+            if len(content) == length and zlib.crc32(content) == check:
+                return content
+    raise OSError("expected a message")
+
+
+def _read(file: int, n: int) -> bytes:
     """Return n bytes; fewer at the end of the file."""
     parts = []
     while n and (part := os.read(file, min(n, 2**20))):
@@ -91,14 +178,8 @@ def read(file: int, n: int) -> bytes:
     return b"".join(parts)
 
 
-def send(file: int, message: bytes) -> None:
-    """Write a message behind its length.
-
-    Raises
-    ------
-    OSError
-        When nobody reads.
-    """
-    rest = memoryview(HEAD.pack(len(message)) + message)
-    while rest:
-        rest = rest[os.write(file, rest) :]
+def _read_part(file: int) -> bytes:
+    try:
+        return os.read(file, _PART)
+    except OSError:
+        return b""

@@ -9,7 +9,6 @@ import os
 import pickle
 import select
 import signal
-import struct
 import sys
 import threading
 from collections.abc import Callable
@@ -17,15 +16,21 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from cosim import kernel
-from cosim.isolation.answers import HEAD, LOST, read, send
+from cosim.isolation.answers import LOST, receive, send
 from cosim.isolation.shared import Shared
 from cosim.kernel import marks
 from cosim.result import Array, Result
 from cosim.simulation import Simulation
 
 
-def main(name: str, size: int) -> None:
-    """Serve the parent at the other ends of standard input and output until it is gone."""
+def main(name: str, size: int, token: bytes) -> None:
+    """Serve the parent at the other ends of standard input and output until it is gone.
+
+    Parameters
+    ----------
+    name, size : of the shared memory
+    token : that begins each message
+    """
     requests, replies = _take_pipes()
     shared = Shared.open(name, size)
     threading.Thread(target=_watch, args=(requests,), daemon=True).start()
@@ -35,18 +40,18 @@ def main(name: str, size: int) -> None:
         if os.getpid() != own:  # an FMU has forked, and this is the other one
             os._exit(0)
         try:
-            send(replies, json.dumps(what).encode())
+            send(replies, token, json.dumps(what).encode())
         except OSError:  # an FMU has closed it
             os._exit(LOST)
 
-    order = _receive(requests)
+    order = _receive(requests, token)
     marks.use(shared.mark, Path(order["kernel"]))
     _limit(order["memory"])
     reply()
     served = _Served(order["specification"], shared, reply)
     what = ""
     while what != "close":
-        what, arguments = _receive(requests)
+        what, arguments = _receive(requests, token)
         served.do(what, arguments)
     _unload()
 
@@ -160,13 +165,13 @@ def _take_pipes() -> tuple[int, int]:
     return pipes
 
 
-def _receive(requests: int) -> Any:
+def _receive(requests: int, token: bytes) -> Any:
     """Return the next request."""
     try:
-        (length,) = HEAD.unpack(read(requests, HEAD.size))
-        return pickle.loads(read(requests, length))  # noqa: S301 - our parent's
-    except (OSError, struct.error):  # an FMU has closed the pipe, or the parent is gone
+        request = receive(requests, token)
+    except OSError:  # an FMU has closed the pipe or read from it, or the parent is gone
         os._exit(LOST)
+    return pickle.loads(request)  # noqa: S301 - our parent's
 
 
 def _watch(requests: int) -> None:

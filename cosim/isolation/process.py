@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import pickle
+import secrets
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from typing import IO, TYPE_CHECKING, NoReturn
 
 from cosim import kernel
 from cosim.errors import FmuCrashed
-from cosim.isolation.answers import NONSENSE, Answers, HeardAnswers, Reply, send
+from cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from cosim.isolation.parcel import pack
 from cosim.isolation.settings import Isolation
 from cosim.isolation.shared import Made
@@ -29,10 +30,25 @@ if TYPE_CHECKING:
 
 MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark
+_GAP = 1.0  # s between two looks, beyond which this process was suspended
 _START_UP = 60.0  # s that Python may take to start
 _GRACE = 2.0  # s that a child has to die in peace
 _RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
 _START = Path(__file__).with_name("start.py")
+
+
+class _Clock:
+    """Tells how long it has been running; time in which this process is suspended hardly counts."""
+
+    def __init__(self) -> None:
+        self._passed, self._last = 0.0, time.monotonic()
+
+    def passed(self) -> float:
+        """Return the time (s) since it was made; it must be asked every few looks."""
+        now = time.monotonic()
+        self._passed += min(now - self._last, _GAP)
+        self._last = now
+        return self._passed
 
 
 class Process:
@@ -55,9 +71,10 @@ class Process:
         parcel = pack(specification, kernel=str(library), memory=limits.memory)
         made = Made(n)
         self.shared = made.shared
+        token = secrets.token_bytes(TOKEN_SIZE)
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", str(_START), made.name, str(made.size)],
+                [sys.executable, "-P", str(_START), made.name, str(made.size), token.hex()],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
@@ -69,11 +86,13 @@ class Process:
         finally:
             made.close_files()
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
-        self._requests, replies, printed = (pipe for pipe in pipes if pipe)
-        self._answers = (HeardAnswers if sys.platform == "win32" else Answers)(replies)
+        requests, replies, printed = (pipe for pipe in pipes if pipe)
+        kind = ThreadedAnswers if sys.platform == "win32" else Answers
+        self._answers = kind(requests.fileno(), replies.fileno(), token)
         self._drain = threading.Thread(target=self._take, args=(printed,), daemon=True)
         self._drain.start()
-        self._send(parcel)
+        self._clock = _Clock()
+        self._answers.send(parcel)
         self._wait(_START_UP, math.inf)
 
     def ask(
@@ -95,15 +114,14 @@ class Process:
         FmuCrashed
             When it died of it, or had to be ended; it is gone then.
         """
-        self._send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
-        while True:
-            reply = self._wait(self._limits.patience + slack, self._limits.timeout or math.inf)
-            if "progress" not in reply:
-                break
+        self._clock = _Clock()
+        self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
+        limit = self._limits.timeout or math.inf
+        while "progress" in (reply := self._wait(self._limits.patience + slack, limit)):
+            if self._clock.passed() >= limit:
+                self._die(self._too_long(limit))
             if progress:
                 progress(reply["progress"])
-        if reply is NONSENSE:
-            self._die(Death("or a call before it wrote into files that are not its own"))
         if reply.get("error") == "MemoryError":
             self._die(Death(f"took more than the {self._limits.memory:g} MB it may"))
         return reply
@@ -125,7 +143,7 @@ class Process:
             When it does not, or not well.
         """
         patience = self._limits.timeout or self._limits.patience
-        status = self._ended(patience)
+        status = self._ended(max(_LOOK, patience - self._clock.passed()))
         if status is None:
             self._die(self._hung(patience))
         self._kill()
@@ -133,31 +151,33 @@ class Process:
         if status:
             raise self._crashed(self._verdict(status))
 
-    def _send(self, message: bytes) -> None:
-        with suppress(OSError):  # it is dead, which is noticed on waiting for its answer
-            send(self._requests.fileno(), message)
-
     def _wait(self, patience: float, limit: float) -> Reply:
-        """Return the next answer; nothing may stand still, or take in all, longer than that (s)."""
-        waited = still = 0.0
-        seen = self._mark()
+        """Return the next answer.
+
+        Nothing may stand still for ``patience`` (s), or go on when ``limit`` (s) have passed since
+        the request.
+        """
+        still, seen = _Clock(), self._mark()
         while True:
             try:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
                 if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
-                waited += _LOOK  # not by the clock, which goes on while all of us are suspended
                 now = self._mark()
-                still = still + _LOOK if now == seen else 0.0
-                seen = now
-                if still >= patience or (waited >= limit and still):
+                moved, seen = now != seen, now
+                if moved:
+                    still = _Clock()
+                over = self._clock.passed() >= limit
+                if still.passed() >= patience or (over and not moved):
                     self._die(self._hung(min(patience, limit)))
-                if waited >= limit:
-                    self._die(Death(f"was going on when the {limit:g} s for all were over"))
+                if over:
+                    self._die(self._too_long(limit))
                 continue
             if reply is None:
                 self._die(None)
+            if reply is NONSENSE:
+                self._die(Death("or a call before it wrote into files that are not its own"))
             return reply
 
     def _mark(self) -> tuple[object, ...]:
@@ -167,6 +187,9 @@ class Process:
 
     def _hung(self, seconds: float) -> Death:
         return Death(f"did not return within {seconds:g} s")
+
+    def _too_long(self, limit: float) -> Death:
+        return Death(f"was going on when the {limit:g} s for all were over")
 
     def _die(self, death: Death | None) -> NoReturn:
         """Raise what is to be said; where nobody knows yet, the exit status tells."""

@@ -85,14 +85,27 @@ class Made:
 
 def _file(size: int) -> int:
     """Return a file without a name, as large as that; on Linux nobody can cut it short."""
-    if not hasattr(os, "memfd_create"):
+    if hasattr(os, "memfd_create"):
+        place = os.memfd_create("stickslip", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    else:
         with tempfile.TemporaryFile() as file:
-            file.truncate(size)
-            return os.dup(file.fileno())
-    place = os.memfd_create("stickslip", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+            place = os.dup(file.fileno())
+    place = _beyond_standard(place)
     os.ftruncate(place, size)
     _seal(place, _SHRINK)
     return place
+
+
+def _beyond_standard(file: int) -> int:
+    """Return an open file under a number that no standard stream has, even if those are closed."""
+    if file > 2:
+        return file
+    import fcntl
+
+    try:
+        return fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, 3)
+    finally:
+        os.close(file)
 
 
 def _seal(file: int, seal: int) -> None:

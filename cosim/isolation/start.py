@@ -1,4 +1,4 @@
-"""The first lines of a child: ``python start.py SHARED SIZE``.
+"""The first lines of a child: ``python start.py SHARED SIZE TOKEN``.
 
 The package ``cosim`` would import all it has, which takes longer than many a run; a child needs a
 third of it. So it has an empty package of that name, whose modules it imports one by one.
@@ -14,4 +14,4 @@ if __name__ == "__main__":
     sys.modules["cosim"] = package
     from cosim.isolation.child import main
 
-    main(sys.argv[1], int(sys.argv[2]))
+    main(sys.argv[1], int(sys.argv[2]), bytes.fromhex(sys.argv[3]))

@@ -1,17 +1,19 @@
 """The child process: tries the rules of a stage one after the other and tells what each found.
 
-One line of JSON begins and one ends each rule, so
-that the parent knows which one was being tried when the process died.
+One line of JSON begins and one ends each rule, so that the parent knows which one was being tried
+when the process died. Each line begins with the token of the job: the FMU may write into the
+report too.
 """
 
 from __future__ import annotations
 
 import json
 import pickle
+import secrets
 import sys
 import time
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import IO
@@ -34,6 +36,7 @@ class Job:
     ----------
     libraries : interface -> its binary
     first : interface -> what an earlier process found out
+    token : a word that begins each line of the report
     tried : interfaces and rules that other children have tried before
     """
 
@@ -42,6 +45,7 @@ class Job:
     libraries: dict[str, Path]
     resources: Path
     first: dict[str, dict[str, str]]
+    token: str = field(default_factory=lambda: secrets.token_hex(16))
     tried: frozenset[tuple[str, str]] = frozenset()
 
 
@@ -58,22 +62,22 @@ def main(job_file: str, report_file: str) -> None:
                     job.description, interface, library, job.resources, before, first, dict(first)
                 )
                 _try(job, bench, report)
-        _tell(report, end=True)
+        _tell(job, report, end=True)
 
 
 def _try(job: Job, bench: Bench, report: IO[str]) -> None:
     kind = bench.interface.kind
-    bench.tick = partial(_tell, report)
+    bench.tick = partial(_tell, job, report)
     for rule in fmucheck.rules.stage(job.stage):
         applies = job.description.version in rule.sections
         if kind == "ScheduledExecution":
             applies = applies and rule.id in LOADING
         if applies and (kind, rule.id) not in job.tried:
-            _tell(report, begin=[kind, rule.id])
+            _tell(job, report, begin=[kind, rule.id])
             bench.began = time.monotonic()
             claims, failed, puzzled = _claims(bench, rule)
             told = {"claims": claims, "failed": failed, "puzzled": puzzled}
-            _tell(report, **told, results=bench.results)
+            _tell(job, report, **told, results=bench.results)
             if rule.id in GATES and (claims or failed):
                 return
 
@@ -92,8 +96,8 @@ def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> tuple[list[tuple[str, st
     return claims, failed, puzzled
 
 
-def _tell(report: IO[str], **what: object) -> None:
-    report.write(json.dumps(what) + "\n")
+def _tell(job: Job, report: IO[str], **what: object) -> None:
+    report.write(f"\n{job.token}{json.dumps(what)}\n")
     report.flush()
 
 

@@ -183,15 +183,17 @@ class _Child:
                 told, since = size, time.monotonic()
             if time.monotonic() - since > timeout:
                 return "hang"
-            if output.stat().st_size > MOST_TEXT:
+            if max(size, output.stat().st_size) > MOST_TEXT:
                 return "flood"
 
     def _read(self, report: Path) -> tuple[str, str, bool]:
         """Take over what the child told; return what it was trying, and if it came through."""
         interface, during, done = "", "", False
-        for line in report.read_text(encoding="utf-8").splitlines():
+        for line in report.read_text(encoding="utf-8", errors="replace").split("\n"):
+            if not line.startswith(self.job.token):
+                continue  # an FMU wrote it
             try:
-                told = json.loads(line)
+                told = json.loads(line.removeprefix(self.job.token))
             except ValueError:
                 continue  # the child died while it wrote
             if "begin" in told:

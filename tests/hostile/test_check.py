@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 
 import pytest
 
 import fmucheck
-from benchmarks.hostile import CASES, archives
+from benchmarks.hostile import CASES, archives, fmus
 from benchmarks.hostile.sound import members
 from benchmarks.hostile.zips import zipped
 from stickslip.cli import main
@@ -56,3 +57,14 @@ def test_what_is_no_file_is_not_read(name, tmp_path, capsys):
         path.symlink_to("/dev/zero")
     assert main(["check", str(path)]) == 1
     assert "not-a-zip" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="hostile.c is for POSIX")
+@pytest.mark.parametrize("behaviour", ["scribble", "scribble_lines", "scribble_frame"])
+def test_what_an_fmu_writes_into_the_report_is_not_read(tmp_path, behaviour):
+    """The findings are those of the same FMU that writes nowhere, but for what it printed."""
+    found = []
+    for behaves in ("", f"Instantiate {behaviour}"):
+        report = fmucheck.check(fmus.write(tmp_path / "hostile.fmu", behaves))
+        found.append({(f.rule, f.place) for f in report if "print" not in f.rule})
+    assert found[0] == found[1]

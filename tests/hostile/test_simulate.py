@@ -1,9 +1,12 @@
 """The command that is given strangers' FMUs keeps them apart without being asked."""
 
+import os
+import subprocess
 import sys
 
 import pytest
 
+import toolchain
 from benchmarks.hostile import fmus
 from stickslip.cli import main
 
@@ -30,3 +33,28 @@ def test_limits_need_something_to_limit(tmp_path, capfd):
     path = fmus.write(tmp_path / "sound.fmu")
     assert main(["simulate", str(path), "--no-isolate", "--timeout", "5"]) == 1
     assert "--timeout needs --isolate" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("closed", ["0<&-", "1>&-", "2>&-", "0<&- 1>&-", "0<&- 1>&- 2>&-"])
+@pytest.mark.parametrize("how", ["--isolate", "--no-isolate"])
+def test_closed_standard_streams_change_nothing(tmp_path, closed, how):
+    path, out = fmus.write(tmp_path / "prints.fmu", "DoStep scribble_standard"), tmp_path / "o.csv"
+    command = f"{sys.executable} -m stickslip simulate {path} {how} --out {out} {closed}"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True)  # noqa: S602
+    assert done.returncode == 0, done.stderr
+    assert out.read_text().startswith("time,u,hostile.y\n")
+    assert "Traceback" not in done.stderr
+
+
+def test_a_damaged_kernel_is_built_again(tmp_path, monkeypatch):
+    """Whatever the cache holds, the next command works."""
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "zig").symlink_to(toolchain.cache_directory() / "zig")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    path = fmus.write(tmp_path / "sound.fmu")
+    command = [sys.executable, "-m", "stickslip", "simulate", str(path)]
+    for keep in (None, 0, 1000, -1000):
+        for library in (tmp_path / "cache" / "libraries").rglob("*.so"):
+            os.truncate(library, keep if keep >= 0 else library.stat().st_size + keep)
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr

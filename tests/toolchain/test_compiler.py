@@ -79,6 +79,48 @@ def test_whatever_goes_in_makes_another_file(compilations):
     assert [ctypes.CDLL(str(path)).answer() for path in made] == [42, 7, 43, 42]
 
 
+def _flipped(content: bytes) -> bytes:
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.usefixtures("fresh")
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda _: b"",
+        lambda content: bytes(len(content)),
+        lambda content: content[: len(content) // 2],
+        lambda content: content + b"x",
+        _flipped,
+    ],
+    ids=["empty", "zeros", "cut", "longer", "one bit"],
+)
+def test_a_damaged_library_is_built_again(compilations, damage):
+    """The cache is written to by nobody else, but disks fill up and power fails."""
+    path = toolchain.shared_library("answer", ANSWER)
+    whole = path.read_bytes()
+    path.unlink()
+    path.write_bytes(damage(whole))
+    again = toolchain.shared_library("answer", ANSWER)
+    assert again == path
+    assert again.read_bytes() == whole
+    assert len(compilations) == 2
+    toolchain.shared_library("answer", ANSWER)
+    assert len(compilations) == 2
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_library_whose_hash_is_damaged_or_gone_is_built_again(compilations):
+    path = toolchain.shared_library("answer", ANSWER)
+    beside = path.with_name(f"{path.name}.sha256")
+    beside.write_text("0")
+    toolchain.shared_library("answer", ANSWER)
+    beside.unlink()
+    toolchain.shared_library("answer", ANSWER)
+    assert len(compilations) == 3
+
+
 @pytest.mark.usefixtures("fresh")
 def test_moving_text_between_files_makes_another_file():
     a = compiler._digest(["cc"], {"a.c": "x", "b.c": "y"})

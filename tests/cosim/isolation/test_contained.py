@@ -112,6 +112,36 @@ def test_a_binary_is_never_loaded_here(hostile):
     assert "hostile.so" not in Path("/proc/self/maps").read_text()
 
 
+@pytest.mark.parametrize("behaviour", ["scribble", "scribble_frame", "mumble"])
+@pytest.mark.parametrize("call", ["load", "Instantiate", "DoStep 5", "Terminate", "FreeInstance"])
+def test_what_it_writes_into_every_file_is_not_an_answer(hostile, call, behaviour):
+    """Neither a whole message nor a part of one, after which nothing comes."""
+    name, *count = call.split()
+    with pytest.raises(cosim.FmuCrashed, match="wrote into files that are not its own"):
+        run(hostile(" ".join([name, behaviour, *count])), cosim.Isolation(timeout=10.0))
+
+
+def test_the_time_limit_holds_while_progress_is_reported(hostile):
+    """The run would take 10 s, and reports ten times a second."""
+    limits, reported = cosim.Isolation(timeout=1.0), []
+    with hostile().prepare(step=0.001, stop=1.0, isolation=limits) as simulation:
+        began = time.monotonic()
+        with pytest.raises(cosim.FmuCrashed, match=r"when the 1 s for all were over"):
+            simulation.run(real_time=0.1, progress=reported.append)
+        assert 1.0 <= time.monotonic() - began < 5.0
+    assert reported
+
+
+def test_the_time_limit_holds_while_nobody_reads_the_request(hostile):
+    """The child is stopped, and the inputs are more than a pipe holds."""
+    limits = cosim.Isolation(timeout=1.0)
+    with hostile().prepare(step=0.01, stop=300.0, isolation=limits) as simulation:
+        os.kill(simulation._process._process.pid, signal.SIGSTOP)
+        with pytest.raises(cosim.FmuCrashed, match="did not return within 1 s"):
+            simulation.run(inputs={"u": np.ones(30_001)})
+        assert simulation.run(inputs={"u": np.ones(30_001)})["plant.y"][-1] == pytest.approx(300.0)
+
+
 def test_nothing_is_left_of_many_crashes(hostile, children):
     with pytest.raises(cosim.FmuCrashed):
         run(hostile("DoStep segv"))
@@ -185,10 +215,13 @@ print(simulation.run()["plant.y"][-1], flush=True)
 
 def start(hostile, behaviour):
     path = hostile(behaviour).components["plant"].path
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     return subprocess.Popen(
-        [sys.executable, "-c", SCRIPT, path], stdout=subprocess.PIPE, stderr=-3, env=environment
+        [sys.executable, "-c", SCRIPT, path], stdout=subprocess.PIPE, stderr=-3, env=_environment()
     )
+
+
+def _environment():
+    return os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 
 def is_gone(group, seconds=10.0):
@@ -218,6 +251,26 @@ def is_zombie(folder):
         return (folder / "stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except OSError:
         return True
+
+
+@pytest.mark.parametrize("closed", [(0,), (1,), (2,), (0, 1), (0, 1, 2)])
+def test_standard_streams_may_be_closed(hostile, tmp_path, closed):
+    """As under cron; what the script writes comes by a file."""
+    path, out = hostile("DoStep scribble_standard").components["plant"].path, tmp_path / "out"
+    script = f"""
+import os
+for number in {closed}:
+    os.close(number)
+import cosim
+system = cosim.System("loop")
+system.add("plant", {str(path)!r})
+with system.prepare(step=0.01, stop=0.1, isolation="process") as simulation:
+    end = simulation.run()["plant.y"][-1]
+with open({str(out)!r}, "w") as file:
+    file.write(str(end))
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, env=_environment())
+    assert float(out.read_text()) == pytest.approx(0.1)
 
 
 def test_a_script_needs_no_guard(hostile):
