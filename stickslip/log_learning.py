@@ -16,6 +16,7 @@ from stickslip.errors import HarmfulError, RecordingError
 from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import estimation_document
+from stickslip.learned_report import FILES as REPORT
 from stickslip.learned_report import write_estimation_report
 from stickslip.loop import build_fmus
 from stickslip.parameters import LUGRE
@@ -23,6 +24,9 @@ from stickslip.recording import Description, Finding, Reading, check_recording, 
 from stickslip.result_folder import staged
 from stickslip.setup import VALIDATION, Datasheet
 from toolchain import write_whole
+
+FILES = ("learned.json", "compensator.fmu", *REPORT)
+"""What ``write_learned`` writes or removes."""
 
 
 @dataclass(frozen=True)

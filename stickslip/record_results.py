@@ -9,17 +9,26 @@ import pandas as pd
 
 import models
 from stickslip.learned import estimation_document
+from stickslip.learned_report import FILES as REPORT
 from stickslip.learned_report import write_estimation_report
 from stickslip.record_mode import RecordReproduction, gains_of
 from stickslip.recording import Recording
 from stickslip.report import fig2, fig5, fig6, section_validation
 from stickslip.report.markup import Html, element, paragraph
 from stickslip.report.markup import table as markup_table
-from stickslip.report.picture import Picture
+from stickslip.report.picture import Picture, picture_files
 from stickslip.report.shown import figure
 from stickslip.result_folder import staged
 from stickslip.results import command_of, write_json, write_loop, write_table
 from toolchain import write_whole
+
+FILES = (
+    *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
+    *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
+    *picture_files(["fig2_loops", "fig5_fitness", "fig6_tracking"]),
+    *REPORT,
+)
+"""What ``write_record_results`` writes."""
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:

@@ -13,11 +13,18 @@ import models
 from cosim.control import VelocityLoop
 from stickslip.default_input import pack_input
 from stickslip.learned import learned_document
+from stickslip.report import FILES as REPORT
 from stickslip.report import write_report
 from stickslip.reproduction import Options, Reproduction
 from stickslip.result_folder import staged
 from stickslip.setup import VALIDATION
 from toolchain import write_whole
+
+FILES = (
+    *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
+    *REPORT,
+)
+"""What ``write_results`` writes."""
 
 
 def write_results(reproduction: Reproduction, folder: Path) -> None:

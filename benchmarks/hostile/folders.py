@@ -104,7 +104,8 @@ def _replaced(out: Path, by: Callable[[Path], object]) -> None:
 def _fleet(folder: Path) -> Sequence[str | Path]:
     table = folder / "drives.csv"
     table.write_text("name,set\na,drive.m=9\n")
-    _folder(_folder(folder, "out"), "unfinished")
+    unfinished = _folder(_folder(folder, "out"), "unfinished")
+    (unfinished / "manifest.json").write_text('{"command": {"name": "a"}, "sha256": {}}')
     return ["fleet", table, "--out", folder / "out"]
 
 

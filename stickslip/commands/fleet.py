@@ -15,8 +15,8 @@ from stickslip.errors import UsageError
 from stickslip.execution import Execution
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
-from stickslip.fleet.writing import write_fleet
-from stickslip.result_folder import claimed
+from stickslip.fleet.writing import files_of, write_fleet
+from stickslip.result_folder import reserved
 
 VISIBLE = ("well known", "weakly known", "not visible")
 
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
             f"{options.workers}"
         )
     drives = read_fleet(options.table)
-    with claimed(options.out):
+    with reserved(options.out, files_of(drives)):
         return _learn(options, drives)
 
 

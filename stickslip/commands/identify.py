@@ -12,7 +12,7 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.identification import identify
 from stickslip.parameters import UNITS
 from stickslip.reproduction import drive_truth
-from stickslip.result_folder import claimed, staged
+from stickslip.result_folder import reserved, staged
 from stickslip.rig import rig_of
 from stickslip.setup import LOOP
 from toolchain import write_whole
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     """Run the experiments, print the estimates with standard errors, and write them."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    with claimed(options.out):
+    with reserved(options.out, ["identified.json"]):
         _identify(options, truth)
 
 

@@ -20,10 +20,10 @@ from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
 from stickslip.estimation import Estimation, JudgeName, Search
-from stickslip.log_learning import learn_from_log, read_and_check, write_learned
+from stickslip.log_learning import FILES, learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
 from stickslip.recording import Description, Finding
-from stickslip.result_folder import claimed
+from stickslip.result_folder import reserved
 
 JUDGES: dict[str, JudgeName] = {
     "auto": "auto",
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> None:
     if options.check:
         _print_findings(read_and_check(options.log, description)[1])
         return
-    with claimed(options.out):
+    with reserved(options.out, FILES):
         _learn(options, description)
 
 

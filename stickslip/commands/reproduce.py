@@ -22,10 +22,11 @@ from stickslip.errors import UsageError
 from stickslip.execution import Execution
 from stickslip.loop import FEEDS
 from stickslip.record_mode import reproduce_from_recording
+from stickslip.record_results import FILES as RECORD_FILES
 from stickslip.record_results import write_record_results
 from stickslip.reproduction import Options, drive_truth, reproduce
-from stickslip.result_folder import claimed
-from stickslip.results import write_results
+from stickslip.result_folder import reserved
+from stickslip.results import FILES, write_results
 from stickslip.validation import Validation
 
 
@@ -72,7 +73,8 @@ def _record(
     return reproduction.validation
 
 
-MODES = {"drive": _drive, "record": _record}
+MODES = {"drive": (_drive, FILES), "record": (_record, RECORD_FILES)}
+"""By name: what computes and writes, and the names of the files."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -86,15 +88,15 @@ def run(options: argparse.Namespace) -> None:
         feed=options.feed,
     )
     drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
+    compute, files = MODES[options.mode]
     with (
-        claimed(options.out),
+        reserved(options.out, files),
         tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
         execution = execution_of(options, options.out / "learning.checkpoint.json")
         with keeping(execution):
-            how = MODES[options.mode]
-            validation = how(chosen, Path(fmus), progress, execution, options.out)
+            validation = compute(chosen, Path(fmus), progress, execution, options.out)
             forget(execution, options)
     print_table4(validation.table())
     print(f"all results in {options.out}; begin with report.html")

@@ -15,7 +15,7 @@ from stickslip.identification import identify
 from stickslip.learned import read_learned
 from stickslip.loop import FEEDS
 from stickslip.reproduction import drive_truth
-from stickslip.result_folder import claimed, staged
+from stickslip.result_folder import reserved, staged
 from stickslip.rig import rig_of
 from stickslip.setup import LOOP, VALIDATION
 from stickslip.validation import validate
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
     truth = drive_changes(options.set)
     drive_truth(truth)
     compensator = read_learned(options.parameters)
-    with claimed(options.out):
+    with reserved(options.out, ["table4.csv", "attribution.csv"]):
         _validate(options, truth, compensator)
 
 

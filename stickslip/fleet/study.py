@@ -14,6 +14,7 @@ from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
 from stickslip.learned import versions
+from stickslip.result_folder import MANIFEST, complete, refuse_foreign, staged
 from toolchain import MOST_TEXT, digest, parse_json, read_whole, write_whole
 
 TABLE = "fleet.csv"
@@ -59,14 +60,18 @@ def learn_fleet(
     Raises
     ------
     UsageError
-        When the folder holds a study that did not end and is not to be resumed.
+        When the folder holds a study that did not end and is not to be resumed, or files of the
+        user where this one would keep what it learns.
     KeyboardInterrupt
         At Ctrl-C; says what is kept.
     """
     execution = execution or Execution()
-    if not execution.resume and (folder / UNFINISHED).exists():
+    unfinished = folder / UNFINISHED
+    complete(unfinished)
+    refuse_foreign(unfinished, [_learned(drive) for drive in drives])
+    if not execution.resume and (unfinished / MANIFEST).exists():
         raise UsageError(
-            f"{folder / UNFINISHED}: an earlier study did not end; go on with --resume, delete it, "
+            f"{unfinished}: an earlier study did not end; go on with --resume, delete it, "
             "or choose another folder with --out"
         )
     origins = {drive.name: _origin(drive) for drive in drives}
@@ -74,8 +79,8 @@ def learn_fleet(
     reasons: dict[str, str] = {}
     if execution.resume:
         for drive in drives:
-            files = (folder / UNFINISHED / drive.name, folder / "drives" / drive.name)
-            documents = (_kept(f / "learned.json", origins[drive.name], seed) for f in files)
+            files = (place / _learned(drive) for place in (unfinished, folder / "drives"))
+            documents = (_kept(file, origins[drive.name], seed) for file in files)
             if document := next((d for d in documents if d is not None), None):
                 learned[drive.name] = document
     kept = len(learned)
@@ -83,8 +88,8 @@ def learn_fleet(
     def take(drive: Drive, outcome: Outcome) -> None:
         if outcome.learned:
             document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
-            path = folder / UNFINISHED / drive.name / "learned.json"
-            write_whole(path, json.dumps(document, indent=2) + "\n")
+            with staged(unfinished, {"name": drive.name}) as desk:
+                write_whole(desk / _learned(drive), json.dumps(document, indent=2) + "\n")
             learned[drive.name] = document
         else:
             reasons[drive.name] = outcome.reason
@@ -99,6 +104,10 @@ def learn_fleet(
             f"{folder}; go on with --resume"
         ) from None
     return Fleet(drives, learned, reasons, kept)
+
+
+def _learned(drive: Drive) -> str:
+    return f"{drive.name}/learned.json"
 
 
 def _origin(drive: Drive) -> dict[str, Any]:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import json
-import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
+from stickslip.fleet.drive import Drive
 from stickslip.fleet.picture import draw_fleet
 from stickslip.fleet.study import TABLE, UNFINISHED, Fleet
-from stickslip.result_folder import staged
+from stickslip.report.picture import picture_files
+from stickslip.result_folder import remove_results, staged
 from toolchain import write_whole
 
-PICTURES = ("png", "svg")
+
+def files_of(drives: Sequence[Drive]) -> list[str]:
+    """Return the names of the files that ``write_fleet`` writes or removes."""
+    learned = (_learned(drive.name) for drive in drives)
+    return [TABLE, "fleet.json", *picture_files(["fleet"]), *learned]
 
 
 def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
@@ -21,19 +27,24 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
 
     Raises
     ------
+    UsageError
+        When a file to be replaced is the user's.
     OSError
         When a file cannot be written.
     """
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
-    paths = {name: f"drives/{name}/learned.json" for name in names}
     pictures = draw_fleet(table) if fleet.learned else {}
-    files = (*paths.values(), *(f"fleet.{kind}" for kind in PICTURES))
-    with staged(folder, {"name": "fleet", "drives": names}, without=files) as desk:
+    command = {"name": "fleet", "drives": names}
+    with staged(folder, command, without=files_of(fleet.drives)) as desk:
         write_whole(desk / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
         for kind, picture in pictures.items():
             write_whole(desk / f"fleet.{kind}", picture)
         for name, document in fleet.learned.items():
-            write_whole(desk / paths[name], json.dumps(document, indent=2) + "\n")
+            write_whole(desk / _learned(name), json.dumps(document, indent=2) + "\n")
         write_whole(desk / TABLE, table.to_csv(index=False, lineterminator="\n"))
-    shutil.rmtree(folder / UNFINISHED, ignore_errors=True)
+    remove_results(folder / UNFINISHED)
+
+
+def _learned(name: str) -> str:
+    return f"drives/{name}/learned.json"

@@ -28,11 +28,11 @@ from stickslip.learned_report import (
 from stickslip.learned_report.parameter_table import parameter_table
 from stickslip.recording import Finding
 from stickslip.report.markup import Html
-from stickslip.report.picture import Picture
+from stickslip.report.picture import Picture, picture_files
 from stickslip.report.sheet import sheet
 from toolchain import write_whole
 
-__all__ = ["PICTURES", "parameter_table", "write_estimation_report"]
+__all__ = ["FILES", "PICTURES", "parameter_table", "write_estimation_report"]
 
 PICTURES: dict[str, Callable[[Estimation], Figure]] = {
     "recording": recording_picture.draw,
@@ -41,6 +41,8 @@ PICTURES: dict[str, Callable[[Estimation], Figure]] = {
     "profiles": profiles_picture.draw,
 }
 """The pictures by the name of their files."""
+FILES = ("parameters.csv", "report.html", *picture_files(PICTURES))
+"""What ``write_estimation_report`` writes."""
 
 
 def write_estimation_report(

@@ -20,11 +20,11 @@ from stickslip.report import (
     identification_presliding,
 )
 from stickslip.report.page import page
-from stickslip.report.picture import Drawing, Picture
+from stickslip.report.picture import Drawing, Picture, picture_files
 from stickslip.reproduction import Reproduction
 from toolchain import write_whole
 
-__all__ = ["FIGURES", "write_report"]
+__all__ = ["FIGURES", "FILES", "write_report"]
 
 FIGURES: dict[str, Drawing] = {
     "fig2_loops": fig2.draw,
@@ -35,6 +35,8 @@ FIGURES: dict[str, Drawing] = {
     "identification_presliding": identification_presliding.draw,
 }
 """The figures by the name of their files."""
+FILES = ("report.html", *picture_files(FIGURES))
+"""What ``write_report`` writes."""
 
 
 def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:

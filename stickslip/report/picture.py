@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
@@ -16,6 +16,11 @@ Drawing = Callable[[Reproduction], Figure]
 
 MILLIMETRES = 25.4
 """In an inch, matplotlib's unit."""
+
+
+def picture_files(names: Iterable[str]) -> list[str]:
+    """Return the names of the files of pictures."""
+    return [f"{name}.{kind}" for name in names for kind in ("png", "svg")]
 
 
 @dataclass(frozen=True)

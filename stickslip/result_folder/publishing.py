@@ -9,11 +9,13 @@ Whoever is killed before 2 leaves the old set, untouched. Whoever is killed in 3
 20 microseconds a file, leaves files of both in DIR and the rest of the new set beside; the next
 command that writes there, and ``stickslip verify``, moves that in before it does anything else.
 Each single file is always the old one or the new one, whole.
+
+Files that no manifest of ours lists, or that someone has changed, are not touched: where one is in
+the place of a new file, nothing is written (``ownership.py``).
 """
 
 from __future__ import annotations
 
-import errno
 import os
 import shutil
 from collections.abc import Collection, Iterator, Mapping
@@ -25,10 +27,30 @@ from uuid import uuid4
 from stickslip.errors import ResultsError
 from stickslip.result_folder.claim import OURS, WRITING, claimed
 from stickslip.result_folder.manifest import MANIFEST, Manifest, hash_of
-from toolchain import refuse_odd, sync_folder, write_whole
+from stickslip.result_folder.ownership import refuse_foreign, refuse_places, unchanged
+from toolchain import sync_folder, write_whole
 
 READY = f"{OURS}ready"
 REMOVED = "was removed while results were written; run again"
+
+
+@contextmanager
+def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
+    """Claim a folder for a command that will write these files there, before it computes them.
+
+    None is no folder, and nothing is claimed.
+
+    Raises
+    ------
+    UsageError
+        When one of the files is the user's, the folder cannot be written, or another process has
+        it.
+    """
+    with claimed(folder):
+        if folder is not None:
+            complete(folder)
+            refuse_foreign(folder, names)
+        yield
 
 
 @contextmanager
@@ -41,12 +63,12 @@ def staged(
     ----------
     folder : is made if it is absent
     command : name and options of the command, for manifest.json, which is written here
-    without : names of files that must not stay, unless written now, whoever wrote them
+    without : names of files that must not stay, unless written now, whichever command wrote them
 
     Raises
     ------
     UsageError
-        When another process writes there.
+        When another process writes there, or a file to be replaced is the user's.
     ResultsError
         When the folder is removed meanwhile.
     OSError
@@ -64,14 +86,11 @@ def staged(
                 raise ResultsError(f"{folder}: {REMOVED}")
             token.unlink()
             _commit(desk, folder, command, without)
-            gone = [folder / name for name in without if not (folder / READY / name).exists()]
         except OSError as error:
             raise _of(error, desk, folder) from error
         finally:
             shutil.rmtree(desk, ignore_errors=True)
         _move_in(folder)
-        for path in gone:
-            path.unlink(missing_ok=True)
 
 
 def complete(folder: Path) -> None:
@@ -93,13 +112,13 @@ def _commit(desk: Path, folder: Path, command: Mapping[str, Any], without: Colle
     """Write the manifest and give the folder the name from which on it counts."""
     names = files_in(desk)
     manifest = Manifest(dict(command), {name: hash_of(desk / name) for name in names})
-    with suppress(ResultsError):  # a folder without manifest, or with a damaged one
+    with suppress(ResultsError):  # a folder without manifest
         older = Manifest.read(folder)
         gone = [name for name in older.sha256 if not (folder / name).exists()]
         manifest = older.without(frozenset([*gone, *without])).followed_by(manifest)
     write_whole(desk / MANIFEST, manifest.text())
-    for name in (*names, MANIFEST):
-        refuse_places(folder, name)
+    refuse_places(folder, MANIFEST)
+    refuse_foreign(folder, {*names, *without})
     for path in {(desk / name).parent for name in names}:
         sync_folder(path)
     desk.replace(folder / READY)
@@ -111,8 +130,8 @@ def _move_in(folder: Path) -> None:
     try:
         refuse_places(folder, f"{READY}/{MANIFEST}")
         names = files_in(ready)
-        for name in names:
-            refuse_places(folder, name)
+        refuse_places(folder, MANIFEST)
+        refuse_foreign(folder, set(names) - {MANIFEST})
         places = {(folder / name).parent for name in names}
         for place in places:
             place.mkdir(parents=True, exist_ok=True)
@@ -154,15 +173,10 @@ def _linked(paths: Collection[Path], folder: Path) -> Iterator[None]:
 
 def _leaving(folder: Path, ready: Path) -> list[Path]:
     """Return the files that only the old set has, unless someone has changed them since."""
-    found = []
     with suppress(ResultsError):
         old, new = Manifest.read(folder), Manifest.read(ready)
-        for name in old.sha256.keys() - new.sha256.keys():
-            with suppress(OSError):
-                refuse_places(folder, name)
-                if hash_of(folder / name) == old.sha256[name]:
-                    found.append(folder / name)
-    return found
+        return unchanged(folder, old, old.sha256.keys() - new.sha256.keys())
+    return []
 
 
 def files_in(folder: Path) -> list[str]:
@@ -174,21 +188,21 @@ def files_in(folder: Path) -> list[str]:
     return sorted(found)
 
 
-def refuse_places(folder: Path, name: str) -> None:
-    """Refuse to put a file where a link, a folder or a file is in its way.
+def remove_results(folder: Path) -> None:
+    """Delete the files that the manifest lists, the manifest, and what folders are empty then.
 
-    Raises
-    ------
-    OSError
-        When there is one; it names it.
+    Files that someone has changed or added stay.
     """
-    *parents, last = name.split("/")
-    place = folder
-    for part in parents:
-        place = place / part
-        if place.is_symlink() or (place.exists() and not place.is_dir()):
-            raise OSError(errno.ENOTDIR, "is in the way, expected a folder", str(place))
-    refuse_odd(place / last)
+    with suppress(ResultsError), claimed(folder):
+        manifest = Manifest.read(folder)
+        ours = unchanged(folder, manifest, manifest.sha256.keys())
+        for path in (*ours, folder / MANIFEST):
+            path.unlink(missing_ok=True)
+        for place in sorted({path.parent for path in ours}, reverse=True):
+            with suppress(OSError):
+                place.rmdir()
+    with suppress(OSError):
+        folder.rmdir()
 
 
 def _of(error: OSError, desk: Path, folder: Path) -> OSError:

@@ -12,7 +12,8 @@ from pathlib import Path
 from stickslip.errors import ResultsError
 from stickslip.result_folder.claim import OURS
 from stickslip.result_folder.manifest import MANIFEST, Manifest, hash_of
-from stickslip.result_folder.publishing import READY, complete, files_in, refuse_places
+from stickslip.result_folder.ownership import refuse_places
+from stickslip.result_folder.publishing import READY, complete, files_in
 
 NOTES = {
     "learning.checkpoint*.json": "of a learning that did not end; go on with --resume",

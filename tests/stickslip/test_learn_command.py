@@ -5,6 +5,7 @@ import json
 import pytest
 
 from stickslip.cli import main
+from stickslip.log_learning import FILES
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +29,7 @@ def test_the_folder_is_whole_and_keeps_no_checkpoint(folder):
     files = {path.name for path in folder.iterdir()}
     assert {"learned.json", "parameters.csv", "report.html", "compensator.fmu"} <= files
     assert not [name for name in files if "checkpoint" in name]
+    assert files == {*FILES, "manifest.json"}
 
 
 def test_workers_change_no_byte(log, folder, tmp_path):

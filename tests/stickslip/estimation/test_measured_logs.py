@@ -65,8 +65,9 @@ def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path, monkeypatch
     def refuse(_):
         raise HarmfulError("it makes the error worse")
 
+    write_learned(emps, tmp_path, force=True)
+    assert (tmp_path / "compensator.fmu").exists()
     monkeypatch.setattr("stickslip.log_learning.refuse_worse", refuse)
-    (tmp_path / "compensator.fmu").write_text("an older one")
     warnings = write_learned(emps, tmp_path)
     assert not (tmp_path / "compensator.fmu").exists()
     assert "compensator.fmu is not written: it makes the error worse" in warnings

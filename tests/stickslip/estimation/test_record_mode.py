@@ -8,7 +8,7 @@ import pytest
 import cosim
 from stickslip.parameters import UNITS
 from stickslip.record_mode import record_drive
-from stickslip.record_results import write_record_results
+from stickslip.record_results import FILES, write_record_results
 from stickslip.recording import load_description, read_recording
 
 LIMITS = {"F_c": 0.005, "sigma_0": 0.05, "sigma_1": 0.05, "m": 0.005, "F_s": 0.05, "v_s": 0.1}
@@ -71,6 +71,7 @@ def test_candidates_know_nothing_of_the_drive(candidates, make_rig):
 
 def test_the_written_recording_is_the_recording(recorded, tmp_path):
     write_record_results(recorded, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "manifest.json"}
     description = load_description(tmp_path / "recording.toml")
     reading = read_recording(tmp_path / "recording.csv", description)
     recording = recorded.estimation.recording

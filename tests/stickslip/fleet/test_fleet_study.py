@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from fleet_jobs import Counting, Deadly, quick
 
+from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.execution import Execution
 from stickslip.fleet import fleet_table, learn_fleet
@@ -80,15 +81,60 @@ def test_what_changed_is_learned_again(drives, tmp_path, monkeypatch):
     assert learned_again("a", seed=1) == ["a"]
 
 
-def test_a_damaged_result_is_learned_again(drives, tmp_path):
+def test_a_result_that_is_missing_is_learned_again_and_a_changed_one_is_the_users(drives, tmp_path):
     out, diary = tmp_path / "out", tmp_path / "diary"
     learn_fleet(drives("a", "b"), out, job=quick)
     path = out / "unfinished" / "a" / "learned.json"
     whole = path.read_bytes()
     path.write_bytes(whole[:100])
-    learn_fleet(drives("a", "b"), out, execution=Execution(resume=True), job=Counting(diary))
+    resume = {"execution": Execution(resume=True), "job": Counting(diary)}
+    with pytest.raises(UsageError, match=rf"{path}: was changed"):
+        learn_fleet(drives("a", "b"), out, **resume)
+    assert path.read_bytes() == whole[:100]
+    path.unlink()
+    learn_fleet(drives("a", "b"), out, **resume)
     assert diary.read_text().split() == ["a"]
     assert path.read_bytes() == whole
+
+
+def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_path):
+    out = tmp_path / "out"
+    mine = {out / "unfinished" / "notes.txt", out / "unfinished" / "b" / "notes.txt"}
+    mine |= {out / "drives" / "b" / "notes.txt", out / "drives" / "d" / "learned.json"}
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mine")
+    with pytest.raises(KeyboardInterrupt):
+        learn_fleet(drives("a", "b", "c"), out, job=Counting(tmp_path / "diary", "c"))
+    assert (out / "unfinished" / "b" / "learned.json").exists()
+    assert written(out, drives("a", "b", "c"), execution=Execution(resume=True), job=quick).kept
+    assert {
+        path for path in out.rglob("*") if path.is_file() and path.read_bytes() == b"mine"
+    } == mine
+    assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["fleet.csv", "fleet.json", "fleet.svg", "drives/b/learned.json", "unfinished/b/learned.json"],
+)
+@pytest.mark.parametrize("options", [[], ["--resume"]])
+def test_the_command_names_a_file_of_the_user_and_learns_nothing(
+    name, options, drives, tmp_path, monkeypatch, capsys
+):
+    """Drive b has no log, so its learned.json would be removed, not written."""
+    drives("a", "b")
+    mine = tmp_path / "out" / name
+    mine.parent.mkdir(parents=True)
+    mine.write_text("mine")
+    monkeypatch.setattr("stickslip.fleet.study.run_jobs", None)
+    arguments = ["fleet", str(tmp_path / "table.csv"), "--out", str(tmp_path / "out"), *options]
+    assert main(arguments) == 1
+    said = capsys.readouterr().err
+    assert said.startswith(f"stickslip: {mine}: exists, and no manifest.json lists it")
+    assert said.count("\n") == 1
+    assert [path for path in tmp_path.joinpath("out").rglob("*") if path.is_file()] == [mine]
+    assert mine.read_text() == "mine"
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes")

@@ -36,9 +36,8 @@ def test_what_someone_changed_or_added_is_not_deleted(folder, put, texts):
 
 
 def test_a_command_can_tell_which_files_must_not_stay(folder, put, texts):
-    (folder / "stray").write_text("of nobody")
     put(folder, "validate", table="t")
-    with staged(folder, {"name": "learn"}, without=["stray", "table", "a"]) as desk:
+    with staged(folder, {"name": "learn"}, without=["absent", "table", "a"]) as desk:
         (desk / "a").write_text("new a")
     assert texts(folder) == {"a": "new a"}
     assert not verify(folder).faults
@@ -141,6 +140,9 @@ def test_what_strangers_left_ready_moves_and_deletes_nothing_outside(folder, tmp
     (ready / "manifest.json").write_text('{"sha256": {}}')
     evil = {"sha256": {"../victim": "0" * 64, "link/victim": "0" * 64}}
     (folder / "manifest.json").write_text(json.dumps(evil))
+    with pytest.raises(UsageError, match="no manifest of results"):
+        verify(folder)
+    (folder / "manifest.json").unlink()
     assert verify(folder).faults == {"a": "additional", "b": "additional", "link": "additional"}
     assert (tmp_path / "victim").read_text() == "safe"
 
