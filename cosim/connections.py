@@ -71,9 +71,10 @@ def transform(system: System, source: str, unit: Unit | None, target: str, link:
         return link.scaling
     converted = unit.to(wanted)
     if converted is None:
+        hint = "; scale it by a Link with convert=False" if unit.measures_as(wanted) else ""
         raise ConnectionFault(
-            f"cannot connect {source} to {target}: {source} is in {unit.name!r}, {target} in"
-            f" {wanted.name!r}; one cannot be converted to the other"
+            f"cannot connect {source} to {target}: {source} is in {unit}, {target} in {wanted};"
+            f" one cannot be converted to the other{hint}"
         )
     return converted.then(link.scaling)
 

@@ -143,7 +143,8 @@ class Fmu:
         """Return the unit of one of this FMU's variables, None when it has none."""
         if variable.unit is None:
             return None
-        return self.units.get(variable.unit, Unit(variable.unit))
+        unit = self.units.get(variable.unit, Unit(variable.unit))
+        return replace(unit, relative=True) if variable.relative else unit
 
     def _choose(
         self, description: Description, wanted: Interface | None

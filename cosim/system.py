@@ -140,6 +140,7 @@ class System:
         if len(set(targets)) < len(targets):
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
         check_end(self, targets[0], "input", f"cannot connect {name} to {targets[0]}")
+        unit = unit and unit.like(self.unit_of(targets[0]))
         for target in targets:
             link = (links or {}).get(target, PLAIN)
             check_feed(self, name, targets[0], unit or self.unit_of(targets[0]), target, link)

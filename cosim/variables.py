@@ -75,6 +75,7 @@ class Variable:
     ----------
     type : Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
     unit : as the FMU writes it; None when it gives none
+    relative : whether it is a difference, to which no offset of units applies
     start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
     dimensions : length of each; empty for a scalar
     structure : for each dimension the structural parameter that sets its length, None where fixed
@@ -101,6 +102,7 @@ class Variable:
     element: int = 0
     enumeration: str | None = None
     items: tuple[tuple[str, int], ...] = ()
+    relative: bool = False
 
     @property
     def is_signal(self) -> bool:

@@ -125,6 +125,7 @@ def _add_variables(root: ET.Element, version: int, listed: Mapping[int, Shown]) 
             typed |= {"min": _as(convert, v.minimum), "max": _as(convert, v.maximum)}
         if v.type == "REAL":
             typed |= {"unit": v.unit.name if v.unit else None, "nominal": v.nominal or None}
+            typed |= {"relativeQuantity": True if v.unit and v.unit.relative else None}
         if version == 2:
             _child(_child(variables, "ScalarVariable", **common), _TAGS[2][v.type], **typed)
         else:

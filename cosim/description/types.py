@@ -39,7 +39,8 @@ def _unit(element: Any) -> Unit:
     factor = finite(base.get("factor", "1"), "factor", base)
     if not factor:
         raise DescriptionFault(base, "factor is 0, expected another number")
-    return Unit(name, exponents, factor, finite(base.get("offset", "0"), "offset", base))
+    offset = finite(base.get("offset", "0"), "offset", base)
+    return Unit(name, exponents, factor, offset, relative=False)
 
 
 def read_types(root: Any, version: int) -> dict[str, TypeDefinition]:

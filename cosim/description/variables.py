@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cosim.description.attributes import WORDS, name_of, real, whole, whole_of
+from cosim.description.attributes import WORDS, flag, name_of, real, whole, whole_of
 from cosim.description.faults import DescriptionFault
 from cosim.description.types import TypeDefinition
 from cosim.names import shown
@@ -107,6 +107,7 @@ def read_variable(
         structure=structure,
         enumeration=declared.name if declared and kind == "Enumeration" else None,
         items=declared.items if declared and kind == "Enumeration" else (),
+        relative=kind in FLOATS and flag({**given, **own}, "relativeQuantity"),
     )
 
 

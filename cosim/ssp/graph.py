@@ -153,20 +153,23 @@ class Graph:
     def scaling(self, way: list[Edge], unit: Unit | None) -> Transform:
         """Return what is done to a number in ``unit`` on a way, up to the FMU at its end."""
         total: Transform = IDENTITY
+        last = self.inner_unit(way[-1].target)
+        unit = unit and unit.like(last)
         for edge in way:
             there = self.unit(edge.target)
+            there = there and there.like(unit or last)
             if edge.convert:
                 total = _then(total, _converted(unit, there, edge), edge)
             total = _then(total, edge.scaling, edge)
             unit = there or (unit if edge.convert and edge.scaling == IDENTITY else None)
-        last = _converted(unit, self.inner_unit(way[-1].target), way[-1])
-        return _then(total, last, way[-1])
+        return _then(total, _converted(unit, last, way[-1]), way[-1])
 
     def link(self, way: list[Edge]) -> Link:
         """Return a way from an FMU or from a connector of the whole as a single connection."""
         source, target = way[0].source, way[-1].target
-        start = self.unit(source)
-        first = _converted(self.inner_unit(source), start, way[0])
+        inner, start = self.inner_unit(source), self.unit(source)
+        start = start and start.like(inner)
+        first = _converted(inner, start, way[0])
         total = _then(first, self.scaling(way, start), way[0])
         scaled = [i for i, edge in enumerate(way) if edge.scaling != IDENTITY]
         if all(edge.convert for edge in way) and len(scaled) <= 1:
@@ -175,7 +178,7 @@ class Graph:
             if all(not unit or (wanted and unit.same_as(wanted)) for unit in after):
                 return Link(way[scaled[0]].scaling) if scaled else PLAIN
         if all(edge.convert for edge in way):
-            usual = _converted(self.inner_unit(source) or start, self.inner_unit(target), way[-1])
+            usual = _converted(inner or start, self.inner_unit(target), way[-1])
             if total == usual:
                 return PLAIN
         return Link(total, convert=False)
@@ -277,7 +280,7 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
         ]
         raise SspError(
             f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
-            f" {unit.name!r} cannot be converted to {other.name!r}{''.join(undefined)}"
+            f" {unit} cannot be converted to {other}{''.join(undefined)}"
         )
     return scaling
 

@@ -32,6 +32,18 @@ UNITS = {
     "mN": 'kg="1" m="1" s="-2" factor="0.001"',
     "m": 'm="1"',
     "s": 's="1"',
+    "K": 'K="1"',
+    "degC": 'K="1" offset="273.15"',
+    "degF": 'K="1" factor="0.5555555555555556" offset="255.3722222222222"',
+}
+RELATIVE = " difference"  # after the name of a unit
+
+
+TYPES = {
+    2: '<TypeDefinitions><SimpleType name="Difference"><Real relativeQuantity="true"/></SimpleType>'
+    "</TypeDefinitions>",
+    3: '<TypeDefinitions><Float64Type name="Difference" relativeQuantity="true"/>'
+    "</TypeDefinitions>",
 }
 
 
@@ -49,7 +61,9 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
             f'name="{name}" valueReference="{reference}" causality="{causality}"'
             f' variability="{variability}"'
         )
-        typed = f'{rest} unit="{unit}"' if unit else rest
+        typed = f'{rest} unit="{unit.removesuffix(RELATIVE)}"' if unit else rest
+        if unit and unit.endswith(RELATIVE):  # said by the variable, or in FMI 3.0 by its type
+            typed += ' relativeQuantity="true"' if version == 2 else ' declaredType="Difference"'
         if version == 2:
             variables.append(f"<ScalarVariable {common}><{kind_} {typed}/></ScalarVariable>")
         elif kind_ == "String":
@@ -73,7 +87,7 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {root} modelName="{kind}">'
         f'<CoSimulation modelIdentifier="{kind}" canHandleVariableCommunicationStepSize="true"/>'
-        f"<UnitDefinitions>{base}</UnitDefinitions>"
+        f"<UnitDefinitions>{base}</UnitDefinitions>{TYPES[version]}"
         '<DefaultExperiment startTime="0" stopTime="1" stepSize="0.01"/>'
         f"<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"

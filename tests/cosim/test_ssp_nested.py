@@ -466,3 +466,49 @@ def test_the_signals_of_a_written_package_are_those_of_the_system(make, tmp_path
     again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "a.ssp", version="2.0"))
     runs = [s.prepare(step=0.1, stop=1.0).run(inputs={"x": np.sin}) for s in (system, again)]
     np.testing.assert_array_equal(runs[0].values, runs[1].values)
+
+
+TEMPERATURES = (
+    '<ssd:Units><ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit><ssc:Unit name="degC">'
+    '<ssc:BaseUnit K="1" offset="273.15"/></ssc:Unit><ssc:Unit name="degF"><ssc:BaseUnit K="1"'
+    ' factor="0.5555555555555556" offset="255.3722222222222"/></ssc:Unit></ssd:Units>'
+)
+
+
+@pytest.mark.parametrize(
+    ("kind", "of_20"),
+    [(" difference", 20.0 * 5 / 9), ("", (20.0 - 32.0) * 5 / 9 + 273.15)],
+    ids=["difference", "absolute"],
+)
+def test_units_of_ssp_are_for_differences_where_the_fmus_are(make, tmp_path, kind, of_20):
+    """From degF through connectors in degC and degF into FMUs in degC and K; a parameter too."""
+    inner = connectors(connector("in", "input", "degF"), connector("out", "output", "degF"))
+    inner += elements(component("a", source="a.fmu")) + connections(("in", "a.u"), ("a.y", "out"))
+    values = (
+        "<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet"
+        ' version="1.0" name="p"><ssv:Parameters><ssv:Parameter name="k"><ssv:Real value="20"'
+        ' unit="degF"/></ssv:Parameter></ssv:Parameters><ssv:Units><ssc:Unit name="degF">'
+        '<ssc:BaseUnit K="1" factor="0.5555555555555556" offset="255.3722222222222"/></ssc:Unit>'
+        "</ssv:Units></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding>"
+        "</ssd:ParameterBindings>"
+    )
+    body = (
+        connectors(connector("x", "input", "degF"))
+        + elements(
+            f'<ssd:System name="in">{inner}</ssd:System>',
+            component("b", source="b.fmu"),
+            component("p", values, source="p.fmu"),
+        )
+        + connections(("x", "in.in"), ("in.out", "b.u"))
+    )
+    path = tmp_path / "packed.ssp"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("SystemStructure.ssd", structure(body, rest=TEMPERATURES))
+        archive.write(make("gain", 2, u=f"degC{kind}", y=f"degC{kind}"), "resources/a.fmu")
+        archive.write(make("gain", 3, u=f"K{kind}"), "resources/b.fmu")
+        archive.write(make("gain", 3, k=f"K{kind}"), "resources/p.fmu")
+    system, _ = cosim.read_ssp(path)
+    assert end(system, "b.y", x=20.0) == pytest.approx(of_20, rel=1e-12)
+    assert system.parameters["p.k"] == pytest.approx(of_20, rel=1e-12)
+    again, _ = cosim.read_ssp(cosim.write_ssp(system, tmp_path / "again.ssp", version="1.0"))
+    assert end(again, "b.y", x=20.0) == pytest.approx(of_20, rel=1e-12)

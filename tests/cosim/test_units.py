@@ -70,3 +70,64 @@ def test_a_scaling_of_one_changes_no_bit(make):
     signal = np.array([0.1, -0.3, 0.7])
     plain = two_gains(make, "N", "N")
     assert end(plain, x=signal) == end(two_gains(make, "N", "kg.m/s2"), x=signal)
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "of_20"),
+    [
+        ("degC difference", "K difference", 20.0),
+        ("K difference", "degC difference", 20.0),
+        ("degF difference", "degC difference", 20.0 * 5 / 9),
+        ("degC difference", "degF difference", 36.0),
+        ("degC", "K", 293.15),
+        ("degF", "degC", -20.0 / 3),
+        ("degC difference", "degC", 20.0),  # the same unit: the number stays
+        ("mN difference", "N", 0.02),  # without an offset there is nothing to confuse
+        ("N", "mN difference", 20e3),
+    ],
+)
+def test_no_offset_applies_to_a_difference(make, source, target, of_20):
+    """20 degC of difference are 20 K; said by the variable (FMI 2.0) or its type (FMI 3.0)."""
+    assert end(two_gains(make, source, target), x=10.0) == pytest.approx(of_20, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [("degC difference", "K"), ("K", "degC difference"), ("degF", "degC difference")],
+)
+def test_a_difference_is_no_temperature(make, source, target):
+    with pytest.raises(cosim.ConnectionFault, match=r"as a difference \(relativeQuantity\).*Link"):
+        two_gains(make, source, target)
+    as_meant = Link(Scaling(), convert=False)
+    assert end(two_gains(make, source, target, as_meant), x=10.0) == 20.0
+
+
+def test_a_unit_from_outside_is_for_what_its_target_is(make):
+    """An exposed input in another unit is a difference where its first target is one."""
+    for unit, target, of_20 in (
+        (FAHRENHEIT, "degC difference", 20.0 * 5 / 9),
+        (CELSIUS, "K difference", 20.0),
+        (CELSIUS, "K", 293.15),
+    ):
+        system = cosim.System("one")
+        system.add("b", make("gain", 2, u=target))
+        system.expose("x", "b.u", unit=unit)
+        assert end(system, x=20.0) == pytest.approx(of_20, rel=1e-12)
+        start = system.copy()
+        start.set("b.u", of_20)
+        assert end(start) == pytest.approx(of_20, rel=1e-12)
+    system = cosim.System("both")
+    system.add("a", make("gain", 2, u="K difference"))
+    system.add("b", make("gain", 2, u="K"))
+    with pytest.raises(cosim.ConnectionFault, match="as a difference"):
+        system.expose("x", "a.u", "b.u", unit=CELSIUS)
+
+
+def test_a_container_says_that_its_signals_are_differences(make, tmp_path):
+    system = cosim.System("one")
+    system.add("a", make("gain", 2, u="degC difference", y="degC"))
+    system.expose("u", "a.u")
+    for version in (2, 3):
+        path = cosim.write_fmu(system, tmp_path / f"{version}.fmu", step=0.1, fmi=version)
+        variables = cosim.Fmu(path).variables
+        assert [n for n, v in variables.items() if v.relative] == ["u"]
