@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import ga
@@ -32,6 +32,12 @@ class Execution:
     where: str = "threads"
     checkpoint: Path | None = None
     resume: bool = False
+
+    def of_seed(self, seed: int) -> Execution:
+        """Return how one of several searches runs: with a checkpoint of its own."""
+        path = self.checkpoint
+        own = path and path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
+        return replace(self, checkpoint=own)
 
     def opened(self) -> AbstractContextManager[Executor | None]:
         """Return the workers as a context, to be entered when there is work."""

@@ -80,32 +80,47 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
     if options.workers < 1:
         raise UsageError(f"--workers must be at least 1, got {options.workers}")
     path = options.checkpoint or checkpoint
-    if path.exists() and not options.resume:
-        raise UsageError(
-            f"{path}: an earlier run did not end; go on with --resume, or delete it to start afresh"
-        )
-    if path.exists():
-        check(path)  # before anything is done
-    return Execution(options.workers, options.where, path, options.resume)
+    execution = Execution(options.workers, options.where, path, options.resume)
+    for path in _kept(execution, options):  # before anything is done
+        if not options.resume:
+            raise UsageError(
+                f"{path}: an earlier run did not end; go on with --resume, or delete it to start "
+                "afresh"
+            )
+        check(path)
+    return execution
 
 
 def forget(execution: Execution, options: argparse.Namespace) -> None:
-    """Delete the checkpoint of a run whose results are written, unless the user named it."""
-    if execution.checkpoint is not None and options.checkpoint is None:
-        execution.checkpoint.unlink(missing_ok=True)
+    """Delete the checkpoints of a run whose results are written, unless the user named them."""
+    if options.checkpoint is None:
+        for path in _kept(execution, options):
+            path.unlink(missing_ok=True)
 
 
 @contextmanager
-def keeping(execution: Execution) -> Iterator[None]:
-    """Let Ctrl-C say what is kept and how to go on, also when the search is over."""
+def keeping(execution: Execution, options: argparse.Namespace) -> Iterator[None]:
+    """Let Ctrl-C say what is kept and how to go on, also when a search is over."""
     try:
         yield
-    except ga.Interrupted:
-        raise
-    except KeyboardInterrupt:
-        path = execution.checkpoint
-        if path is None or not path.exists():
+    except KeyboardInterrupt as interruption:
+        kept = _kept(execution, options)
+        if not kept or (isinstance(interruption, ga.Interrupted) and _seeds(options) == 1):
             raise
         raise KeyboardInterrupt(
-            f"interrupted; what the search found is kept in {path}; go on with --resume"
+            f"interrupted; what the search found is kept in {', '.join(map(str, kept))}; go on "
+            "with --resume"
         ) from None
+
+
+def _kept(execution: Execution, options: argparse.Namespace) -> list[Path]:
+    """Return the checkpoints that there are; each of several seeds has one of its own."""
+    n = _seeds(options)
+    seeds = range(options.seed, options.seed + n) if n > 1 else ()
+    paths = [execution.of_seed(seed).checkpoint for seed in seeds] or [execution.checkpoint]
+    return [path for path in paths if path is not None and path.exists()]
+
+
+def _seeds(options: argparse.Namespace) -> int:
+    """Return how many searches the command makes."""
+    return getattr(options, "seeds", 1)

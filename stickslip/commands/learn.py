@@ -85,7 +85,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
     execution = execution_of(options, (options.out or Path()) / "learning.checkpoint.json")
     if not options.out and options.checkpoint is None:
         execution = replace(execution, checkpoint=None)
-    with TerminalProgress(sys.stderr) as progress, keeping(execution):
+    with TerminalProgress(sys.stderr) as progress, keeping(execution, options):
         learned = learn_from_log(
             options.log,
             description,

@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> None:
         TerminalProgress(sys.stderr) as progress,
     ):
         execution = execution_of(options, options.out / "learning.checkpoint.json")
-        with keeping(execution):
+        with keeping(execution, options):
             validation = compute(chosen, Path(fmus), progress, execution, options.out)
             forget(execution, options)
     print_table4(validation.table())

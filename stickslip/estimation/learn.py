@@ -168,11 +168,6 @@ def _search(
                 **{name: found.parameters[name] for name in SOUGHT},
             }
         )
-    if task.seeds > 1:
-        for seed in range(task.seed, task.seed + task.seeds):
-            own = _of_seed(task, seed).execution.checkpoint
-            if own is not None:
-                own.unlink(missing_ok=True)
     best = int(np.argmin([found.noise for found in fits]))
     return fits[best], pd.DataFrame(rows), algorithms[best]
 
@@ -191,11 +186,9 @@ def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
 
 def _of_seed(task: Task, seed: int) -> Search:
     """Return how to search; each of several seeds has a checkpoint of its own."""
-    path = task.search.execution.checkpoint
-    if path is None or task.seeds == 1:
+    if task.seeds == 1:
         return task.search
-    own = path.with_name(f"{path.stem}.seed{seed}{path.suffix}")
-    return replace(task.search, execution=replace(task.search.execution, checkpoint=own))
+    return replace(task.search, execution=task.search.execution.of_seed(seed))
 
 
 def _output_error(

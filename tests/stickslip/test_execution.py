@@ -22,6 +22,7 @@ from stickslip.setup import TRAINING
 
 def chosen(*arguments):
     parser = argparse.ArgumentParser()
+    parser.set_defaults(seed=0)
     add_algorithm_option(parser, "--preset")
     add_execution_options(parser)
     return parser.parse_args(arguments)

@@ -1,10 +1,12 @@
 """``stickslip learn``: from a log to a folder of results."""
 
 import json
+from functools import partial
 
 import pytest
 
 from stickslip.cli import main
+from stickslip.estimation import Search
 from stickslip.log_learning import FILES
 
 
@@ -51,6 +53,36 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
     assert main([*arguments, "--resume"]) == 0
     assert not checkpoint.exists()
     assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
+    named, log, tmp_path, capsys, monkeypatch
+):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
+    arguments = ["learn", "--log", str(log), "--judge", "inverse", "--seeds", "2", "--seed", "3"]
+    assert main([*arguments, "--out", str(tmp_path / "whole")]) == 0
+    own = tmp_path / "out" / "learning.checkpoint.json"
+    path = tmp_path / "mine.json" if named else own
+    arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.commands.learn.write_learned", interrupt)
+        assert main(arguments) == 130
+    checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
+    assert f"kept in {checkpoints[0]}, {checkpoints[1]}; go on with" in capsys.readouterr().err
+    checkpoints[0].unlink()
+    assert main(arguments) == 1  # the checkpoint of the last seed is named before the first search
+    assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
+    assert main([*arguments, "--resume"]) == 0
+    assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
+    files = [path.name for path in (tmp_path / "whole").iterdir()]
+    assert all(
+        (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+        for name in files
+    )
 
 
 def test_the_compensator_has_what_was_learned(folder, tmp_path):
