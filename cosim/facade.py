@@ -99,19 +99,22 @@ class Facade:
 
     def dress(self, slot: kernel.Component) -> None:
         """Let a component of the kernel, wired as if it were plain, be this facade."""
-        library = kernel.load()
         slot.version = 2
-        names = [f"facade_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
-        slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
         slot.log = ctypes.pointer(self.c.log)
         slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
         slot.output_references = (ctypes.c_uint32 * slot.n_outputs)(*range(slot.n_outputs))
 
+    def bind(self, slot: kernel.Component, library: ctypes.CDLL) -> None:
+        """Take the functions of a dressed component from the library that steps it."""
+        self._kernel = library
+        names = [f"facade_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
+        slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
+
     def state_calls(self) -> tuple[int, int, int]:
         """Return the addresses of the functions that save, restore and free its state."""
-        library = kernel.load()
         save, restore, free = (
-            _address(getattr(library, f"facade_{verb}FMUstate")) for verb in ("Get", "Set", "Free")
+            _address(getattr(self._kernel, f"facade_{verb}FMUstate"))
+            for verb in ("Get", "Set", "Free")
         )
         return save, restore, free
 
@@ -125,7 +128,11 @@ class Facade:
         for i, known in enumerate(fresh):
             self.c.input_ports[i].ahead = known
         self.c.follows = degree > 0
-        return _address(kernel.load().facade_SetRealInputDerivatives)
+        return _address(self._kernel.facade_SetRealInputDerivatives)
+
+    def tune_call(self) -> int:
+        """Return the address of the function that changes tunable parameters between two steps."""
+        return _address(self._kernel.facade_tune)
 
     def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
         """Take start values from here: of structural parameters, most others, and inputs."""
@@ -173,12 +180,12 @@ class Facade:
         places = ((clock, name) for clock in self._clocks() for name in _TICKS)
         for (clock, name), value in zip(places, memory["clocks"], strict=True):
             setattr(clock, name, int(value) if name == "ticks" else float(value))
-        return int(kernel.load().facade_go_on(ctypes.byref(self.c)))
+        return int(self._kernel.facade_go_on(ctypes.byref(self.c)))
 
     def lose(self) -> None:
         """Let go of an instance that may not be called any more."""
         self.c.instance = self.c.begun = None
-        kernel.load().facade_FreeInstance(ctypes.byref(self.c))
+        self._kernel.facade_FreeInstance(ctypes.byref(self.c))
 
     def _clocks(self) -> list[Any]:
         return [self.c.clocks[i] for i in range(self.c.n_clocks)]

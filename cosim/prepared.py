@@ -86,12 +86,14 @@ class Prepared:
         self._run.allows_nan = spec.allow_nan
         self._memory = Memory(self._run, self._layout, record, self.time, self._room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
+        self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
+        for name, facade in self._facades.items():
+            facade.bind(self._slots[name], self._kernel)
         self._coupled = Coupled(
             system, self._layout, groups, self._libraries, coupling, self._facades
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         self._coupled.attach(self._run)
-        self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
 

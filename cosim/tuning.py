@@ -92,15 +92,14 @@ class Change:
         self.step, self.component = step, component
         self._batch = batch
         self._group = batch.group()
-        self._through_facade = facade is not None
+        self._facade = facade
 
     def entry(self, component: int) -> kernel.Change:
         """Return it as the kernel takes it."""
         batch = self._batch
         address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
-        if self._through_facade:
-            function = kernel.load().facade_tune
-            address = ctypes.cast(function, ctypes.c_void_p).value or 0
+        if self._facade:
+            address = self._facade.tune_call()
             values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
         setting = kernel.Setting(
             set=address,

@@ -48,6 +48,7 @@ _BOTH = [
     ("free-null", "freeing-nothing"),
     ("category", "undeclared-category"),
     ("logs-off", "logs-when-off"),
+    ("environment", "foreign-environment"),
     ("debug-logging", "debug-logging-fails"),
     ("leak", "leaks-memory"),
     ("locale-folder", "changes-the-process"),

@@ -66,10 +66,16 @@ static void say(Model *m, int status, const char *category, const char *text) {
     if (status == OK && !m->logging && !has("logs-off"))
         return;
 #if FMI == 2
-    m->callbacks->logger(NULL, m->name, (Status)status, category, text);
+    void *environment = m->callbacks->componentEnvironment;
+#else
+    void *environment = m->environment;
+#endif
+    environment = has("environment") ? (void *)1 : environment;
+#if FMI == 2
+    m->callbacks->logger(environment, m->name, (Status)status, category, text);
 #else
     if (m->log || has("needs-logger"))
-        m->log(m->environment, (Status)status, category, text);
+        m->log(environment, (Status)status, category, text);
 #endif
 }
 

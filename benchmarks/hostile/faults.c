@@ -13,6 +13,9 @@
 #include <string.h>
 
 #define SHOWN __attribute__((visibility("default")))
+#ifndef ENVIRONMENT /* what the logger is given; the standard wants what the FMU was given */
+#define ENVIRONMENT m->environment
+#endif
 
 enum { U, Y, X, DX, K, N };
 typedef enum {
@@ -25,10 +28,12 @@ typedef enum {
     SLOPE,   /* derivatives are NAN from t = 0.5 s on */
     EVENT,   /* the next event is at NAN, or is always now: status 0, 1 */
     STATES,  /* status 0: FMI 3.0 has 2^40 states */
+    SAY,     /* the n-th DoStep logs the status, and returns OK */
+    SILENT,  /* the n-th DoStep returns the status, and logs nothing */
     N_FAULTS
 } Fault;
-static const char *const WORDS[] = {"",     "Output", "Freeze", "Nothing", "Size",
-                                    "Long", "Slope",  "Event",  "States"};
+static const char *const WORDS[] = {"",      "Output", "Freeze", "Nothing", "Size",  "Long",
+                                    "Slope", "Event",  "States", "Say",     "Silent"};
 
 typedef struct {
     double u, x, k, t;
@@ -62,17 +67,21 @@ SHOWN void counts(int found[3]) {
 
 static bool ok(int answer) { return answer == 0 || answer == 1; }
 
+static void say(Model *m) {
+    if (m->log2) {
+        m->log2(ENVIRONMENT, "faults", (fmi2Status)status, "x", "call %d broke %s%%n", calls,
+                "%s%n");
+    } else if (m->log3) {
+        m->log3(ENVIRONMENT, (fmi3Status)status, "x", "it broke %s%n");
+    }
+}
+
 static int answer(Model *m, const char *name) {
     abused += m->born < fatal;
     if (strcmp(name, function) != 0 || (++calls != nth && nth != 0)) {
         return 0;
     }
-    if (m->log2) {
-        m->log2(m->environment, "faults", (fmi2Status)status, "x", "call %d broke %s%%n", calls,
-                "%s%n");
-    } else if (m->log3) {
-        m->log3(m->environment, (fmi3Status)status, "x", "it broke %s%n");
-    }
+    say(m);
     fatal += status == 4;
     return status;
 }
@@ -151,6 +160,12 @@ static int get(Model *c, const char *name, const unsigned *r, size_t n, double *
 
 static int step(Model *c, double t, double h) {
     ANSWER("DoStep");
+    if ((fault == SAY || fault == SILENT) && ++calls == nth) {
+        if (fault == SILENT) {
+            return status;
+        }
+        say(c);
+    }
     if (fault == LONG && h > 1.0001e-3 * nth) {
         c->x = NAN; /* spoilt, unless it is restored */
         return 2;

@@ -18,8 +18,11 @@ _FLAGS = ("-Wno-unused-parameter", "-Wno-variadic-macro-arguments-omitted", "-Wn
 
 
 @cache
-def library() -> Path:
-    """Return the compiled FMU, one for all versions and kinds."""
+def library(environment: str = "m->environment") -> Path:
+    """Return the compiled FMU, one for all versions and kinds.
+
+    ``environment`` is a C expression: what it passes to the logger as its environment.
+    """
     headers = resources.files("fmpy") / "c-code"
     files = {
         f"system/{h.name}": h.read_text(encoding="utf-8")
@@ -27,7 +30,8 @@ def library() -> Path:
         if h.name.startswith(("fmi2", "fmi3"))
     }
     files["faults.c"] = Path(__file__).with_name("faults.c").read_text(encoding="utf-8")
-    return toolchain.shared_library("faults", files, flags=_FLAGS)
+    flags = (*_FLAGS, f"-DENVIRONMENT={environment}")
+    return toolchain.shared_library("faults", files, flags=flags)
 
 
 def describe(plan: str, version: int, kind: Kind) -> str:
@@ -83,11 +87,21 @@ def describe(plan: str, version: int, kind: Kind) -> str:
     )
 
 
-def write(path: Path, plan: str, version: int = 2, kind: Kind = "plain") -> Path:
-    """Write an FMU that fails as planned: ``FUNCTION NTH STATUS``, or ARMED_ELSEWHERE."""
+def write(
+    path: Path,
+    plan: str,
+    version: int = 2,
+    kind: Kind = "plain",
+    environment: str = "m->environment",
+) -> Path:
+    """Write an FMU that fails as planned: ``FUNCTION NTH STATUS``, or ARMED_ELSEWHERE.
+
+    ``environment`` is a C expression: what it passes to the logger as its environment.
+    """
     platform = toolchain.host_platform()
     place = platform.fmi2 if version == 2 else platform.tuple
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", describe(plan, version, kind))
-        archive.write(library(), f"binaries/{place}/{library().name}")
+        binary = library(environment)
+        archive.write(binary, f"binaries/{place}/{binary.name}")
     return path

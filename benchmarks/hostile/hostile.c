@@ -29,12 +29,14 @@ static char when[64], what[64], place[4096];
 static int due = 1;
 static Model *last;
 
+static bool astray; /* messages come with an environment that the FMU was not given */
+
 static void say(const Model *m, int status, const char *message) {
     if (m && m->callbacks) {
-        m->callbacks->logger(m->callbacks->componentEnvironment, "hostile", (fmi2Status)status,
-                             "error", message);
+        m->callbacks->logger(astray ? (void *)1 : m->callbacks->componentEnvironment, "hostile",
+                             (fmi2Status)status, "error", message);
     } else if (m && m->log) {
-        m->log(m->environment, (fmi3Status)status, "error", message);
+        m->log(astray ? (void *)1 : m->environment, (fmi3Status)status, "error", message);
     }
 }
 
@@ -170,7 +172,8 @@ static int act(Model *m) {
         }
         sleep(1000);
     }
-    IF("chat") {
+    IF("chat_astray") { astray = true; }
+    if (strncmp(what, "chat", 4) == 0) {
         pthread_t thread;
         pthread_create(&thread, NULL, chat, m);
     }

@@ -24,6 +24,7 @@ Status report(const Container *x, Status status, const char *format, ...) {
 
 Status part_failed(Container *x, int i, const char *call, int status) {
     const char *said = x->logs[i].message;
+    take_stray(&x->logs[i]);
     x->phase = BROKEN;
     return report(x, ERROR, "%s: %s failed (status %d) at t = %.9g s%s%s", PARTS[i].name, call,
                   status, container_time(x), *said ? ": " : "", said);

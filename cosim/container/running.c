@@ -105,6 +105,22 @@ static Status check_finite(Container *x) {
     return OK;
 }
 
+static Status step_to(Container *x, int64_t last) {
+    Run *run = &x->run;
+    while (run->done < last) {
+        memcpy(x->rows + WIDTH, x->rows, N_INPUTS * sizeof *x->rows);
+        run->block_start = run->done;
+        if (!step_until(run, run->done + 1)) {
+            return failed(x);
+        }
+        memcpy(x->rows, x->rows + WIDTH, WIDTH * sizeof *x->rows);
+        if (check_finite(x) != OK) {
+            return ERROR;
+        }
+    }
+    return OK;
+}
+
 Status container_step(Container *x, double t, double h) {
     Run *run = &x->run;
     const double n = round(h / STEP), now = container_time(x);
@@ -118,18 +134,10 @@ Status container_step(Container *x, double t, double h) {
         return report(x, ERROR, "the communication point is %.9g s, expected %.9g s", t, now);
     }
     const int64_t last = run->done + (int64_t)n;
-    while (run->done < last) {
-        memcpy(x->rows + WIDTH, x->rows, N_INPUTS * sizeof *x->rows);
-        run->block_start = run->done;
-        if (!step_until(run, run->done + 1)) {
-            return failed(x);
-        }
-        memcpy(x->rows, x->rows + WIDTH, WIDTH * sizeof *x->rows);
-        if (check_finite(x) != OK) {
-            return ERROR;
-        }
-    }
-    return OK;
+    keep_time(&run->t);
+    const Status status = step_to(x, last);
+    keep_time(NULL);
+    return status;
 }
 
 Status container_terminate(Container *x) {

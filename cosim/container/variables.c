@@ -54,6 +54,7 @@ Status container_set(Container *x, uint32_t reference, Type type, double value) 
         access_set(&x->access[v->part], &x->components[v->part], v->type, v->reference, value);
     if (status > WARNING) {
         const char *said = x->logs[v->part].message;
+        take_stray(&x->logs[v->part]);
         return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *said ? ": " : "",
                       said);
     }

@@ -18,6 +18,7 @@ __attribute__((cold, noinline, unused)) static bool fail(Run *run, const Compone
     run->failed = c - run->components;
     run->call = call;
     run->status = status;
+    take_stray(c->log);
     if (status == fmi2Fatal) { /* nothing may be called on it any more, not even to free it */
         run->components[run->failed].instance = NULL;
     }

@@ -56,7 +56,8 @@ fmi2Status plain(Facade *f, enum Call place) {
 fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                                  fmi2String resources, const fmi2CallbackFunctions *callbacks,
                                  fmi2Boolean visible, fmi2Boolean logging) {
-    Facade *f = callbacks->componentEnvironment;
+    Facade *f = (Facade *)(uintptr_t)callbacks;
+    void *environment = callbacks->componentEnvironment;
     AnyCall *call = calling(f, f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS);
     if (f->version == 2) {
         type = f->model_exchange ? fmi2ModelExchange : fmi2CoSimulation;
@@ -64,12 +65,12 @@ fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String toke
                                                     visible, logging);
     } else if (f->model_exchange) {
         f->instance = ((fmi3InstantiateModelExchangeTYPE *)call)(
-            name, token, resources, visible != 0, logging != 0, &f->log, log_fmi3);
+            name, token, resources, visible != 0, logging != 0, environment, log_fmi3);
     } else {
         const bool events = f->event_mode;
         f->instance = ((fmi3InstantiateCoSimulationTYPE *)call)(
-            name, token, resources, visible != 0, logging != 0, events, events, NULL, 0, &f->log,
-            log_fmi3, NULL);
+            name, token, resources, visible != 0, logging != 0, events, events, NULL, 0,
+            environment, log_fmi3, NULL);
     }
     return f->instance ? f : NULL;
 }

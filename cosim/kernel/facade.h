@@ -113,7 +113,7 @@ typedef struct Integrator Integrator;
 typedef struct Cvode Cvode;
 
 typedef struct {
-    Log log; /* first: by its address the kernel's call to Instantiate finds the facade */
+    Log log; /* first, and its callbacks are: by their address Instantiate finds the facade */
     int64_t version;
     int64_t model_exchange;
     int64_t event_mode;  /* Co-Simulation: eventModeUsed and earlyReturnAllowed */

@@ -1,6 +1,7 @@
 #include "kernel.h"
 #include "mark.h"
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +11,78 @@
 const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
 const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
 
+/* What an FMU passes to the logger as its environment may be anything, so what it is given is a
+ * place in this table: it can be recognised without being followed. */
+enum { MOST_LOGS = 1 << 16 };
+static _Atomic(Log *) logs[MOST_LOGS];
+
+static void *register_log(Log *log) {
+    static atomic_size_t next;
+    for (size_t tries = 0; tries < MOST_LOGS; tries++) {
+        _Atomic(Log *) *place = &logs[atomic_fetch_add(&next, 1) % MOST_LOGS];
+        Log *nobody = NULL;
+        if (atomic_compare_exchange_strong(place, &nobody, log)) {
+            return place;
+        }
+    }
+    return NULL; /* its messages are taken for strays */
+}
+
+static void unregister_log(Log *log) {
+    _Atomic(Log *) *place = log->callbacks.componentEnvironment;
+    if (place) {
+        atomic_store(place, NULL);
+    }
+    log->callbacks.componentEnvironment = NULL;
+}
+
+/* NULL where it is no place in the table, or belongs to an instance that is freed. */
+static Log *registered(const void *environment) {
+    const uintptr_t offset = (uintptr_t)environment - (uintptr_t)logs;
+    if (offset >= sizeof logs || offset % sizeof *logs != 0) {
+        return NULL;
+    }
+    return atomic_load(&logs[offset / sizeof *logs]);
+}
+
+/* A message with another environment belongs to the call that this thread is in: it is kept until
+ * that call returns a status, or until the next step. */
+static _Thread_local struct {
+    Log log;
+    double t; /* s, when it came */
+    const double *clock;
+} stray;
+
+void keep_time(const double *clock) {
+    stray.log.severity = 0;
+    stray.clock = clock;
+}
+
+static bool is_due(void) { return !stray.clock || *stray.clock == stray.t; }
+
+static Log *log_of(const void *environment) {
+    Log *log = registered(environment);
+    if (log) {
+        return log;
+    }
+    if (!is_due()) {
+        stray.log.severity = 0;
+        stray.t = *stray.clock;
+    }
+    return &stray.log;
+}
+
+void take_stray(Log *log) {
+    if (stray.log.severity > log->severity && is_due()) {
+        log->severity = stray.log.severity;
+        memcpy(log->message, stray.log.message, sizeof log->message);
+    }
+    stray.log.severity = 0;
+}
+
 static bool graver(Log *log, int status) {
     status = (unsigned)status > fmi2Pending ? fmi2Pending : status; /* none is no less grave */
-    if (!log || status <= log->severity) { /* an FMU may have lost where it belongs */
+    if (status <= log->severity) {
         return false;
     }
     log->severity = status;
@@ -32,10 +102,10 @@ static bool writes(const char *format) {
 
 static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
                      fmi2String category, fmi2String message, ...) {
-    Log *log = environment;
+    Log *log = log_of(environment);
     (void)name;
     if (message && writes(message)) {
-        log_fmi3(log, (fmi3Status)status, category, message);
+        log_fmi3(environment, (fmi3Status)status, category, message);
     } else if (message && graver(log, (int)status)) {
         va_list values;
         va_start(values, message);
@@ -46,7 +116,7 @@ static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2
 
 void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
               fmi3String message) {
-    Log *log = environment;
+    Log *log = log_of(environment);
     (void)category;
     if (message && graver(log, (int)status)) {
         snprintf(log->message, sizeof log->message, "%s", message);
@@ -57,9 +127,11 @@ void clear_log(Log *log) {
     log->severity = log->reason = log->unknown = 0;
     log->warnings = 0;
     log->message[0] = log->warning[0] = '\0';
+    stray.log.severity = 0;
 }
 
 void note_warning(Log *log, const char *call, double t) {
+    take_stray(log);
     if (log->warnings++ == 0) {
         log->warned = call;
         log->warned_at = t;
@@ -74,16 +146,22 @@ void instantiate(Component *c, const char *name, const char *token, const char *
     MARK_FIRST(c);
     c->used = 0;
     clear_log(log);
+    void *environment = log->callbacks.componentEnvironment;
+    if (!environment) {
+        environment = register_log(log);
+    }
+    log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, environment};
     if (c->version == 2) {
         MARK(c, "fmi2Instantiate");
-        log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, log};
         c->instance = c->call.fmi2.Instantiate(name, fmi2CoSimulation, token, resources,
                                                &log->callbacks, fmi2False, fmi2False);
     } else {
         MARK(c, "fmi3InstantiateCoSimulation");
-        c->instance = c->call.fmi3.InstantiateCoSimulation(
-            name, token, resources, false, false, false, false, NULL, 0, log, log_fmi3, NULL);
+        c->instance =
+            c->call.fmi3.InstantiateCoSimulation(name, token, resources, false, false, false, false,
+                                                 NULL, 0, environment, log_fmi3, NULL);
     }
+    take_stray(log);
 }
 
 void release(Component *c) {
@@ -97,4 +175,7 @@ void release(Component *c) {
         }
     }
     c->instance = NULL;
+    if (c->log) {
+        unregister_log(c->log);
+    }
 }

@@ -94,7 +94,7 @@ typedef struct {
 
 /* What a component has said since the last run began. */
 typedef struct {
-    fmi2CallbackFunctions callbacks; /* how FMI 2.0 gets at it */
+    fmi2CallbackFunctions callbacks; /* of FMI 2.0; their environment is that of FMI 3.0, too */
     int32_t severity;
     int32_t reason;     /* of the facade's own, when it is what failed */
     int32_t unknown;    /* the status that no standard has, when that is why */
@@ -215,7 +215,12 @@ EXPORT void instantiate(Component *c, const char *name, const char *token, const
 EXPORT void release(Component *c);
 void clear_log(Log *log);
 __attribute__((cold)) void note_warning(Log *log, const char *call, double t);
-void log_fmi3(fmi3InstanceEnvironment log, fmi3Status, fmi3String category, fmi3String message);
+void log_fmi3(fmi3InstanceEnvironment, fmi3Status, fmi3String category, fmi3String message);
+
+/* A message that names no instance belongs to the call that its thread is in. Take it into the log
+ * of the component that was called; one from an earlier step, by the clock, is dropped. */
+__attribute__((cold)) void take_stray(Log *log);
+void keep_time(const double *clock); /* s; NULL: none */
 
 /* Start or go on with a run. PAUSED about once a second, so that the caller can serve signals;
  * HALTED when step halt is reached: with another halt, it goes on from there. */

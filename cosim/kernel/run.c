@@ -152,7 +152,7 @@ static int64_t end_before_change(const Run *run, int64_t end) {
     return step < end ? step : end;
 }
 
-enum Outcome advance(Run *run) {
+static enum Outcome go_on(Run *run) {
     if (run->done < 0) {
         run->block_start = 0;
         run->closed = -1;
@@ -196,4 +196,11 @@ enum Outcome advance(Run *run) {
         }
     }
     return FINISHED;
+}
+
+enum Outcome advance(Run *run) {
+    keep_time(&run->t);
+    const enum Outcome outcome = go_on(run);
+    keep_time(NULL);
+    return outcome;
 }

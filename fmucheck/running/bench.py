@@ -117,7 +117,7 @@ class Bench:
         begin = [c_char_p(words[0]), c_char_p(words[1]), c_char_p(location), c_bool(False)]
         begin.append(c_bool(logging))
         log = callbacks.logger3 if logger else c_void_p()
-        end: list[Any] = [c_void_p(), log]
+        end: list[Any] = [c_void_p(callbacks.environment), log]
         if self.interface.kind == "CoSimulation":
             begin += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
             end.append(c_void_p())

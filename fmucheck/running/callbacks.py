@@ -39,6 +39,7 @@ class Message:
     status: int
     category: str | None
     text: str | None
+    environment: int | None
 
 
 def _word(text: bytes | None) -> str | None:
@@ -53,20 +54,28 @@ class Callbacks:
     allocated: int = 0
 
     def __post_init__(self) -> None:
+        self._place = ctypes.create_string_buffer(1)
+        self.environment = ctypes.addressof(self._place)
         self.logger2 = LOGGER2(self._log2)
         self.logger3 = LOGGER3(self._log3)
         self.functions = Callbacks2(
-            self.logger2, _ALLOCATE(self._allocate), _FREE(self._free), _FINISHED(), None
+            self.logger2,
+            _ALLOCATE(self._allocate),
+            _FREE(self._free),
+            _FINISHED(),
+            self.environment,
         )
 
     def _log2(
-        self, _: int, __: bytes, status: int, category: bytes | None, text: bytes | None
+        self, place: int | None, _: bytes, status: int, category: bytes | None, text: bytes | None
     ) -> None:
-        self._log3(_, status, category, text)
+        self._log3(place, status, category, text)
 
-    def _log3(self, _: int, status: int, category: bytes | None, text: bytes | None) -> None:
+    def _log3(
+        self, place: int | None, status: int, category: bytes | None, text: bytes | None
+    ) -> None:
         if len(self.messages) < MOST_MESSAGES:
-            self.messages.append(Message(status, _word(category), _word(text)))
+            self.messages.append(Message(status, _word(category), _word(text), place))
 
     def _allocate(self, count: int, size: int) -> int | None:
         self.allocated += 1

@@ -14,9 +14,8 @@ from fmucheck.running.exchange import finished
 
 
 def _messages(bench: Bench) -> Iterator[Message]:
-    """Yield what is said in a plain run and in answer to a wrong token."""
-    run = finished(bench)
-    yield from run.instance.callbacks.messages
+    """Yield what is said in a plain run."""
+    yield from finished(bench).instance.callbacks.messages
 
 
 @rule(Severity.WARNING, fmi2="2.2.4", fmi3="2.4.5", advice="list it in LogCategories")
@@ -34,6 +33,22 @@ def bad_message(bench: Bench) -> Claims:
     for m in _messages(bench):
         if m.text is None or m.category is None or not 0 <= m.status <= 5:
             yield "logger", f"status {status_name(m.status)}, category {m.category}, text {m.text}"
+            return
+
+
+@rule(
+    Severity.WARNING,
+    fmi2="2.1.5",
+    fmi3="2.3.1",
+    advice="pass the pointer that the FMU was given when it was instantiated",
+)
+def foreign_environment(bench: Bench) -> Claims:
+    """The logger is called with an environment that is not the importer's."""
+    callbacks = finished(bench).instance.callbacks
+    for m in callbacks.messages:
+        if m.environment != callbacks.environment:
+            place = hex(m.environment) if m.environment else "NULL"
+            yield "logger", f"the environment is {place}, expected {hex(callbacks.environment)}"
             return
 
 

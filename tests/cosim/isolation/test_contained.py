@@ -66,6 +66,7 @@ def run(system, limits=LIMITS, **arguments):
         "DoStep fork 3",
         "DoStep daemon",
         "DoStep chat",
+        "DoStep chat_astray",
         "DoStep close_standard",
     ],
 )

@@ -1,0 +1,141 @@
+"""An FMU may log with an environment that is not the one it was given: its message is kept."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import threading
+
+import pytest
+
+import cosim
+from benchmarks.hostile import faults
+
+FOREIGN = ["(void*)1", "NULL"]
+ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
+
+
+@pytest.fixture(params=ENVIRONMENTS)
+def environment(request):
+    return request.param
+
+
+SAID = re.compile("the FMU says: (call [0-9]+|it) broke")  # see faults.c
+
+
+def pair(folder, plan, version, kind, environment):
+    """Return a system of two: the first never fails, the second as planned."""
+    system = cosim.System("two")
+    for name, its_plan in {"sound": "none 1 0", "broken": plan}.items():
+        path = folder / f"{name}.fmu"
+        system.add(name, faults.write(path, its_plan, version, kind, environment))
+    return system
+
+
+@pytest.mark.parametrize("kind", ["plain", "typed"])
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_message_of_a_step_that_fails(tmp_path, version, kind, environment, compiled):
+    system = pair(tmp_path, "DoStep 0 3", version, kind, environment)
+    with (
+        system.prepare(step=0.1, stop=1.0, compiled=compiled) as simulation,
+        pytest.raises(cosim.SimulationError) as error,
+    ):
+        simulation.run()
+    assert str(error.value).startswith(f"broken: fmi{version}DoStep returned error")
+    assert SAID.search(str(error.value))
+
+
+def test_in_model_exchange(tmp_path, version, environment):
+    system = pair(tmp_path, "EnterContinuousTimeMode 1 3", version, "exchange", environment)
+    with (
+        system.prepare(step=0.1, stop=1.0) as simulation,
+        pytest.raises(cosim.SimulationError, match=r"^broken: .*; the FMU says: .* broke"),
+    ):
+        simulation.run()
+
+
+@pytest.mark.parametrize("environment", FOREIGN)
+def test_in_a_process_of_its_own(tmp_path, version, environment):
+    system = pair(tmp_path, "DoStep 0 3", version, "plain", environment)
+    with (
+        system.prepare(step=0.1, stop=1.0, isolation="process") as simulation,
+        pytest.raises(cosim.SimulationError) as error,
+    ):
+        simulation.run()
+    assert SAID.search(str(error.value))
+    assert not isinstance(error.value, cosim.FmuCrashed)
+
+
+@pytest.mark.parametrize("environment", FOREIGN)
+def test_a_warning_keeps_its_message(tmp_path, version, environment, caplog):
+    system = pair(tmp_path, "DoStep 4 1", version, "plain", environment)
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        simulation.run()
+    (line,) = [record.getMessage() for record in caplog.records]
+    assert line.startswith(f"broken: fmi{version}DoStep returned warning at t = 0.3 s")
+    assert SAID.search(line)
+
+
+def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
+    """The first answers OK after it has logged an error; the second fails later, saying nothing."""
+    system = cosim.System("two")
+    for name, plan in {"loud": "Say 2 3", "silent": "Silent 6 3"}.items():
+        path = tmp_path / f"{name}.fmu"
+        system.add(name, faults.write(path, plan, version, "plain", "(void*)1"))
+    with (
+        system.prepare(step=0.1, stop=1.0) as simulation,
+        pytest.raises(cosim.SimulationError, match=r"^silent: \w+DoStep returned error") as error,
+    ):
+        simulation.run()
+    assert "the FMU says" not in str(error.value)
+
+
+def test_threads_keep_their_messages_apart(tmp_path, version):
+    errors = {}
+
+    def fail(name):
+        system = cosim.System(name)
+        path = tmp_path / f"{name}.fmu"
+        system.add(name, faults.write(path, f"{name} 0 3", version, "plain", "(void*)1"))
+        with system.prepare(step=0.1, stop=1.0) as simulation:
+            try:
+                simulation.run()
+            except cosim.SimulationError as error:
+                errors[name] = str(error)
+
+    names = ["EnterInitializationMode", "Terminate"]
+    for name in names:
+        thread = threading.Thread(target=fail, args=[name])
+        thread.start()
+        thread.join()
+    for name in names:
+        assert errors[name].startswith(f"{name}: fmi{version}{name} returned error")
+        assert "broke" in errors[name]
+
+
+@pytest.mark.parametrize("call", ["DoStep", "SetReal", "Terminate"])
+@pytest.mark.parametrize("environment", ["(void*)1"])
+def test_in_a_container(tmp_path, version, environment, call):
+    """It passes on what its component says, to a tool that is not ours."""
+    plan = f"{call} {1 if call == 'Terminate' else 4} 3"
+    system = pair(tmp_path, plan, version, "plain", environment)
+    system.expose("u", "broken.u")
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1, fmi=version)
+    script = (
+        "import fmpy, sys\n"
+        "try:\n"
+        f"    fmpy.simulate_fmu({str(path)!r}, stop_time=1.0, output_interval=0.1,"
+        " logger=lambda *a: print(a[-1].decode()))\n"
+        "except Exception as error:\n"
+        "    print(type(error).__name__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-500:]
+    assert "broken: " in done.stdout
+    assert "broke%" in done.stdout or "broke " in done.stdout
