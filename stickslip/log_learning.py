@@ -12,7 +12,7 @@ import numpy as np
 
 import models
 from cosim.control import Axis, ControlError, VelocityLoop, close_velocity_loop
-from stickslip.errors import HarmfulError, RecordingError
+from stickslip.errors import HarmfulError
 from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
 from stickslip.guards import Trial, inspect, refuse_worse
 from stickslip.learned import estimation_document
@@ -20,7 +20,16 @@ from stickslip.learned_report import FILES as REPORT
 from stickslip.learned_report import write_estimation_report
 from stickslip.loop import build_fmus
 from stickslip.parameters import LUGRE
-from stickslip.recording import Description, Finding, Reading, check_recording, read_recording
+from stickslip.recording import (
+    Description,
+    Finding,
+    Reading,
+    check_recording,
+    check_units,
+    implausible_mass,
+    raise_errors,
+    read_recording,
+)
 from stickslip.result_folder import staged
 from stickslip.setup import VALIDATION, Datasheet
 from toolchain import write_whole
@@ -52,19 +61,16 @@ class LogLearning:
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
-    """Read a log and return it with what is to be said of it.
+    """Read a log and return it with what is to be said of it, errors included.
 
     Raises
     ------
     RecordingError, UsageError
-        When nothing can be learned from it.
+        When it cannot be read.
     """
-    reading = read_recording(path, description)
+    reading = read_recording(path, description, strict=False)
     checks = check_recording(reading.recording, reading.controller, reading.force_limit)
-    for finding in checks:
-        if finding.severity == "error":
-            raise RecordingError(f"{path}: {finding}")
-    return reading, (*reading.findings, *checks)
+    return reading, (*reading.findings, *check_units(reading), *checks)
 
 
 def learn_from_log(
@@ -89,6 +95,7 @@ def learn_from_log(
     """
     on_stage("reading the log")
     reading, findings = read_and_check(path, description)
+    raise_errors(path, findings)
     on_findings(findings)
     with candidate_fmus() as fmus:
         task = Task(
@@ -131,6 +138,10 @@ def _guarded(learned: LogLearning) -> tuple[list[str], bool]:
         for name in LUGRE
         if learned.estimation.known[name].visible == "not visible"
     ]
+    mass = learned.estimation.known.get("m")
+    question = implausible_mass(learned.reading, mass.low, mass.high) if mass else None
+    if question and question.severity == "error":
+        return [*said, f"compensator.fmu is not written: {question}"], False
     if learned.loop is None:
         said.append(
             "no stable velocity loop is known, so whether the compensator helps is unchecked; give "

@@ -18,7 +18,7 @@ from stickslip.commands.execution import (
 )
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
-from stickslip.errors import UsageError
+from stickslip.errors import RecordingError, UsageError
 from stickslip.estimation import Estimation, JudgeName, Search
 from stickslip.log_learning import FILES, learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
@@ -75,7 +75,11 @@ def run(options: argparse.Namespace) -> None:
         )
     description = description_of(options)
     if options.check:
-        _print_findings(read_and_check(options.log, description)[1])
+        findings = read_and_check(options.log, description)[1]
+        _print_findings(findings)
+        if errors := sum(finding.severity == "error" for finding in findings):
+            some = "1 error" if errors == 1 else f"{errors} errors"
+            raise RecordingError(f"{options.log}: {some}, nothing can be learned from it")
         return
     with reserved(options.out, FILES):
         _learn(options, description)

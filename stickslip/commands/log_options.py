@@ -12,6 +12,7 @@ from cosim.names import suggestion
 from stickslip.errors import UsageError
 from stickslip.recording import ROLES, Column, Description, Kind, load_description
 from stickslip.recording.controller import GAINS
+from stickslip.recording.description import CONFIRMED
 
 _PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"}
 """Options of several ROLE=VALUE, and what of a column they say."""
@@ -26,7 +27,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     texts = {
         "column": ("ROLE=NAME", "name of a column, its number from 1, or none"),
         "unit": ("ROLE=UNIT", "such as position=mm or force=A"),
-        "scale": ("ROLE=NUMBER", "SI units per unit, such as force=23 for N per A"),
+        "scale": ("ROLE=NUMBER", "SI units per unit, such as force=23 for N per A (also of mA)"),
         "offset": ("ROLE=NUMBER", "added, in SI units"),
     }
     for name, (metavar, text) in texts.items():
@@ -47,6 +48,14 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--tau-i", type=float, metavar="S", help="time constant of the current loop")
     group.add_argument(
         "--span", nargs=2, type=float, metavar=("BEGIN", "END"), help="part of the log to use [s]"
+    )
+    group.add_argument(
+        "--confirm",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="FIGURE",
+        help=f"{', '.join(CONFIRMED)}: it is as extreme as it looks, and its units are right",
     )
     group.add_argument("--delimiter", metavar="CHAR", help="of a text file (default: found out)")
     group.add_argument("--decimal", choices=(".", ","), help="of a text file (default: found out)")
@@ -82,6 +91,8 @@ def description_of(options: argparse.Namespace) -> Description:
     ):
         if (value := getattr(options, name)) is not None:
             changes[name] = {"\\t": "\t"}.get(value, value)
+    if options.confirm:
+        changes["confirm"] = (*base.confirm, *options.confirm)
     if options.span:
         changes["span"] = tuple(options.span)
     return replace(base, **changes)

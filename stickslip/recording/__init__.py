@@ -7,7 +7,8 @@ from stickslip.recording.delay import Delay, aligned, force_delay, signal_delay
 from stickslip.recording.description import ROLES, Column, Description
 from stickslip.recording.excitation import Excitation, TurnAround, excitation
 from stickslip.recording.finding import Finding, Severity
-from stickslip.recording.reading import Reading, read_recording
+from stickslip.recording.plausibility import check_units, implausible_mass
+from stickslip.recording.reading import Reading, raise_errors, read_recording
 from stickslip.recording.recording import Motion, Recording
 
 __all__ = [
@@ -26,9 +27,12 @@ __all__ = [
     "TurnAround",
     "aligned",
     "check_recording",
+    "check_units",
     "excitation",
     "force_delay",
+    "implausible_mass",
     "load_description",
+    "raise_errors",
     "read_recording",
     "signal_delay",
 ]

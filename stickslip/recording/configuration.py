@@ -54,6 +54,8 @@ def _description(content: Mapping[str, Any]) -> Description:
             given["gains"] = {k: _product(v, f"controller.{k}") for k, v in gains.items()}
         elif key in ("motion", "delimiter", "decimal"):
             given[key] = _text(value, key)
+        elif key == "confirm":
+            given[key] = _texts(value, key)
         elif key == "span":
             given[key] = _span(value)
         elif key in ("encoder_step", "force_limit"):
@@ -97,6 +99,12 @@ def _text(value: object, what: str) -> str:
     if not isinstance(value, str):
         raise UsageError(f"{what} = {value!r}: expected a text")
     return value
+
+
+def _texts(value: object, what: str) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        raise UsageError(f"{what} = {value!r}: expected a list of texts")
+    return tuple(_text(text, what) for text in value)
 
 
 def _number(value: object, what: str) -> float:

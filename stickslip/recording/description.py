@@ -24,6 +24,8 @@ ROLES = (
     "force_command",
 )
 """What a column can be."""
+CONFIRMED = ("mass", "speed", "acceleration")
+"""What is asked about where no drive is expected to have it."""
 
 
 def quantity_key(role: str) -> str:
@@ -65,6 +67,7 @@ class Description:
     sample_period : [s]; used instead of the column of time
     span : begin and end of what is used, on the log's own time [s]
     tau_i : time constant of the amplifier's current loop [s]
+    confirm : figures that are as extreme as they look: mass, speed, acceleration
     delimiter, decimal : of a text file; None finds out
 
     Raises
@@ -82,6 +85,7 @@ class Description:
     sample_period: float | None = None
     span: tuple[float, float] | None = None
     tau_i: float | None = None
+    confirm: tuple[str, ...] = ()
     delimiter: str | None = None
     decimal: str | None = None
 
@@ -98,6 +102,9 @@ class Description:
             raise UsageError(f"tau_i = {self.tau_i} s: expected 0 or more")
         if self.span is not None and not self.span[0] < self.span[1]:
             raise UsageError(f"span = {list(self.span)} s: expected begin before end")
+        for name in self.confirm:
+            if name not in CONFIRMED:
+                raise UsageError(f"confirm: no '{name}'{suggestion(name, CONFIRMED)}")
         if self.delimiter is not None and not re.fullmatch(r"[^\w\n\r\"'.+-]", self.delimiter):
             raise UsageError(f"delimiter = '{self.delimiter}': expected one character, such as ;")
         if self.decimal not in (None, ".", ","):

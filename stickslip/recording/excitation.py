@@ -53,8 +53,9 @@ class Excitation:
     reversals : of the direction
     spacing : median samples between two reversals; inf with fewer
     acceleration : 99 % of the samples have less [m/s^2]
+    mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
     inertial, viscous : share of the force's standard deviation, while sliding, that accelerations
-        and changes of speed make; nan where too little slides or no force is known
+        and changes of speed make; nan, as the mass, where too little slides or no force is known
     turn_around : of friction; None where it cannot be told
     """
 
@@ -67,6 +68,7 @@ class Excitation:
     reversals: int
     spacing: float
     acceleration: float
+    mass: float
     inertial: float
     viscous: float
     turn_around: TurnAround | None
@@ -99,6 +101,7 @@ def excitation(recording: Recording) -> Excitation:
         reversals=len(turns),
         spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
+        mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
         inertial=inertial,
         viscous=viscous,
         turn_around=_turn_around(recording, motion, turns, fit),
@@ -155,6 +158,8 @@ def _turn_around(
         force = smoothed(recording.force, recording.T_s, motion.cutoff)
         friction = force - fit[0] * motion.a - fit[1] * motion.v - fit[3]
     else:
+        return None
+    if not np.any(np.abs(motion.v) > motion.floor):
         return None
     level = float(np.median(np.abs(friction[np.abs(motion.v) > motion.floor])))
     side = np.sign(friction @ motion.v)  # some log the force on the drive, some that of the drive

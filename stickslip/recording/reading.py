@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.measurement import Array
-from stickslip.recording.channels import assumed_units, motion_from, signal_of, unit_of
+from stickslip.recording.channels import (
+    assumed_units,
+    motion_from,
+    signal_of,
+    unit_fault,
+    unit_of,
+)
+from stickslip.recording.contradictions import contradicted_period, near_factor
 from stickslip.recording.controller import Controller, controller_of
 from stickslip.recording.description import ROLES, Description
 from stickslip.recording.file import read_table
@@ -19,8 +27,9 @@ from stickslip.recording.grid import check_times, even_grid
 from stickslip.recording.products import Product, value_of
 from stickslip.recording.quantisation import step_of
 from stickslip.recording.recording import Recording
-from stickslip.recording.roles import assign_roles
+from stickslip.recording.roles import assign_roles, named_quantity
 from stickslip.recording.table import LogTable
+from stickslip.recording.units import Unit
 
 
 @dataclass(frozen=True)
@@ -34,6 +43,8 @@ class Reading:
     findings : what was guessed, filled, cut off; see ``check_recording`` for what it can show
     force_limit : of motor or amplifier [N], None when it is not known
     tau_i : time constant of the amplifier's current loop [s], None when it is not known
+    units : of the columns by role, None where nobody states one; without those in error
+    description : by which it was read
     """
 
     recording: Recording
@@ -41,15 +52,49 @@ class Reading:
     findings: tuple[Finding, ...]
     force_limit: float | None = None
     tau_i: float | None = None
+    units: Mapping[str, Unit | None] = field(default_factory=dict)
+    description: Description = field(default_factory=Description)
+
+    @property
+    def timed(self) -> bool:
+        """Whether the time between its samples is in a unit that is known or assumed."""
+        return "time" in self.units or self.description.sample_period is not None
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Roles whose numbers are taken for SI units, because nobody states unit or scale."""
+        scaled = self.description.columns
+        return tuple(
+            role
+            for role, unit in self.units.items()
+            if unit is None and (role not in scaled or scaled[role].scale is None)
+        )
 
 
-def read_recording(path: str | os.PathLike[str], description: Description | None = None) -> Reading:
+def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> None:
+    """Raise the first finding that is an error.
+
+    Raises
+    ------
+    RecordingError
+        When there is one.
+    """
+    for finding in findings:
+        if finding.severity == "error":
+            raise RecordingError(f"{path}: {finding}")
+
+
+def read_recording(
+    path: str | os.PathLike[str], description: Description | None = None, *, strict: bool = True
+) -> Reading:
     """Read a log: CSV and its relatives, Parquet or MAT.
 
     Parameters
     ----------
     path : of the file
     description : what its columns mean; what it leaves open is guessed and said in the findings
+    strict : whether a column whose unit is wrong or missing is raised; else it is an error among
+        the findings, and its numbers are kept as they are
 
     Raises
     ------
@@ -65,13 +110,19 @@ def read_recording(path: str | os.PathLike[str], description: Description | None
     _check_roles(table, roles, said)
     findings += remarks
     units = {r: unit_of(table, said, r, roles[r]) for r in ROLES if r in roles}
-    motion, remarks = motion_from(said, units)
+    motion, remarks = motion_from(said, roles, units)
     findings += remarks
+    if said.sample_period and "time" in units:
+        findings.append(_unused_time(table, said, roles["time"], units.pop("time")))
+    faults = {
+        role: fault
+        for role, unit in units.items()
+        if (fault := unit_fault(table, said, role, roles[role], unit, motion))
+    }
+    findings += faults.values()
     signals: dict[str, Array] = {}
     for role, unit in units.items():
-        if role == "time" and said.sample_period:
-            continue
-        signals[role] = signal_of(table, said, role, roles[role], unit, motion)
+        signals[role] = signal_of(table, said, role, roles[role], unit)
     findings += assumed_units(said, units, motion)
     _check_lengths(table, roles, signals)
     if "time" in signals:
@@ -79,15 +130,15 @@ def read_recording(path: str | os.PathLike[str], description: Description | None
     else:
         n = len(next(iter(signals.values())))
         t = np.asarray(np.arange(n) * (said.sample_period or 1.0))
-        if "time" in roles:
-            what = f"column '{roles['time']}' is not used, but the given sample period"
-            findings.append(Finding("note", what, f"{said.sample_period:g} s"))
     t, signals, table = _cut(table, t, signals, said.span)
     check_times(table, t)
     step = _encoder_step(table, said.encoder_step, signals, findings)
     if motion == "rotary":
         findings += _unwrap(signals)
     grid = even_grid(table, t, signals)
+    findings += grid.findings
+    if strict:
+        raise_errors(table.path, findings)
     recording = Recording(
         grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
     )
@@ -97,9 +148,11 @@ def read_recording(path: str | os.PathLike[str], description: Description | None
     return Reading(
         recording,
         controller_of(said.controller, gains),
-        (*findings, *grid.findings),
+        tuple(findings),
         _positive(table, said.force_limit, "force_limit"),
         said.tau_i,
+        {role: unit for role, unit in units.items() if role not in faults},
+        said,
     )
 
 
@@ -129,6 +182,20 @@ def _check_lengths(table: LogTable, roles: dict[str, str], signals: dict[str, Ar
             )
 
 
+def _unused_time(table: LogTable, said: Description, name: str, unit: Unit | None) -> Finding:
+    """Return the remark on a column of time beside a given sample period, which is used."""
+    period = said.sample_period or 1.0
+    counts = unit.quantity == "number" if unit else named_quantity(name) == "number"
+    if name in table.numbers and name not in table.faults and not counts:
+        t = signal_of(table, said, "time", name, unit)
+        t = t[np.isfinite(t)]
+        spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
+        if spacing and (fault := contradicted_period(spacing, period)):
+            return fault
+    what = f"column '{name}' is not used, but the given sample period"
+    return Finding("note", what, f"{period:g} s")
+
+
 def _cut(
     table: LogTable, t: Array, signals: dict[str, Array], span: tuple[float, float] | None
 ) -> tuple[Array, dict[str, Array], LogTable]:
@@ -156,7 +223,13 @@ def _encoder_step(
     given = _positive(table, said, "encoder_step")
     if given is None:
         return shown
-    if shown and abs(shown / given - round(shown / given)) > 0.05:
+    factor = near_factor(shown / given) if shown else None
+    if factor and not 1 < factor.value < 1e3:  # a log may have fewer digits than the encoder
+        what = "the steps of the position and --encoder-step contradict each other"
+        figure = f"{shown:.4g} and {given:.4g}, a factor near {factor.name}"
+        advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
+        findings.append(Finding("error", what, figure, advice))
+    elif shown and abs(shown / given - max(1, round(shown / given))) > 0.05:
         figure = f"{given:.4g} said, {shown:.4g} seen"
         advice = "check scale and unit of the position"
         findings.append(Finding("warning", "the position moves in other steps", figure, advice))

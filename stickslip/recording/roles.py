@@ -20,17 +20,31 @@ _EXACT = {
     "velocity_command": "v_cmd v_ref v_d dq_ref dq_cmd omega_ref omega_cmd",
     "force_command": "f_cmd f_ref tau_cmd tau_ref u_cmd",
 }
-_WEAK = {"force": "u i iq i_q vir current motor_current", "time": "index"}
+_WEAK = {
+    "force": "u i iq i_q vir current motor_current strom motorstrom courant corrente corriente",
+    "time": "index",
+}
 _BASES = {
-    "time": "time seconds zeit",
-    "position": "position pos angle displacement encoder enc theta travel",
-    "velocity": "velocity vel speed omega",
-    "force": "force torque tau current thrust",
+    "time": "time seconds zeit temps tempo tiempo",
+    "position": "position pos angle displacement encoder enc theta travel lage winkel posizione",
+    "velocity": "velocity vel speed omega geschwindigkeit drehzahl vitesse velocità velocidad",
+    "force": "force torque tau current thrust kraft moment drehmoment strom courant corrente",
     "friction": "friction",
 }
-_COMMANDS = "cmd command commanded ref reference setpoint set target desired demand soll"
+_COMMANDS = "cmd command commanded ref reference setpoint set target desired demand soll sollwert"
 _OTHERS = "error err deviation limit max min std normal status mode raw ff feedforward acc load"
 """Words of what is none of our signals."""
+
+
+_NAMED = (
+    ("percentage", r"%|‰|percent|prozent|per_?mil|promille|(^|_)(pct|rated)(_|$)"),
+    ("current", r"current|strom|courant|corr[ie]+nte|amp[eèé]r|(^|_)(i|iq|i_q|amps)(_|$)"),
+    ("voltage", r"voltage|spannung|(^|_)(u|vir|volts?)(_|$)"),
+    ("number", r"(^|_)(index|counts?|cts|inc|increments|ticks|pulses|samples?)(_|$)"),
+    ("torque", r"torque|(moment|coppia|(^|_)couple)(_|$)"),
+    ("angle", r"(^|_)(angle|theta|phi|\w*winkel)(_|$)"),
+)
+"""What a column's name says that it measures; the first that fits."""
 
 
 _MEASURED = {"time": "time"} | {
@@ -137,18 +151,36 @@ def _role_named(name: str) -> tuple[str, int] | None:
 
 def _words(name: str) -> list[str]:
     """Return the words of the last component of a name, in small letters, without a unit."""
-    last = re.sub(r"^.*[.:/](?=[A-Za-z])", "", name)
+    last = re.sub(r"^.*[.:/](?=[^\W\d_])", "", _split_suffix(name)[0])
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last)
-    words = [word.lower() for word in re.split(r"[^A-Za-z0-9]+", spaced) if word]
-    if len(words) > 1 and suffix_unit(name):
-        words = words[:-1]
-    return words
+    return [word.lower() for word in re.split(r"[\W_]+", spaced) if word]
+
+
+def named_quantity(name: str) -> str | None:
+    """Return what a column's name says that it measures: current, torque and so on, else None."""
+    plain = "_".join(_words(name)) + "".join(re.findall("[%‰]", name))
+    return next((quantity for quantity, pattern in _NAMED if re.search(pattern, plain)), None)
 
 
 def suffix_unit(name: str) -> str | None:
-    """Return what may be a unit at the end of a name such as ``force_N``; symbols' indices not."""
-    head, _, tail = name.rpartition("_")
-    usual = {"s", "ms", "us", "mm", "um", "nm", "rad", "deg", "rev", "N", "mN", "kN", "Nm", "A"}
-    usual |= {"mA", "V", "rpm", "counts"}
-    single = len(head) <= 1 and tail in ("s", "N", "A", "V") and head.lower() not in ("t", "f", "i")
-    return tail if head and tail in usual and not single else None
+    """Return what may be a unit at the end of a name such as ``force_N`` or ``v_mm_s``."""
+    return _split_suffix(name)[1]
+
+
+_PER_TIME = re.compile(r"(.+)[_ ](m|cm|mm|um|nm|in|inch|rad|mrad|deg|rev)[_/](s|min)")
+_SUFFIXES = (
+    "s ms us ns mm cm um nm inch rad mrad deg rev n mn kn nm mnm knm ncm a ma arms v rpm mmps mps "
+    "counts cts inc ticks samples pct percent permille"
+)
+
+
+def _split_suffix(name: str) -> tuple[str, str | None]:
+    """Return a name without its unit, and the unit; the index of a symbol is none."""
+    if match := _PER_TIME.fullmatch(name):
+        return match[1], f"{match[2]}/{match[3]}"
+    head, _, tail = name.replace(" ", "_").rpartition("_")
+    index = len(head) <= 1 and tail in ("s", "N", "A", "V") and head.lower() not in ("t", "f", "i")
+    one = len(tail) == 1 and tail not in ("s", "N", "A", "V")
+    if not head or tail.lower() not in _SUFFIXES.split() or index or one:
+        return name, None
+    return head, tail

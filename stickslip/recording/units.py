@@ -7,6 +7,7 @@ Rotary drives have angles for lengths and torques for forces. What is no mechani
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from stickslip.recording.recording import Motion
@@ -36,14 +37,18 @@ _FACTORS: dict[str, dict[str, float]] = {
     "torque": {"N.m": 1, "mN.m": 1e-3, "uN.m": 1e-6, "kN.m": 1e3, "N.cm": 1e-2, "N.mm": 1e-3},
     "current": {"A": 1, "mA": 1e-3, "Arms": 1},
     "voltage": {"V": 1, "mV": 1e-3, "kV": 1e3},
-    "number": {"1": 1, "%": 1e-2, "counts": 1, "count": 1, "cts": 1, "inc": 1, "increments": 1},
+    "number": {
+        "1": 1, "%": 1e-2, "‰": 1e-3, "counts": 1, "count": 1, "cts": 1, "inc": 1, "increments": 1,
+    },
 }  # fmt: skip
 _SPELT = {
     "Nm": "N.m", "mNm": "mN.m", "uNm": "uN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm",
     "A_rms": "Arms", "seconds": "s", "second": "s", "degrees": "deg", "degree": "deg",
     "radians": "rad", "revolutions": "rev", "revs": "rev", "turns": "turn", "ticks": "counts",
     "min^-1": "1/min", "min-1": "1/min", "A.rms": "Arms",
-    "micron": "um", "microns": "um", "inches": "inch",
+    "micron": "um", "microns": "um", "inches": "inch", "samples": "counts", "sample": "counts",
+    "0.1 %": "‰", "0.1%": "‰", "0,1 %": "‰", "0,1%": "‰", "1/1000": "‰", "permille": "‰",
+    "percent": "%", "pct": "%", "pulses": "counts", "mps": "m/s", "mmps": "mm/s", "rps": "rev/s",
 }  # fmt: skip
 
 QUANTITIES: dict[Motion, dict[str, str]] = {
@@ -92,6 +97,18 @@ def unit_named(text: str) -> Unit | None:
     alike = [key for key in (*_UNITS, *_SPELT) if key.lower() == name.lower()]
     found = _UNITS[_SPELT.get(alike[0], alike[0])] if len(alike) == 1 else None
     return found if found and found.quantity not in _CASE_COUNTS else None
+
+
+def sized_unit(quantities: Collection[str], factor: float) -> Unit | None:
+    """Return the first unit of some quantities that is as large, None when there is none."""
+    return next(
+        (
+            unit
+            for unit in _UNITS.values()
+            if unit.quantity in quantities and abs(math.log(unit.factor / factor)) < 0.01
+        ),
+        None,
+    )
 
 
 def unit_names(quantity: str) -> tuple[str, ...]:

@@ -99,3 +99,19 @@ def test_the_compensator_has_what_was_learned(folder, tmp_path):
     assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
     last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
     assert last == pytest.approx(learned["F_c"]["value"], rel=0.02)
+
+
+def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys):
+    """The check before learning sees only clear masses; here it sees none."""
+    arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--judge", "inverse"]
+    arguments += ["--out", str(tmp_path)]
+    assert main(arguments) == 1
+    assert "kg, less than 0.001 kg" in capsys.readouterr().err
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.log_learning.check_units", lambda _: ())
+        assert main(arguments) == 0
+        assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
+        assert (tmp_path / "learned.json").exists()
+        assert not (tmp_path / "compensator.fmu").exists()
+    assert main([*arguments, "--confirm", "mass"]) == 0
+    assert (tmp_path / "compensator.fmu").exists()
