@@ -14,6 +14,7 @@ from cosim import kernel
 from cosim.errors import FmuError
 from cosim.fmu import Fmu
 from cosim.kernel import marks
+from cosim.kernel.arithmetic import plain_arithmetic
 from cosim.variables import SETTERS
 
 # On Windows, also look beside the binary for the libraries it brings along:
@@ -117,6 +118,7 @@ class UnloadedLibrary(Library):
 
 
 @cache
+@plain_arithmetic()
 def _load(binary: str) -> ctypes.CDLL:
     try:
         return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)

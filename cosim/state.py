@@ -13,6 +13,7 @@ from typing import Any
 from cosim import kernel
 from cosim.errors import SimulationError
 from cosim.kernel import marks
+from cosim.kernel.arithmetic import plain_arithmetic
 from cosim.library import Library
 
 _log = logging.getLogger(__name__)
@@ -111,7 +112,8 @@ class StateAccess:
 
     def _let_go(self, state: c_void_p) -> None:
         if self._instance:
-            self._library.function(self._free)(self._instance, byref(state))
+            with plain_arithmetic():
+                self._library.function(self._free)(self._instance, byref(state))
 
     def _require(self, condition: bool, what: str) -> None:
         if not condition:
@@ -119,7 +121,8 @@ class StateAccess:
 
     def _call(self, name: str, *arguments: Any) -> None:
         marks.note(self._name, name)
-        status = self._library.function(name)(self._instance, *arguments)
+        with plain_arithmetic():
+            status = self._library.function(name)(self._instance, *arguments)
         if status == kernel.WARNING:
             _log.warning("%s: %s returned warning", self._name, name)
         elif status != kernel.OK:

@@ -85,6 +85,19 @@ static void sleep_elsewhere(void) {
     }
 }
 
+/* To zero; arm64 has one bit for both. */
+static void flush_subnormals(bool results, bool operands) {
+#ifdef __x86_64__
+    const unsigned bits = (results ? 0x8000U : 0U) | (operands ? 0x40U : 0U);
+    __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | bits);
+#elif defined __aarch64__
+    unsigned long control;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(control));
+    control |= results || operands ? 1UL << 24 : 0UL;
+    __asm__ volatile("msr fpcr, %0" : : "r"(control));
+#endif
+}
+
 static void change(void) {
     const int ours[] = {SIGINT, SIGTERM, SIGSEGV, SIGFPE, SIGPIPE, SIGCHLD, SIGALRM};
     for (size_t i = 0; i < sizeof ours / sizeof *ours; i++) {
@@ -129,12 +142,12 @@ static int act(Model *m) {
     }
     IF("chdir") { return chdir("/"); }
     IF("locale") { setlocale(LC_ALL, "C.UTF-8"); }
-    IF("flush") {
-#ifdef __x86_64__
-        __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
-#endif
-    }
+    IF("flush") { flush_subnormals(true, true); }
+    IF("flush_results") { flush_subnormals(true, false); }
+    IF("flush_operands") { flush_subnormals(false, true); }
     IF("round") { fesetround(FE_UPWARD); }
+    IF("round_down") { fesetround(FE_DOWNWARD); }
+    IF("round_to_zero") { fesetround(FE_TOWARDZERO); }
     IF("signals") { change(); }
     IF("close") {
         for (int i = 0; i < 1024; i++) {

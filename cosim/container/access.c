@@ -1,4 +1,5 @@
 #include "access.h"
+#include "arithmetic.h"
 #include "library.h"
 #include <stdio.h>
 
@@ -61,6 +62,7 @@ static int pass(void (*function)(void), const Component *c, uint32_t reference, 
 
 int access_set(const Access *access, const Component *c, Type type, uint32_t reference,
                double value) {
+    PLAIN_HERE;
     Value v = {.real = value};
     if (type == BOOLEAN && c->version == 3) {
         v.boolean = value != 0.0;
@@ -72,6 +74,7 @@ int access_set(const Access *access, const Component *c, Type type, uint32_t ref
 
 int access_get(const Access *access, const Component *c, Type type, uint32_t reference,
                double *value) {
+    PLAIN_HERE;
     Value v = {.real = 0.0};
     const int status = pass(access->get[type], c, reference, &v);
     *value = type == REAL ? v.real : type == BOOLEAN && c->version == 3 ? v.boolean : v.integer;
@@ -79,25 +82,30 @@ int access_get(const Access *access, const Component *c, Type type, uint32_t ref
 }
 
 int access_save(const Access *access, const Component *c, void **state) {
+    PLAIN_HERE;
     return !access->save ? ERROR : ((int (*)(void *, void **))access->save)(c->instance, state);
 }
 
 int access_restore(const Access *access, const Component *c, void *state) {
+    PLAIN_HERE;
     return !access->restore ? ERROR
                             : ((int (*)(void *, void *))access->restore)(c->instance, state);
 }
 
 int access_forget(const Access *access, const Component *c, void **state) {
+    PLAIN_HERE;
     return !access->forget ? ERROR : ((int (*)(void *, void **))access->forget)(c->instance, state);
 }
 
 int access_size(const Access *access, const Component *c, void *state, size_t *size) {
+    PLAIN_HERE;
     return !access->size
                ? ERROR
                : ((int (*)(void *, void *, size_t *))access->size)(c->instance, state, size);
 }
 
 int access_pack(const Access *access, const Component *c, void *state, void *bytes, size_t size) {
+    PLAIN_HERE;
     return !access->pack ? ERROR
                          : ((int (*)(void *, void *, void *, size_t))access->pack)(
                                c->instance, state, bytes, size);
@@ -105,6 +113,7 @@ int access_pack(const Access *access, const Component *c, void *state, void *byt
 
 int access_unpack(const Access *access, const Component *c, const void *bytes, size_t size,
                   void **state) {
+    PLAIN_HERE;
     return !access->unpack ? ERROR
                            : ((int (*)(void *, const void *, size_t, void **))access->unpack)(
                                  c->instance, bytes, size, state);

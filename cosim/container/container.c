@@ -64,6 +64,7 @@ static bool instantiate_part(Container *x, int i) {
 }
 
 static bool load_part(Container *x, int i) {
+    PLAIN_HERE;
     char path[PATH], reason[MESSAGE / 2];
     const Part *part = &PARTS[i];
     Component *c = &x->components[i];
@@ -157,6 +158,7 @@ void container_free(Container *x) {
 }
 
 Status container_reset(Container *x) {
+    PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
         clear_log(c->log);

@@ -15,6 +15,7 @@ static Status failed(Container *x) {
 
 /* Carry outputs to the inputs that they feed, until nothing changes any more. */
 Status settle(Container *x) {
+    PLAIN_HERE;
     double before[WIDTH];
     for (int sweep = 0; x->stale && sweep <= N_PARTS + 1; sweep++) {
         memcpy(before, x->rows, sizeof before);
@@ -61,6 +62,7 @@ static bool enter(Container *x, Component *c) {
 }
 
 Status container_enter_initialization(Container *x) {
+    PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
         if (!enter(x, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
@@ -73,6 +75,7 @@ Status container_enter_initialization(Container *x) {
 }
 
 Status container_leave_initialization(Container *x) {
+    PLAIN_HERE;
     const Status settled = settle(x);
     if (settled != OK) {
         return settled;
@@ -122,6 +125,7 @@ static Status step_to(Container *x, int64_t last) {
 }
 
 Status container_step(Container *x, double t, double h) {
+    PLAIN_HERE;
     Run *run = &x->run;
     const double n = round(h / STEP), now = container_time(x);
     if (!(n >= 1.0 && fabs(n * STEP - h) <= 1e-6 * STEP)) {
@@ -141,6 +145,7 @@ Status container_step(Container *x, double t, double h) {
 }
 
 Status container_terminate(Container *x) {
+    PLAIN_HERE;
     x->phase = ENDED;
     for (int i = 0; i < N_PARTS; i++) {
         if (!terminate(&x->run, &x->components[i])) {

@@ -32,7 +32,8 @@ from cosim.wiring import wire
 if TYPE_CHECKING:
     from cosim.system import System
 
-_KERNEL = ("kernel.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h", "instance.c")
+_KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
+_KERNEL += ["instance.c"]
 
 
 def write_fmu(

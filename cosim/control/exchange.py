@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cosim.control.errors import LinearisationError
 from cosim.description.attributes import flag
 from cosim.fmu import Fmu
+from cosim.kernel.arithmetic import plain_arithmetic
 from cosim.variables import Variable
 
 Array = NDArray[np.float64]
@@ -42,6 +43,7 @@ class Exchange:
     prefix = ""
     change = float(np.cbrt(np.finfo(float).eps))  # balances rounding and curvature
 
+    @plain_arithmetic()
     def __init__(self, fmu: Fmu, parameters: Mapping[str, object]) -> None:
         if fmu.has_arrays:
             raise LinearisationError(f"{fmu.path}: it has arrays; only scalars are supported here")
@@ -69,18 +71,20 @@ class Exchange:
             self._initialise(parameters)
         except FMICallException as fault:
             raise LinearisationError(f"{fmu.path}: cannot be initialised: {fault}") from None
-        weakref.finalize(self, self._api.freeInstance)
+        weakref.finalize(self, plain_arithmetic()(self._api.freeInstance))
         self.x0 = self._states()
         self.u0 = self._get(self.inputs)
         self.x_size = np.array([_size(fmu.variables[name]) for name in self.states])
         self.u_size = np.array([_size(v) for v in inputs])
 
+    @plain_arithmetic()
     def put(self, x: Array, u: Array) -> None:
         """Go to an operating point and take the events that are due there."""
         self._set(x, u)
         self._api.enterEventMode()
         self._take_events()
 
+    @plain_arithmetic()
     def rates(self, t: float, x: Array, u: Array) -> Array:
         """Return f, (n,)."""
         self._set(x, u, t)
@@ -91,11 +95,13 @@ class Exchange:
             self._api.getDerivatives(dx, len(x))
         return np.array(dx)
 
+    @plain_arithmetic()
     def shown(self, t: float, x: Array, u: Array) -> Array:
         """Return g, (p,)."""
         self._set(x, u, t)
         return self._get(self.outputs)
 
+    @plain_arithmetic()
     def jacobian(self, x: Array, u: Array) -> Array | None:
         """Return d(f, g) / d(x, u), (n + p, n + m), as the FMU gives it; None when it does not."""
         if not self._gives_derivatives:

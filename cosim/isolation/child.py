@@ -15,7 +15,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cosim import kernel
 from cosim.isolation.answers import LOST, receive, send
 from cosim.isolation.shared import Shared
 from cosim.kernel import marks
@@ -125,7 +124,6 @@ class _Served:
 
     def _ran(self, how: str, arguments: dict[str, Any]) -> dict[str, object]:
         simulation = self._prepared
-        kernel.load().plain_arithmetic()
         if arguments.pop("progress", False):
             arguments["progress"] = lambda t: self._reply(progress=t)
         result: Result = getattr(simulation, how)(**arguments)

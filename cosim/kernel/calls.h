@@ -3,6 +3,7 @@
 #ifndef COSIM_CALLS_H
 #define COSIM_CALLS_H
 
+#include "arithmetic.h"
 #include "kernel.h"
 #include "mark.h"
 
@@ -38,6 +39,7 @@ __attribute__((cold, noinline, unused)) static bool refuse(Run *run, const Compo
 /* Statuses from OK to fatal are the same numbers in both versions. What leads on is kept apart from
  * what does not: where both come back to the loop, it is slower by some percent. */
 INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
+    restore_sums();
     if (UNLIKELY((unsigned)status > fmi2Warning)) {
         return refuse(run, c, call, status);
     }

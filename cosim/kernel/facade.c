@@ -21,6 +21,7 @@ AnyCall *calling(const Facade *f, enum Call place) {
 
 /* A warning is noted here and OK for the kernel. */
 fmi2Status answered(Facade *f, const char *call, int status) {
+    restore_sums();
     if (status == fmi2OK) {
         return fmi2OK;
     }

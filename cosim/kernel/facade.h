@@ -6,6 +6,7 @@
 #ifndef COSIM_FACADE_H
 #define COSIM_FACADE_H
 
+#include "arithmetic.h"
 #include "course.h"
 #include "kernel.h"
 #include "mark.h"

@@ -1,3 +1,4 @@
+#include "arithmetic.h"
 #include "kernel.h"
 #include "mark.h"
 #include <stdarg.h>
@@ -142,6 +143,7 @@ void note_warning(Log *log, const char *call, double t) {
 }
 
 void instantiate(Component *c, const char *name, const char *token, const char *resources) {
+    PLAIN_HERE;
     Log *log = c->log;
     MARK_FIRST(c);
     c->used = 0;
@@ -165,6 +167,7 @@ void instantiate(Component *c, const char *name, const char *token, const char *
 }
 
 void release(Component *c) {
+    PLAIN_HERE;
     if (c->instance) {
         if (c->version == 2) {
             MARK(c, "fmi2FreeInstance");

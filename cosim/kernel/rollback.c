@@ -51,6 +51,7 @@ bool restore(Run *run, int64_t first, int64_t end) {
 }
 
 void forget(Run *run) {
+    PLAIN_HERE;
     for (int64_t i = 0; run->coupling && i < run->coupling->n_members; i++) {
         Member *m = &run->coupling->members[i];
         Component *c = &run->components[i];

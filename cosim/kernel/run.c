@@ -127,6 +127,7 @@ static bool step_block(Run *run, int64_t end) {
     const bool stepped = run->coupling              ? couple_until(run, end)
                          : UNLIKELY(run->disturbed) ? walk_disturbed(run, end)
                                                     : step_until(run, end);
+    restore_plain();
     TRY(stepped || trace_back(run, first + 1));
     return close_rows(run);
 }
@@ -199,6 +200,7 @@ static enum Outcome go_on(Run *run) {
 }
 
 enum Outcome advance(Run *run) {
+    PLAIN_HERE;
     keep_time(&run->t);
     const enum Outcome outcome = go_on(run);
     keep_time(NULL);

@@ -54,6 +54,7 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
 }
 
 fmi2Status facade_go_on(Facade *f) {
+    PLAIN_HERE;
     schedule_ticks(f);
     if (!f->integrator) {
         return fmi2OK;

@@ -103,13 +103,14 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
         restores: bool = True,
         interpolates: bool = True,
         exchange: bool = False,
+        flags: tuple[str, ...] = (),
     ) -> Path:
-        key = (version, feedthrough, restores, interpolates, exchange)
+        key = (version, feedthrough, restores, interpolates, exchange, flags)
         if key not in made:
             headers = Path(fmpy.__file__).parent / "c-code"
             files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
             files["linear.c"] = Path(__file__).with_name("linear.c").read_text()
-            binary = toolchain.shared_library("linear", files)
+            binary = toolchain.shared_library("linear", files, flags=flags)
             platform = toolchain.host_platform()
             place = platform.fmi2 if version == 2 else platform.tuple
             word = "FMUstate" if version == 2 else "FMUState"

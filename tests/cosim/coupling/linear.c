@@ -2,6 +2,7 @@
  * polynomials of degree 2 in time. SIZE states, inputs and outputs. Names a[i,j] as in
  * linear_fmu.py. The exact step is the exponential of the system that has the inputs' derivatives
  * as states too. */
+#include <fenv.h>
 #include <fmi2Functions.h>
 #include <fmi3Functions.h>
 #include <math.h>
@@ -261,6 +262,9 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
             dx[i] += m->real[A + i * N + j] * m->x[j] + m->real[B + i * N + j] * m->real[U + j];
         }
     }
+#ifdef LEAVES_ROUNDING
+    fesetround(FE_UPWARD);
+#endif
     return fmi2OK;
 }
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
