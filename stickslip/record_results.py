@@ -99,13 +99,18 @@ def _attribution(reproduction: RecordReproduction) -> Html:
         "section",
         element("h2", "What each part adds"),
         paragraph(
-            "Table 4 compares the paper’s loop without compensation with the loop that has all "
-            "three: the learned compensator, a Kalman filter of encoder and motor force, and "
-            "feedforward of inertia, which need the learned mass. A velocity filter that counts "
-            "on a compensator follows worse without, so the plain loop is the fair comparison; "
-            "here are all eight."
+            "Table 4 compares, on the simulated drive, the paper’s loop without compensation with "
+            "the loop that has all three: the learned compensator, a Kalman filter of encoder and "
+            "motor force, and feedforward of inertia, which need the learned mass. A velocity "
+            "filter that counts on a compensator follows worse without, so the plain loop is the "
+            "fair comparison; here are all eight."
         ),
-        markup_table(head, rows, "Tracking errors in mm/s, by what is on", (0, 1, 2, 3)),
+        markup_table(
+            head,
+            rows,
+            "Tracking errors of the simulated drive in mm/s, by what is on",
+            (0, 1, 2, 3),
+        ),
     )
 
 
@@ -114,9 +119,9 @@ def _loops(reproduction: RecordReproduction, drawn: Mapping[str, Picture]) -> Ht
         "section",
         element("h2", "The loops and the search"),
         paragraph(
-            "The drive was recorded once, for 20 s, in a soft loop without compensation that was "
-            "designed on its nominal mass. The loop of the paper was then designed on the mass "
-            "and viscous friction that the recording gave."
+            "The simulated drive was recorded once, for 20 s, in a soft loop without compensation "
+            "that was designed on its nominal mass. The loop of the paper was then designed on the "
+            "mass and viscous friction that the recording gave."
         ),
         figure(
             drawn["fig2_loops"],

@@ -39,7 +39,7 @@ def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
     sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
 
     # The drive, as the rig meets it.
-    sheet.group((79, middle - 9), 85, 33, "Drive")
+    sheet.group((79, middle - 9), 85, 33, "Simulated drive")
     controller = sheet.block(Block(42, middle, 32), "PI controller", CONTROL)
     current = sheet.block(
         Block(96, middle, 26), "Current loop", rf"$\pm{number(truth['u_max'], 3)}$ N", "white"

@@ -45,7 +45,7 @@ def draw_tracking(validation: Validation) -> Figure:
         upper.tick_params(labelbottom=False)
         _velocity(upper, validation, region)
         _error(below, validation, region)
-        name_panel(upper, letter, f"Motion-{region} region")
+        name_panel(upper, letter, f"Motion-{region} region, simulated drive")
         below.set_xlabel(f"Time after motion {region}s [ms]")
         if column == 0:
             upper.set_ylabel("Velocity [mm/s]")
@@ -72,7 +72,7 @@ def _whole(axes: Axes, validation: Validation) -> None:
     axes.plot(run.t, 1e3 * run.v_cmd, color=INK, lw=0.8, ls=(0, (4, 2)), label=r"command $v_{cmd}$")
     axes.set_xlim(run.t[0], run.t[-1])
     axes.set(xlabel="Time [s]", ylabel="Velocity [mm/s]")
-    name_panel(axes, "a", "Trapezoid")
+    name_panel(axes, "a", "Trapezoid, simulated drive")
     axes.legend(loc="lower left")
 
 

@@ -64,12 +64,12 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
         "section",
         element("h2", "Identification"),
         paragraph(
-            "Three experiments find the parameters coarsely. Learning begins at these "
-            "values and searches from 0.1 to 100 times each."
+            "Three experiments on the simulated drive find its parameters coarsely. Learning "
+            "begins at these values and searches from 0.1 to 100 times each."
         ),
         element("div", join(figures, "\n"), class_="row"),
         table(
-            ("", "", "Identified", "Standard error", "Drive", "Unit"),
+            ("", "", "Identified", "Standard error", "Simulated drive", "Unit"),
             rows,
             "Identified parameters (value ± standard error)",
             (0, 1, 5),

@@ -44,10 +44,10 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
                     symbol("v"),
                     " − ",
                     symbol("v", "r"),
-                    ")² over the samples of one training run, velocities in m/s, as the encoder "
-                    "shows them and low-passed. The paper ends at 1.7 × 10⁻³ after 100 "
-                    "generations, but gives neither unit nor number of samples, so that figure is "
-                    "not drawn.",
+                    ")² over the samples of one training run of the simulated drive, velocities in "
+                    "m/s, as the encoder shows them and low-passed. On the real stage the paper "
+                    "ends at 1.7 × 10⁻³ after 100 generations, but gives neither unit nor number "
+                    "of samples, so that figure is not drawn.",
                 ]
             ),
         ),
@@ -145,7 +145,7 @@ def _table2(reproduction: Reproduction) -> Html:
             )
         )
     head = (
-        "", "Paper", "Drive", "Identified", "Learned",
+        "", "Real stage (paper)", "Simulated drive", "Identified", "Learned",
         "Identified, off by", "Learned, off by", "Unit",
     )  # fmt: skip
     return table(head, rows, "Table 2. Parameters (value ± standard error)", (0, 7))

@@ -30,7 +30,8 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
     algorithm = reproduction.algorithm
     done = paragraph(
         "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
-        "Learning Algorithm”. A drive, built as an FMU, was identified by three experiments; a "
+        "Learning Algorithm”. The paper measured a real stage; all that is computed here is of a "
+        "simulated drive, built as an FMU. It was identified by three experiments; a "
         f"velocity loop was designed on what they found; {algorithm.title} then tried "
         f"{number(algorithm.evaluations, 6)} friction compensators on the drive "
         f"(preset “{options.preset}”, seed {options.seed}, compensator fed with "
@@ -66,8 +67,8 @@ def _drive(reproduction: Reproduction) -> Html:
         for state in (True, False)
     }
     return paragraph(
-        f"Drive parameters: {said}. Effects switched on: {states[True] or 'none'}; "
-        f"off: {states[False] or 'none'}.",
+        f"Parameters of the simulated drive: {said}. Effects switched on: "
+        f"{states[True] or 'none'}; off: {states[False] or 'none'}.",
     )
 
 
@@ -86,20 +87,26 @@ def _verdict(reproduction: Reproduction) -> Html:
                 "div",
                 element("span", f"Motion {region}, ", METRICS[metric], class_="name"),
                 element("span", percent(measured["reduction"]), class_="value"),
+                element("span", "simulated drive", class_="beside"),
                 element("span", f"true velocity {percent(true['reduction'])}", class_="beside"),
                 element(
-                    "span", f"paper {percent(measured['paper_reduction'], 0)}", class_="beside"
+                    "span",
+                    f"real stage (paper) {percent(measured['paper_reduction'], 0)}",
+                    class_="beside",
                 ),
                 class_="tile",
             )
         )
     if above == len(keys):
-        said = "by more than in the paper, in every measure"
+        said = "by more than that of the real stage (paper), in every measure"
     else:
-        said = f"by more than in the paper in {above} of {len(keys)} measures"
+        said = f"by more than that of the real stage (paper) in {above} of {len(keys)} measures"
     return element(
         "div",
-        paragraph(f"Compensation reduces the tracking error, as the encoder shows it, {said}."),
+        paragraph(
+            "Compensation reduces the tracking error of the simulated drive, as its encoder shows "
+            f"it, {said}."
+        ),
         element("div", join(tiles, "\n"), class_="tiles"),
         _coulomb(reproduction),
         class_="verdict",
@@ -112,7 +119,7 @@ def _coulomb(reproduction: Reproduction) -> Html:
     return paragraph(
         "Coulomb friction ",
         parameter("F_c"),
-        f": learned {parameter_estimate('F_c', learned)} {unit_}, the drive’s is "
+        f": learned {parameter_estimate('F_c', learned)} {unit_}, the simulated drive’s is "
         f"{parameter_value('F_c', truth)} {unit_}, off by "
         f"{percent(abs(learned.value / truth - 1.0), 2)}.",
     )

@@ -25,8 +25,10 @@ def test_the_readme_quotes_the_committed_table():
     table = pd.read_csv(COMMITTED / "table4.csv").query("velocity == 'measured'")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     for column, label in (
-        ("without", "without compensation (here)"),
-        ("with", "with compensation (here)"),
+        ("paper_without", "without compensation, real stage (paper)"),
+        ("without", "without compensation, simulated drive"),
+        ("paper_with", "with compensation, real stage (paper)"),
+        ("with", "with compensation, simulated drive"),
     ):
         figures = " | ".join(f"{value:.2f}" for value in table[column])
         assert f"| {label} | {figures} |" in readme

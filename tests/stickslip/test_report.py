@@ -223,6 +223,18 @@ def test_page_shows_table_4(reproduction, outline):
         assert percent(row["reduction"]) in outline.text
 
 
+def test_simulated_and_real_are_told_apart_wherever_they_stand_side_by_side(page, folder):
+    cells = re.sub(r"\s", " ", re.sub(r"\s*(<[^>]*>\s*)+", "|", page))  # no-break spaces, too
+    assert "|Real stage (paper)|Simulated drive|Identified|" in cells
+    assert cells.count("|simulated drive|true velocity") == 4
+    assert len(re.findall(r"\|real stage \(paper\) \d+ %\|", cells)) == 4
+    for figures in ("0.98|0.76|22 %", "0.86|0.48|44 %", "1.76|0.72|59 %", "1.62|0.44|73 %"):
+        assert f"|real stage (paper)|{figures}|" in cells
+    assert len(re.findall(r"\|simulated drive, (?:measured|true)\|", cells)) == 8
+    for name in ("fig2_loops", "fig6_tracking"):
+        assert "imulated drive" in (folder / f"{name}.svg").read_text(encoding="utf-8")
+
+
 def test_page_tells_the_options(outline):
     assert "seed 17" in outline.text
     assert "preset “default”" in outline.text
