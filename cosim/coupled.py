@@ -98,6 +98,12 @@ class Coupled:
         run.jacobi = False
         run.coupling = ctypes.addressof(self._table)
 
+    def follow(self, ends: Array) -> None:
+        """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
+        if hasattr(self, "_table"):
+            self._ends = ends
+            self._table.ends = ends.ctypes.data
+
     @property
     def effort(self) -> dict[str, int]:
         """Steps tried, passes through loops or single components, and steps taken back."""

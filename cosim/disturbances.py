@@ -8,7 +8,7 @@ import numpy as np
 
 from cosim import kernel
 from cosim.layout import Layout
-from cosim.scenario import Tables
+from cosim.scenario import Disturbance, Tables
 from cosim.signals import Array
 
 
@@ -18,6 +18,7 @@ def disturb(
     run: kernel.Run,
     slots: Mapping[str, kernel.Component],
     external: Array,
+    ends: Array,
 ) -> None:
     """Prepare a run.
 
@@ -25,30 +26,47 @@ def disturb(
     ----------
     tables : what happens to signals; must exist as long as the run
     layout, run, slots : of the simulation; run and slots are changed
-    external : (n, number of exposed inputs); what happens to them is done here
+    external, ends : (n, number of exposed inputs), at the points in time and at the end of the step
+        before each; what happens to them is done here
     """
-    for column, name in enumerate(list(layout.columns)[: external.shape[1]]):
+    inputs = list(layout.columns)[: external.shape[1]]
+    for column, name in enumerate(inputs):
         if name in tables:
-            external[:, column] = disturbed(external[:, column], *tables[name])
-    outputs = tables.keys() - list(layout.columns)[: external.shape[1]]
-    run.disturbed = len(outputs)
+            ends[:, column] = tables[name].at_ends(ends[:, column], external[:, column])
+            external[:, column] = tables[name].at_points(external[:, column])
+    run.disturbed = len(tables.keys() - inputs)
     for component, slot in slots.items():
         mine = [name for name in layout.outputs[component] if name in tables]
         slot.n_disturbances = len(mine)
         slot.disturbances = (kernel.Disturbance * len(mine))(
-            *(_entry(layout.columns[name], *tables[name]) for name in mine)
+            *(_entry(layout.columns[name], tables[name]) for name in mine)
         )
 
 
-def _entry(column: int, keep: Array, add: Array) -> kernel.Disturbance:
-    return kernel.Disturbance(column, kernel.doubles(keep), kernel.doubles(add))
+def _entry(column: int, table: Disturbance) -> kernel.Disturbance:
+    return kernel.Disturbance(column, *map(kernel.doubles, (table.keep, table.add, table.ends)))
 
 
-def disturbed(values: Array, keep: Array, add: Array) -> Array:
-    """Return a signal as a scenario changes it, (n,)."""
-    stuck = np.isnan(keep)
-    changed = np.where(stuck, values, keep * values + add)
-    stuck[0] = False  # there is no step before
-    last = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
-    result: Array = changed[last]
-    return result
+def held_values(slots: Mapping[str, kernel.Component], row: Array, done: int) -> Array:
+    """Return for each signal the value that it keeps if it sticks from now on, (width,).
+
+    Parameters
+    ----------
+    row : (width,) all signals after the last step done
+    done : number of that step
+    """
+    values = row.copy()
+    for entry in _entries(slots):
+        if np.isnan(entry.keep[done]):
+            values[entry.column] = entry.held
+    return values
+
+
+def hold_values(slots: Mapping[str, kernel.Component], values: Array) -> None:
+    """Let signals that stick keep the values (width,) that ``held_values`` returned."""
+    for entry in _entries(slots):
+        entry.held = values[entry.column]
+
+
+def _entries(slots: Mapping[str, kernel.Component]) -> list[kernel.Disturbance]:
+    return [slot.disturbances[i] for slot in slots.values() for i in range(slot.n_disturbances)]

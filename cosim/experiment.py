@@ -54,7 +54,8 @@ def count_steps(start: float, stop: float, step: float) -> int:
             f"a step of {step} s is lost in rounding at times of {stop:.9g} s; choose a larger one"
         )
     n = round(exact)
-    if n < 1 or abs(exact - n) > 1e-9 * n:
+    rounding = math.ulp(max(abs(start), abs(stop))) / step
+    if n < 1 or abs(exact - n) > 1e-9 * n + rounding:
         raise ExperimentError(
             f"a step of {step} s does not divide the interval {start} .. {stop} s:"
             f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s"

@@ -11,6 +11,7 @@ import numpy as np
 from cosim import kernel
 from cosim.names import component_of, variable_of
 from cosim.signals import Array, Input, Table, sampled
+from cosim.span import slack
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -62,6 +63,17 @@ class InputEvents:
         run.parts = ctypes.addressof(self._parts)
 
 
+def joined(time: Array, ends: Array, values: Array) -> Table:
+    """Return straight lines between the points in time, each from a value to the end of its step.
+
+    Parameters
+    ----------
+    time, ends, values : (n,) the points, the ends of the steps before each, the values there
+    """
+    jumps = np.flatnonzero(ends != values)
+    return Table(np.insert(time, jumps, time[jumps]), np.insert(values, jumps, ends[jumps]))
+
+
 def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
     """Return the tables that feed inputs of a component, by these and in their units."""
     found = {}
@@ -81,6 +93,7 @@ def _between(
     """Return those of the times that lie between two points, and after which of them."""
     times = times[(times > points[0]) & (times < points[-1])]
     steps = np.searchsorted(points, times, side="right") - 1
-    slack = 1e-9 * np.maximum(np.abs(times), points[1] - points[0])
-    apart = np.minimum(times - points[steps], points[steps + 1] - times) > slack
+    near = slack(times, (points[-1] - points[0]) / (len(points) - 1))
+    apart = np.minimum(times - points[steps], points[steps + 1] - times) > near
+    apart &= np.append(times[1:], np.inf) - times > near  # of several at one time the last
     return times[apart], steps[apart]

@@ -25,6 +25,7 @@ from cosim.pace import Pace
 from cosim.record import Record
 from cosim.result import Array
 from cosim.settings import Settings
+from cosim.span import slack
 from cosim.starts import check_starts
 from cosim.variables import Variable
 from cosim.wiring import wire
@@ -82,6 +83,8 @@ class Prepared:
             tolerance=spec.tolerance,
             careful=self._careful,
         )
+        for facade in self._facades.values():
+            facade.c.near = slack(max(abs(spec.start), abs(spec.stop)), spec.step)
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
         self._run.allows_nan = spec.allow_nan
         self._memory = Memory(self._run, self._layout, record, self.time, self._room)

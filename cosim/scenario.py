@@ -10,18 +10,75 @@ from typing import Protocol
 import numpy as np
 
 from cosim.errors import SignalError
-from cosim.signals import Array, Input, sampled
+from cosim.signals import Array, Input, ends_of, sampled, shifted
 from cosim.span import Span
 
-Tables = Mapping[str, tuple[Array, Array]]
-"""Name -> keep and add, each (n,), of value = keep * value + add; keep is NaN where it sticks."""
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What happens to one signal: value = keep * value + add at the points in time of a run.
+
+    Attributes
+    ----------
+    keep : (n,) NaN where the signal sticks: value = the one of the last point at which it was
+        free + add
+    add : (n,)
+    ends : (n,) what ``add`` is at the end of the step before each point; another where the signal
+        jumps. ``keep`` is that of the begin of the step
+    """
+
+    keep: Array
+    add: Array
+    ends: Array
+
+    @classmethod
+    def of(cls, n: int) -> Disturbance:
+        """Return one that changes nothing."""
+        return cls(np.ones(n), np.zeros(n), np.zeros(n))
+
+    def at_points(self, values: Array) -> Array:
+        """Return a signal, (n,), as it is changed at the points in time."""
+        stuck, held = np.isnan(self.keep), self._held(values)
+        result: Array = np.where(stuck, held + self.add, self.keep * values + self.add)
+        return result
+
+    def at_ends(self, ends: Array, values: Array) -> Array:
+        """Return a signal as it is changed at the ends of the steps before the points, (n,).
+
+        Parameters
+        ----------
+        ends, values : (n,) the signal there, and at the points
+        """
+        keep, held = shifted(self.keep), shifted(self._held(values))
+        result: Array = np.where(np.isnan(keep), held, keep * ends) + self.ends
+        return result
+
+    def in_unit(self, factor: float, offset: float) -> Disturbance:
+        """Return what happens to x where this happens to factor * x + offset."""
+        keep = np.where(np.isnan(self.keep), 1.0, self.keep)
+        return Disturbance(
+            self.keep,
+            (keep * offset + self.add - offset) / factor,
+            (shifted(keep) * offset + self.ends - offset) / factor,
+        )
+
+    def _held(self, values: Array) -> Array:
+        """Return the value that each point has if the signal sticks there."""
+        stuck = np.isnan(self.keep)
+        free = np.where(stuck, values, self.keep * values + self.add)
+        stuck[0] = False  # there is no step before
+        held: Array = free[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))]
+        return held
+
+
+Tables = Mapping[str, Disturbance]
 
 
 class Event(Protocol):
     """One thing that happens to a signal."""
 
-    def apply(self, time: Array, keep: Array, add: Array) -> None:
-        """Change value = keep * value + add, both (n,), where it happens; keep is NaN if stuck."""
+    def apply(self, time: Array, table: Disturbance) -> None:
+        """Change a table in place where it happens."""
 
 
 @dataclass(frozen=True)
@@ -29,10 +86,12 @@ class _Override(Span):
     name: str
     value: Input
 
-    def apply(self, time: Array, keep: Array, add: Array) -> None:
+    def apply(self, time: Array, table: Disturbance) -> None:
         here = self.covers(time)
         values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
-        keep[here], add[here] = 0.0, values[here]
+        table.keep[here], table.add[here] = 0.0, values[here]
+        here = shifted(here)
+        table.ends[here] = ends_of(self.value, values, time)[here]
 
 
 @dataclass(frozen=True)
@@ -40,16 +99,20 @@ class _Noise(Span):
     deviation: float
     seed: int
 
-    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002 - one face
+    def apply(self, time: Array, table: Disturbance) -> None:
         here = self.covers(time)
-        noise = np.random.default_rng(self.seed).standard_normal(len(time))
-        add[here] += self.deviation * noise[here]
+        noise = self.deviation * np.random.default_rng(self.seed).standard_normal(len(time))
+        table.add[here] += noise[here]
+        here = shifted(here)
+        table.ends[here] += noise[here]
 
 
 @dataclass(frozen=True)
 class _Stuck(Span):
-    def apply(self, time: Array, keep: Array, add: Array) -> None:  # noqa: ARG002 - one face
-        keep[self.covers(time)] = math.nan
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        table.keep[here], table.add[here] = math.nan, 0.0
+        table.ends[shifted(here)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -59,7 +122,8 @@ class Scenario:
     Each method returns a new scenario with one thing more. On one name they act in this order. A
     span holds from ``begin`` up to, not including, ``end`` (s). What is recorded is what the
     receivers see. A connection can be named by the input at its end, too, where its source feeds
-    nothing else. It acts at communication points, whatever the coupling.
+    nothing else. It acts at communication points, whatever the coupling. Inputs
+    that do not occur in it jump between these points as they would without it.
 
     Parameters must be tunable; they change at a point in time, before the step from there, and
     where an FMU knows events, by one.
@@ -102,11 +166,11 @@ class Scenario:
         SignalError
             When a value is not finite.
         """
-        tables: dict[str, tuple[Array, Array]] = {}
+        tables: dict[str, Disturbance] = {}
         for name, event in self.events:
-            keep, add = tables.setdefault(name, (np.ones(len(time)), np.zeros(len(time))))
-            event.apply(time, keep, add)
-            if not np.isfinite(add).all():
+            table = tables.setdefault(name, Disturbance.of(len(time)))
+            event.apply(time, table)
+            if not np.isfinite([table.add, table.ends]).all():
                 raise SignalError(f"scenario: {name} would not be finite")
         return tables
 

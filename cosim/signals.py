@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cosim.csv_columns import read_columns
 from cosim.errors import SignalError
 from cosim.names import component_of, suggestion
+from cosim.span import slack
 
 if TYPE_CHECKING:
     from cosim.system import System
@@ -160,14 +161,19 @@ class Table:
         np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
         share = np.clip(share, 0.0, 1.0)
         line = share * self.values[right - 1] + (1 - share) * self.values[right]
-        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
         jumps = (self.time[last] > t) & (self.time[np.maximum(last - 1, 0)] == self.time[last])
         return np.where((self.time[last] == t) | jumps, self.values[last], line)
 
     def hold(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s where each holds until the next."""
-        last = np.searchsorted(self.time, _just_after(t), side="right") - 1
+        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
         return self.values[np.maximum(last, 0)]
+
+    def before(self, t: Array) -> Array:
+        """Return the values (n,) just before the times t (n,) in s, where they may jump."""
+        mirrored = Table(-self.time[::-1], self.values[::-1])
+        return mirrored.sample(-t[::-1])[::-1]
 
     def jumps(self, *, discrete: bool) -> Array:
         """Return the times (s) at which the signal jumps, as a discrete input or another."""
@@ -177,9 +183,11 @@ class Table:
         return np.unique(self.time[1:][jumps])
 
 
-def _just_after(t: Array) -> Array:
-    """Return the last of the times that are the same but for rounding, as in FMPy."""
-    return t + 1e-9 * np.abs(t)
+def _slack(t: Array) -> Array:
+    """Return how far from the times t (s) another may lie that is meant to be the same, in s."""
+    steps = np.abs(np.diff(np.ravel(t)))
+    near: Array = slack(t, float(steps.min()) if steps.size else 0.0)
+    return near
 
 
 def sample_inputs(
@@ -208,6 +216,33 @@ def sample_inputs(
             start = _start(system, starts, targets[0])
             table[:, i] = system.scaling(name, targets[0]).inverse(start)
     return table
+
+
+def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:
+    """Return the exposed inputs at the end of the step before each point in time.
+
+    They differ from those at the points, ``external``, where an input jumps: what is discrete or
+    held has the value of the point before.
+    """
+    ends = external.copy()
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if system.variable(targets[0]).is_discrete:
+            ends[:, i] = shifted(external[:, i])
+        elif name in inputs:
+            ends[:, i] = ends_of(inputs[name], external[:, i], time)
+    return ends
+
+
+def ends_of(signal: Input, values: Array, time: Array) -> Array:
+    """Return a signal, whose values at the points in time are given, just before them."""
+    if not isinstance(signal, Table):
+        return values
+    return shifted(values) if signal.held else signal.before(time)
+
+
+def shifted(values: NDArray[Any]) -> NDArray[Any]:
+    """Return for each point the value of the one before, for the first its own."""
+    return np.append(values[:1], values[:-1])
 
 
 def _start(system: System, starts: Mapping[str, Value], target: str) -> float:

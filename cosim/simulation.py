@@ -10,6 +10,7 @@ import numpy as np
 
 from cosim.checkpoint import Checkpoint, differences
 from cosim.coupling import Coupling
+from cosim.disturbances import held_values, hold_values
 from cosim.ending import last_outputs
 from cosim.errors import ExperimentError, SimulationError
 from cosim.result import Result
@@ -98,6 +99,7 @@ class Simulation(Stepping):
         states = {name: self._state_of(name).save() for name in self.order}
         row = self._memory.state()
         memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
+        memory["/held"] = held_values(self._slots, row[: self._run.width], self._run.done)
         for owner, facade in self._facades.items():
             memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
         for name, slot in self._slots.items():
@@ -152,6 +154,7 @@ class Simulation(Stepping):
                     self._recall(name, checkpoint)
                 self._coupled.recall(checkpoint.memory_of(""))
                 self._memory.go_on(checkpoint.step, checkpoint.row)
+                hold_values(self._slots, checkpoint.memory["/held"])
             except (KeyError, ValueError, IndexError, TypeError, OverflowError) as fault:
                 raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
             self._compare(path, checkpoint)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 import numpy as np
 
@@ -12,13 +12,14 @@ from cosim import kernel
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, last_outputs
 from cosim.errors import ExperimentError, ParameterError
-from cosim.input_events import InputEvents, courses
+from cosim.input_events import InputEvents, courses, joined
 from cosim.pace import Pace
 from cosim.prepared import Prepared
 from cosim.result import Array, Result
 from cosim.scenario import Scenario
 from cosim.settings import check_length
-from cosim.signals import Input, Table, sample_inputs
+from cosim.signals import Input, Table, sample_ends, sample_inputs
+from cosim.span import slack
 from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
 
@@ -55,29 +56,39 @@ class Stepping(Prepared):
         """Return the exposed inputs at the points in time; between them they are attached."""
         system, run = self.spec.system, self._run
         external = sample_inputs(system, values, inputs, self.time)
-        tables = {} if scenario else {n: x for n, x in inputs.items() if isinstance(x, Table)}
+        ends = external
+        if scenario or run.coupling:
+            ends = sample_ends(system, inputs, self.time, external)
+        touched = self._disturb(scenario, external, ends, values)
+        free = {name: signal for name, signal in inputs.items() if name not in touched}
+        tables = {name: signal for name, signal in free.items() if isinstance(signal, Table)}
         run.n_events = run.event_end = 0
         if tables and not (run.coupling or run.constant_step) and self._varies_step:
-            self._events = InputEvents(system, inputs, tables, self.time, external)
+            self._events = InputEvents(system, free, tables, self.time, external)
             self._events.attach(run)
+        for i, name in enumerate(system.inputs):
+            if name in touched:
+                tables[name] = joined(self.time, ends[:, i], external[:, i])
         for name, facade in self._facades.items():
             facade.follow(courses(system, name, tables))
-        self._disturb(scenario, external, values)
+        self._coupled.follow(ends)
         return external
 
     def _disturb(
-        self, scenario: Scenario | None, external: Array, values: Mapping[str, Value]
-    ) -> None:
+        self, scenario: Scenario | None, external: Array, ends: Array, values: Mapping[str, Value]
+    ) -> Collection[str]:
+        """Prepare what a scenario does; return the names of the signals that it touches."""
         run, system = self._run, self.spec.system
         self._starts = values
         if not (scenario or run.disturbed or run.n_changes):
-            return
+            return ()
         tables = scenario.tables(self.time) if scenario else {}
         self._disturbances, changed = split(tables, self._layout, system)
-        disturb(self._disturbances, self._layout, run, self._slots, external)
+        disturb(self._disturbances, self._layout, run, self._slots, external, ends)
         self._changes = tune(changed, values, system, self._libraries, self._facades)
         run.changes = in_order(self._changes, self.order)
         run.n_changes, run.next_change = len(self._changes), 0
+        return self._disturbances.keys()
 
     def _begin(self, values: Mapping[str, Value], external: Array) -> None:
         """Make FMUs, start values and memory ready for a new run."""
@@ -188,6 +199,6 @@ class Stepping(Prepared):
             return len(self.time) - 1
         steps = (until - self.spec.start) / self.spec.step
         n = round(steps) if math.isfinite(steps) else 0
-        if not 0 < n < len(self.time) or abs(self.time[n] - until) > 1e-9 * self.spec.step * n:
+        if not 0 < n < len(self.time) or abs(self.time[n] - until) > slack(until, self.spec.step):
             raise ExperimentError(f"until = {until} s is none of the points in time of the run")
         return n

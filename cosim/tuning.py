@@ -14,15 +14,13 @@ import numpy as np
 
 from cosim import kernel
 from cosim.batch import Batch
-from cosim.disturbances import disturbed
 from cosim.errors import ParameterError, SignalError
 from cosim.facade import Facade
 from cosim.layout import Layout
 from cosim.library import Library
 from cosim.names import component_of, suggestion
 from cosim.scaling import Scaling
-from cosim.scenario import Tables
-from cosim.signals import Array
+from cosim.scenario import Disturbance, Tables
 from cosim.variables import Value
 
 if TYPE_CHECKING:
@@ -40,7 +38,7 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
         When a name is neither a signal that is read or recorded nor a tunable parameter.
     """
     sources = system.sources() if tables.keys() - layout.columns.keys() else {}
-    signals: dict[str, tuple[Array, Array]] = {}
+    signals: dict[str, Disturbance] = {}
     for name, table in tables.items():
         if name in sources or name in layout.columns:
             source = sources.get(name, name)
@@ -70,8 +68,8 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
 
 
 def _at_source(
-    name: str, table: tuple[Array, Array], sources: Mapping[str, str], system: System
-) -> tuple[Array, Array]:
+    name: str, table: Disturbance, sources: Mapping[str, str], system: System
+) -> Disturbance:
     """Return what happens to an input as if it happened to what feeds it."""
     source = sources[name]
     if receivers := [target for target in sources if sources[target] == source and target != name]:
@@ -79,10 +77,10 @@ def _at_source(
             f"scenario: {name} is fed by {source}, which feeds {', '.join(receivers)} too and is"
             f" disturbed as a whole: name {source}"
         )
-    line, (keep, add) = system.scaling(source, name), table
+    line = system.scaling(source, name)
     if not isinstance(line, Scaling) or line.factor == 0:
         raise SignalError(f"scenario: the values of {name} are mapped; name {source}")
-    return keep, (np.nan_to_num(keep) * line.offset + add - line.offset) / line.factor
+    return table.in_unit(line.factor, line.offset)
 
 
 class Change:
@@ -131,12 +129,12 @@ def tune(
         When a parameter would have a value that it cannot have, or has no start value.
     """
     changes = []
-    for name, (keep, add) in tables.items():
+    for name, table in tables.items():
         variable = system.variable(name)
         start = values.get(name, variable.start)
         if not isinstance(start, int | float):
             raise SignalError(f"scenario: {name} has no start value; set one")
-        series = disturbed(np.full(len(keep), float(start)), keep, add)
+        series = table.at_points(np.full(len(table.keep), float(start)))
         before = np.append(float(start), series[:-1])
         component = component_of(name)
         for step in np.flatnonzero(series != before):

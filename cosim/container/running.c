@@ -1,6 +1,7 @@
 /* Initialises and steps the components. */
 #include "inside.h"
 #include "steps.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -128,13 +129,14 @@ Status container_step(Container *x, double t, double h) {
     PLAIN_HERE;
     Run *run = &x->run;
     const double n = round(h / STEP), now = container_time(x);
-    if (!(n >= 1.0 && fabs(n * STEP - h) <= 1e-6 * STEP)) {
+    const double near = 1e-6 * STEP + 2.0 * DBL_EPSILON * (fabs(now) + h); /* with rounding */
+    if (!(n >= 1.0 && fabs(n * STEP - h) <= near)) {
         return report(x, ERROR,
                       "a communication step of %.9g s is not possible: expected a multiple of the"
                       " components' step, %.9g s",
                       h, STEP);
     }
-    if (!(fabs(t - now) <= 1e-6 * STEP)) {
+    if (!(fabs(t - now) <= near)) {
         return report(x, ERROR, "the communication point is %.9g s, expected %.9g s", t, now);
     }
     const int64_t last = run->done + (int64_t)n;

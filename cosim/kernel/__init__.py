@@ -66,7 +66,13 @@ class Log(Structure):
 class Disturbance(Structure):
     """What a scenario does to one signal."""
 
-    _fields_ = (("column", c_int64), ("keep", POINTER(c_double)), ("add", POINTER(c_double)))
+    _fields_ = (
+        ("column", c_int64),
+        ("keep", POINTER(c_double)),
+        ("add", POINTER(c_double)),
+        ("ends", POINTER(c_double)),
+        ("held", c_double),
+    )
 
 
 class Map(Structure):
@@ -184,6 +190,7 @@ class Run(Structure):
         ("parts", c_void_p),
         ("event", c_int64),
         ("event_end", c_int64),
+        ("within", c_int64),
     )
 
 

@@ -54,7 +54,7 @@ static void interpolate(const Run *run, const double *before, const double *afte
     }
 }
 
-bool step_adaptively(Run *run, const double *row, double t, double h) {
+bool step_adaptively(Run *run, const double *inputs, double t, double h) {
     Coupling *k = run->coupling;
     const double *before = run->external + run->done * run->n_external;
     const double end = t + h;
@@ -63,7 +63,7 @@ bool step_adaptively(Run *run, const double *row, double t, double h) {
         const bool last = k->inner >= 0.999 * (end - now);
         const double reached = last ? end : now + fmin(k->inner, (end - now) / 2.0);
         k->share = last ? 1.0 : (reached - t) / h;
-        interpolate(run, before, row, k->share);
+        interpolate(run, before, inputs, k->share);
         if (!attempt(run, now, reached - now)) {
             return false;
         }

@@ -37,7 +37,7 @@ fmi2Status tick_clocks(Facade *f) {
     const bool tick = true;
     for (size_t i = 0; i < f->n_clocks; i++) {
         Clock *clock = &f->clocks[i];
-        if (is_due(clock->next, f->time)) {
+        if (is_due(f, clock->next, f->time)) {
             TRY_STATUS(
                 noted(f, SET_CLOCK,
                       (int)((fmi3SetClockTYPE *)call)(f->instance, &clock->reference, 1, &tick)));
@@ -52,7 +52,7 @@ fmi2Status after_ticks(Facade *f) {
     for (size_t i = 0; i < f->n_clocks; i++) {
         Clock *clock = &f->clocks[i];
         fmi3IntervalQualifier qualifier = fmi3IntervalUnchanged;
-        const bool ticked = is_due(clock->next, f->time);
+        const bool ticked = is_due(f, clock->next, f->time);
         if (clock->asked == AT_EVENTS || (ticked && clock->asked == AT_TICKS)) {
             TRY_STATUS(ask(f, clock, &qualifier));
         }

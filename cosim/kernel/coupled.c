@@ -109,18 +109,19 @@ static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
            set_held_inputs(run, i, t, h, ENDING) && do_step_of(run, c, late, t + h - late, final);
 }
 
-/* Change the outputs of a component at the end of the step that is tried. Between communication
- * points a change is on its way from the one to the next, as inputs from outside are. */
+/* Change the outputs of a component at the end of the step that is tried. Polynomials follow a
+ * change from its value at one communication point to that just before the next, as they follow
+ * inputs from outside; with degree 0 it has the value at one of them. */
 static void disturb_coupled(const Run *run, const Component *c, double *next) {
     const Coupling *k = run->coupling;
-    const double *now = row_of(run, run->done);
+    const bool there = k->share == 1.0;
     for (size_t i = 0; i < c->n_disturbances; i++) {
         const Disturbance *d = &c->disturbances[i];
-        const double *keep = d->keep + run->done, *add = d->add + run->done;
-        const bool there = k->share == 1.0;
-        const bool moves = !there && k->degree > 0 && keep[0] == keep[1];
-        next[d->column] = disturbed(next[d->column], now[d->column], keep[there],
-                                    moves ? add[0] + k->share * (add[1] - add[0]) : add[there]);
+        const double now = d->add[run->done], end = d->ends[run->done + 1];
+        const double add = there ? end : now + k->share * (end - now);
+        const int64_t n = run->done + there;
+        next[d->column] = k->degree > 0 ? disturbed(d, run->done, next[d->column], add)
+                                        : disturbed(d, n, next[d->column], d->add[n]);
     }
 }
 
@@ -183,9 +184,24 @@ bool attempt(Run *run, double t, double h) {
     return true;
 }
 
+/* Where a signal jumps, at the end of a step, its past does so too: no polynomial goes through the
+ * jump. */
+static void carry_past(Run *run, const double *row) {
+    const Coupling *k = run->coupling;
+    const int64_t n = run->disturbed ? run->width : run->n_external;
+    for (int64_t i = 0; i < n; i++) {
+        const double left = k->next[i];
+        for (int64_t j = 0; row[i] != left && j < k->n_past; j++) {
+            double *past = &k->past[j * run->width + i];
+            *past = row[i] + (*past - left);
+        }
+    }
+}
+
 void keep(Run *run, const double *row, double t) {
     Coupling *k = run->coupling;
     const size_t width = (size_t)run->width;
+    carry_past(run, row);
     memmove(k->past + width, k->past, (MAX_PAST - 1) * width * sizeof *row);
     memmove(k->times + 1, k->times, (MAX_PAST - 1) * sizeof *k->times);
     memcpy(k->past, row, width * sizeof *row);
@@ -215,19 +231,23 @@ bool begin_coupled(Run *run) {
 
 static bool step_coupled(Run *run, double *row, double t, double h) {
     Coupling *k = run->coupling;
-    memcpy(k->next, row, (size_t)run->n_external * sizeof *row);
-    const bool stepped = k->tolerance > 0.0 ? step_adaptively(run, row, t, h) : attempt(run, t, h);
+    const double *inputs = k->ends + (run->done + 1) * run->n_external;
+    memcpy(k->next, inputs, (size_t)run->n_external * sizeof *row);
+    const bool stepped =
+        k->tolerance > 0.0 ? step_adaptively(run, inputs, t, h) : attempt(run, t, h);
     for (int64_t i = 0; i < k->n_members; i++) {
         const Component *c = &run->components[i];
         const bool reached = (run->done + 1) % k->members[i].every == 0;
         const size_t size = c->n_outputs * sizeof *row;
-        memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
-        if (reached && run->disturbed) {
-            memcpy(k->given + c->column, k->given + run->width + c->column, size);
-        } else if (run->disturbed) {
-            memcpy(row + c->column, k->given + c->column, size);
-            disturb_coupled(run, c, row);
+        if (!run->disturbed) {
+            memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
+            continue;
         }
+        if (reached) {
+            memcpy(k->given + c->column, k->given + run->width + c->column, size);
+        }
+        memcpy(row + c->column, k->given + c->column, size);
+        disturb(run, c, row, run->done + 1);
     }
     if (stepped) {
         keep(run, row, t + h);

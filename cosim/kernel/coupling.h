@@ -78,6 +78,8 @@ typedef struct Coupling {
     int64_t swept; /* not 0: the FMUs are no longer at its begin */
     double *given; /* (2, width): outputs before a scenario changed them, of components with a rate
                       of their own: those that hold now, and those of the step they are in */
+    const double *ends; /* (n_steps + 1, n_external): inputs from outside at the end of the step
+                           before each point in time; others than there where they jump */
 } Coupling;
 
 /* hold.c: a0 + a1 s + a2 s^2, s seconds after the begin of the step */
@@ -107,8 +109,9 @@ bool couple_until(Run *run, int64_t end);         /* as many steps as lead there
 bool attempt(Run *run, double t, double h);       /* from t over h, to Coupling.next */
 void keep(Run *run, const double *row, double t); /* as the latest of the past */
 
-/* adaptive.c: from t over h, in steps of its own, to Coupling.next */
-bool step_adaptively(Run *run, const double *row, double t, double h);
+/* adaptive.c: from t over h, in steps of its own, to Coupling.next; inputs from outside end there
+ */
+bool step_adaptively(Run *run, const double *inputs, double t, double h);
 
 /* initial.c: outputs and inputs that agree, before the first step */
 bool solve_initial(Run *run);

@@ -87,4 +87,5 @@ class Coupling(Structure):
         ("share", c_double),
         ("swept", c_int64),
         ("given", POINTER(c_double)),
+        ("ends", c_void_p),
     )

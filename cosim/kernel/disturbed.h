@@ -11,7 +11,11 @@ static inline bool step_disturbed(Run *run, const double *now, double *next) {
     for (const Component *c = run->components; c != end; c++) {
         TRY(set_inputs(run, c, now) && do_step(run, c, c->version) &&
             get_outputs(run, c, c->n_outputs, next));
-        disturb(run, c, next, run->done + 1);
+        if (run->within) {
+            disturb_within(c, next, run->done);
+        } else {
+            disturb(run, c, next, run->done + 1);
+        }
     }
     return true;
 }

@@ -1,5 +1,6 @@
 /* Model Exchange: integrates an FMU's states over one communication step with CVode (BDF, Newton),
- * and stops at its state, time and step events. */
+ * and stops at its state, time and step events. The solver counts time from the start of the run:
+ * it takes times for the same that differ by some rounding errors of what it counts. */
 #include "cvode.h"
 #include "facade.h"
 #include <math.h>
@@ -87,7 +88,7 @@ static int derivatives(double t, void *states, void *rates, void *facade) {
     const Cvode *cvode = f->cvode;
     double *dx = cvode->N_VGetArrayPointer_Serial(rates);
     dx[0] = 0.0;
-    fmi2Status status = set_point(f, t, cvode->N_VGetArrayPointer_Serial(states));
+    fmi2Status status = set_point(f, f->start + t, cvode->N_VGetArrayPointer_Serial(states));
     if (OK(status) && f->n_states) {
         status = exchange(f, GET_DERIVATIVES, dx, f->n_states);
     }
@@ -96,7 +97,7 @@ static int derivatives(double t, void *states, void *rates, void *facade) {
 
 static int indicators(double t, void *states, double *z, void *facade) {
     Facade *f = facade;
-    fmi2Status status = set_point(f, t, f->cvode->N_VGetArrayPointer_Serial(states));
+    fmi2Status status = set_point(f, f->start + t, f->cvode->N_VGetArrayPointer_Serial(states));
     if (OK(status)) {
         status = exchange(f, GET_INDICATORS, z, f->n_indicators);
     }
@@ -145,7 +146,8 @@ static fmi2Status read_states(Facade *f) {
 fmi2Status restart_exchange(Facade *f) {
     Integrator *in = f->integrator;
     TRY_STATUS(read_states(f));
-    return f->cvode->CVodeReInit(in->memory, f->time, in->states) ? solver_failed(f) : fmi2OK;
+    return f->cvode->CVodeReInit(in->memory, f->time - f->start, in->states) ? solver_failed(f)
+                                                                             : fmi2OK;
 }
 
 static fmi2Status count(Facade *f, enum Call place, size_t *n) {
@@ -165,7 +167,7 @@ void seek_jump(Facade *f) {
 
 /* All jumps up to the present time are made. */
 static void pass_jumps(Facade *f) {
-    f->passed = f->time + NEAR * fabs(f->time);
+    f->passed = f->time + f->near;
     seek_jump(f);
 }
 
@@ -199,7 +201,7 @@ fmi2Status begin_exchange(Facade *f) {
     in->solver = cvode->SUNLinSol_Dense(in->states, in->matrix, in->context);
     void *memory = in->memory = cvode->CVodeCreate(CV_BDF, in->context);
     const bool failed = !in->matrix || !in->solver || !memory ||
-                        cvode->CVodeInit(memory, derivatives, f->time, in->states) ||
+                        cvode->CVodeInit(memory, derivatives, f->time - f->start, in->states) ||
                         cvode->CVodeSetUserData(memory, f) ||
                         cvode->CVodeSVtolerances(memory, f->tolerance, in->tolerances) ||
                         cvode->CVodeRootInit(memory, (int)f->n_indicators, indicators) ||
@@ -264,14 +266,15 @@ static fmi2Status completed_step(Facade *f, bool *event) {
  * beyond a time event or a tick, and with inputs not beyond the time up to which they are known. */
 static int set_stop(Facade *f, double target) {
     const double stop = f->n_inputs ? target : fmin(f->next_event, f->next_tick);
-    return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop)
+    return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop - f->start)
                           : f->cvode->CVodeClearStopTime(f->integrator->memory);
 }
 
 /* Integrate to target, or to the first event before it. */
 static fmi2Status integrate(Facade *f, double target, bool *event) {
     Integrator *in = f->integrator;
-    const bool there = target - f->time <= 1e-14 * fmax(fabs(target), fabs(f->time));
+    const double end = target - f->start;
+    const bool there = target - f->time <= rounding_of(end);
     if (there || (f->n_states == 0 && f->n_indicators == 0)) {
         f->time = target;
         TRY_STATUS(set_point(f, target, in->x));
@@ -281,10 +284,12 @@ static fmi2Status integrate(Facade *f, double target, bool *event) {
     if (set_stop(f, target)) {
         return solver_failed(f);
     }
-    const int flag = f->cvode->CVode(in->memory, target, in->states, &f->time, CV_NORMAL);
+    double reached = 0.0;
+    const int flag = f->cvode->CVode(in->memory, end, in->states, &reached, CV_NORMAL);
     if (flag < 0) {
         return solver_failed(f);
     }
+    f->time = reached == end ? target : f->start + reached;
     *event = flag == CV_ROOT_RETURN;
     TRY_STATUS(set_point(f, f->time, in->x));
     return completed_step(f, event);
@@ -371,9 +376,10 @@ fmi2Status step_exchange(Facade *f, double t, double h) {
         if (i == MAX_EVENTS) {
             return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
         }
-        TRY_STATUS(integrate(f, next < in->end && !is_due(in->end, next) ? next : in->end, &event));
-        const bool jumps = is_due(f->next_jump, f->time);
-        if (event || jumps || is_due(fmin(f->next_event, f->next_tick), f->time)) {
+        TRY_STATUS(
+            integrate(f, next < in->end && !is_due(f, in->end, next) ? next : in->end, &event));
+        const bool jumps = is_due(f, f->next_jump, f->time);
+        if (event || jumps || is_due(f, fmin(f->next_event, f->next_tick), f->time)) {
             TRY_STATUS(jumps ? jump(f) : handle_event(f, false));
             TRY_STATUS(restart_exchange(f));
         }

@@ -188,7 +188,7 @@ fmi2Status update_discrete_states(Facade *f) {
             return blamed(f, UPDATE_DISCRETE_STATES, TERMINATED);
         }
         TRY_STATUS(again ? fmi2OK : after_ticks(f));
-        if (!again && !is_due(f->next_tick, f->time)) {
+        if (!again && !is_due(f, f->next_tick, f->time)) {
             return fmi2OK;
         }
     }
@@ -228,16 +228,16 @@ static fmi2Status step_fmi2(Facade *f, double t, double h) {
 static fmi2Status step_fmi3(Facade *f, double t, double h) {
     const double last = t + h;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
-        const bool ticks = f->next_tick < last && !is_due(last, f->next_tick);
+        const bool ticks = f->next_tick < last && !is_due(f, last, f->next_tick);
         const double end = ticks ? f->next_tick : last;
         h = ticks ? end - t : h;
         TRY_STATUS(step_once(f, t, h));
         const Answers *said = &f->said;
         const double reached = said->last_successful_time;
-        if (said->early && !(reached >= t && reached <= end + NEAR * fabs(end))) {
+        if (said->early && !(reached >= t && reached <= end + f->near)) {
             return blamed(f, DO_STEP, NO_SUCH_TIME);
         }
-        const bool whole = !said->early || end - reached <= 1e-12 * fabs(end);
+        const bool whole = !said->early || end - reached <= rounding_of(end);
         f->time = whole ? end : reached;
         if (said->terminate) {
             return blamed(f, DO_STEP, TERMINATED);
@@ -245,7 +245,7 @@ static fmi2Status step_fmi3(Facade *f, double t, double h) {
         if (said->early && !f->event_mode) {
             return blamed(f, DO_STEP, RETURNED_EARLY);
         }
-        if (f->event_mode && (said->event_handling_needed || is_due(f->next_tick, f->time))) {
+        if (f->event_mode && (said->event_handling_needed || is_due(f, f->next_tick, f->time))) {
             TRY_STATUS(handle_event(f, false));
         }
         if (whole && !ticks) {

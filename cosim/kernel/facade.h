@@ -10,6 +10,7 @@
 #include "course.h"
 #include "kernel.h"
 #include "mark.h"
+#include <float.h>
 #include <math.h>
 
 typedef void AnyCall(void);
@@ -139,6 +140,7 @@ typedef struct {
     const char *called; /* the last call that did not return OK or warning */
     double time;        /* reached, s */
     double start, stop; /* of the run, s */
+    double near;        /* s: two times this close are meant to be the same */
     double next_event;  /* s; infinite where none is due */
     double next_jump;   /* of an input that follows a course, likewise */
     double passed;      /* s: jumps up to here were made */
@@ -183,11 +185,11 @@ fmi2Status restart_exchange(Facade *f);
 void seek_jump(Facade *f); /* find the next jump after those that were passed */
 void end_exchange(Facade *f);
 
-/* Two times this close are the same; an event that is not due lies at infinity. */
-static const double NEAR = 1e-9; /* relative */
-static inline bool is_due(double event, double t) {
-    return event <= t || fabs(event - t) <= NEAR * fabs(t);
-}
+/* An event that is not due lies at infinity. */
+static inline bool is_due(const Facade *f, double event, double t) { return event <= t + f->near; }
+
+/* Rounding makes two times differ by so much. */
+static inline double rounding_of(double t) { return 4.0 * DBL_EPSILON * fabs(t); }
 
 #define OK(status) ((unsigned)(status) <= fmi2Warning)
 #define TRY_STATUS(action)                                                                         \

@@ -128,6 +128,7 @@ class Facade(Structure):
         ("time", c_double),
         ("start", c_double),
         ("stop", c_double),
+        ("near", c_double),
         ("next_event", c_double),
         ("next_jump", c_double),
         ("passed", c_double),

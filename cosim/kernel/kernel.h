@@ -61,12 +61,14 @@ typedef struct {
     const void *values;         /* n, of the type that set takes */
 } Setting;
 
-/* What a scenario does to one signal: value = keep * value + add; where keep is not a number, the
- * value stays what it was a step before. */
+/* What a scenario does to one signal: value = keep * value + add; where keep is not a number, value
+ * = held + add. */
 typedef struct {
     int64_t column;
     const double *keep; /* n_steps + 1 */
     const double *add;  /* n_steps + 1 */
+    const double *ends; /* n_steps + 1: add at the end of the step before each point in time */
+    double held;        /* the value at the last point at which it was free */
 } Disturbance;
 
 /* Values that a component is given when a step is done. */
@@ -134,7 +136,7 @@ typedef struct {
     const Setting *settings;
     Log *log;
     size_t n_disturbances;
-    const Disturbance *disturbances;
+    Disturbance *disturbances;
     double tolerance; /* relative, of its own solver; 0 where it is not told one */
 } Component;
 
@@ -207,6 +209,7 @@ typedef struct {
     double *parts;              /* (2, width), where a step is done in parts */
     int64_t event;              /* the next one */
     int64_t event_end;          /* the number of its step's end; 0 where none follows */
+    int64_t within;             /* not 0: in a part of a step that another one follows */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */

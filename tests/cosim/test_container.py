@@ -64,6 +64,19 @@ def test_takes_several_steps_at_once(loop, version, tmp_path):
     np.testing.assert_array_equal(coarse["limit.y"], alone(loop, disturbance=1.5)["limit.y"][::4])
 
 
+def test_steps_at_times_where_rounding_shows(loop, version, tmp_path):
+    """From a Unix time on, the distance of two points is the step but for some 1e-7 s."""
+    start, step = 1.7e9, 1e-3
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=step, fmi=version)
+    packed = cosim.System("packed")
+    packed.add("c", path, {"disturbance": 1.5})
+    how = {"start": start, "step": step, "stop": start + 100 * step}
+    outer = packed.prepare(**how).run()["c.limit.y"]
+    inner = loop.prepare(**how).run(inputs={"disturbance": 1.5})["limit.y"]
+    np.testing.assert_allclose(outer, inner, rtol=1e-3)
+    assert inner[-1] != 0.0
+
+
 def test_shows_what_is_chosen(loop, version, tmp_path):
     path = cosim.write_fmu(
         loop, tmp_path / "a.fmu", step=STEP, fmi=version, outputs=["plant.*"], parameters=["*.k"]

@@ -155,3 +155,23 @@ def test_one_of_several_receivers_is_not_disturbed_alone(make, scenario, message
         pytest.raises(cosim.SignalError, match=message),
     ):
         run(simulation, scenario)
+
+
+@pytest.mark.parametrize("name", ["x", "sensor.y", "plant.u"])
+def test_a_stuck_signal_may_be_noisy(simulation, name):
+    """The noise lies about the value that sticks, and adds up to no walk."""
+    signal = "sensor.y" if name == "plant.u" else name
+    free = simulation.run(inputs={"x": np.sin})[signal]
+    noise = 0.1 * np.random.default_rng(5).standard_normal(N + 1)
+    stuck = Scenario().stick(name, begin=0.5, end=1.5).add_noise(name, 0.1, 5, begin=0.8)
+    result = run(simulation, stuck)[signal]
+    np.testing.assert_array_equal(result[5:8], free[4])
+    np.testing.assert_array_equal(result[8:15], free[4] + noise[8:15])
+    np.testing.assert_array_equal(result[15:], free[15:] + noise[15:])
+
+
+def test_a_noisy_signal_sticks_with_its_noise(simulation):
+    noise = 0.1 * np.random.default_rng(5).standard_normal(N + 1)
+    result = run(simulation, Scenario().add_noise("x", 0.1, 5).stick("x", begin=0.5), x=1.0)["x"]
+    np.testing.assert_array_equal(result[:5], 1.0 + noise[:5])
+    np.testing.assert_array_equal(result[5:], 1.0 + noise[4])

@@ -53,3 +53,14 @@ def test_clocks_that_will_not_tick_are_named(export, caplog):
         fmu = cosim.Fmu(export("clocked", 3, "CS"))
     assert "the clocks every, growing, after, by_hand, asked never tick" in caplog.text
     assert fmu.clocks == []
+
+
+@pytest.mark.parametrize("start", [1e4, 1.7e9])
+def test_a_clock_ticks_at_its_times_after_a_late_start(export, interfaces, start):
+    """The intervals of these clocks are those of the run from 0 on, in steps of 0.025 s."""
+    system = cosim.System()
+    system.add("a", export("clocked", 3, interfaces))
+    late = system.prepare(step=0.025, start=start, stop=start + STOP).run()
+    soon = system.prepare(step=0.025, stop=STOP).run()
+    for name in (name for name in soon.names if name.endswith("_ticks")):
+        np.testing.assert_array_equal(late[name], soon[name])

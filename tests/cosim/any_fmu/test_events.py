@@ -70,3 +70,17 @@ def test_reset_equals_fresh(export):
         first = simulation.run().values
         simulation.run({"ball.e": 0.5})
         np.testing.assert_array_equal(simulation.run().values, first)
+
+
+@pytest.mark.parametrize("interfaces", ["CS events", "ME"])
+@pytest.mark.parametrize(("start", "step"), [(1e4, 1e-5), (1.7e9, 1e-3)])
+def test_time_events_are_where_they_are_after_a_late_start(export, interfaces, start, step):
+    """Events two and a half steps apart: none in a row before its time, none lost."""
+    period = 2.5 * step
+    system = cosim.System()
+    system.add("a", export("stair", 3, interfaces), {"period": period})
+    result = system.prepare(start=start, step=step, stop=start + 40 * step).run()
+    rows = np.arange(41)
+    exact = rows / 2.5
+    sure = abs(exact - np.round(exact)) > 0.01 + 41 * np.spacing(start) / period
+    np.testing.assert_array_equal(result["a.count"][sure], np.floor(exact[sure]))

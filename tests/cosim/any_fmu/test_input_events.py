@@ -144,3 +144,55 @@ def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, k
         np.testing.assert_allclose(result["a.position"], exact, atol=1e-6)
         untouched = simulation.run(inputs={"u": 0.0})["a.position"]
     np.testing.assert_allclose(untouched, np.cos(2 * result.time), atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["CS", "ME"])
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("untouched", [cosim.Scenario(), cosim.Scenario().set("v", 1.0, at=0.5)])
+def test_a_scenario_leaves_the_events_of_other_inputs(export, version, kind, untouched):
+    system = cosim.System()
+    for name, signal in (("a", "u"), ("b", "v")):
+        system.add(name, export("oscillator", version, kind))
+        system.expose(signal, f"{name}.force")
+    inputs = {"u": cosim.Table(TIME, FORCE), "v": 0.0}
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        plain = simulation.run(inputs=inputs)
+        result = simulation.run(inputs=inputs, scenario=untouched)
+    for name in ("a.position", "a.gain"):
+        np.testing.assert_array_equal(result[name], plain[name])
+
+
+@pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])
+def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export, disturbed):
+    """An override that begins at 0.4 and ends at 0.6 does not act on parts of other steps."""
+    system = cosim.System()
+    system.add("a", export("oscillator", 2, "CS"))
+    system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
+    system.connect("a.gain", "b.force")
+    system.expose("u", "a.force")
+    scenario = cosim.Scenario().override(disturbed, 5.0, begin=0.375, end=0.625)
+    table = cosim.Table([0.0, 0.3125, 0.4375, 0.5625, 0.6875], [0, 1, 2, 3, 4], held=True)
+    fine = {"step": 0.0625, "stop": 1.0, "coupling": "jacobi"}
+    coarse = {**fine, "step": 0.125}
+    ours, theirs = (
+        system.prepare(**how).run(inputs={"u": table}, scenario=scenario) for how in (coarse, fine)
+    )
+    np.testing.assert_array_equal(ours["a.position"], theirs["a.position"][::2])
+    np.testing.assert_array_equal(ours[disturbed] == 5.0, theirs[disturbed][::2] == 5.0)
+    stuck = cosim.Scenario().stick(disturbed, 0.375, 0.625)
+    ours = system.prepare(**coarse).run(inputs={"u": table}, scenario=stuck)
+    assert set(ours[disturbed][3:5]) == {ours[disturbed][2]}
+
+
+@pytest.mark.parametrize("kind", ["CS", "ME"])
+@pytest.mark.parametrize("start", [0.0, 1e4, 1.7e9])
+def test_a_discrete_input_jumps_at_its_row_at_any_time(export, kind, start):
+    step = 1e-5 if start == 1e4 else 1e-3
+    system = cosim.System()
+    system.add("a", export("stair", 2, kind), {"period": 1e9})
+    system.expose("u", "a.trigger")
+    rows = np.arange(101)
+    table = cosim.Table([start + n * step for n in rows], rows // 3 % 2)
+    with system.prepare(start=start, stop=start + 100 * step, step=step) as simulation:
+        result = simulation.run(inputs={"u": table})
+    np.testing.assert_array_equal(result["u"], rows // 3 % 2)

@@ -117,3 +117,20 @@ def test_adaptive_steps_do_not_shrink_at_a_jump_of_a_scenario(system):
         before = simulation.effort["rejected"]
         simulation.run(scenario=scenario)
         assert simulation.effort["rejected"] <= before + 8
+
+
+@each_coupling
+def test_a_stuck_signal_may_be_noisy_and_is_resumed(system, tmp_path, coupling):
+    noise = 0.1 * np.random.default_rng(2).standard_normal(N + 1)
+    scenario = Scenario().stick("left.y1", 20 * STEP, 40 * STEP).add_noise("left.y1", 0.1, 2, 0.25)
+    free = run(system, None, coupling)["left.y1"]
+    spec = {"step": STEP, "stop": N * STEP, "coupling": coupling}
+    with system.prepare(**spec) as simulation:
+        whole = simulation.run(scenario=scenario)
+        simulation.run(scenario=scenario, until=30 * STEP)
+        path = simulation.save(tmp_path / "a.state")
+    with system.prepare(**spec) as another:
+        rest = another.resume(path, scenario=scenario)
+    np.testing.assert_array_equal(whole["left.y1"][20:25], free[19])
+    np.testing.assert_array_equal(whole["left.y1"][25:40], free[19] + noise[25:40])
+    np.testing.assert_array_equal(rest.values, whole.values[30:])

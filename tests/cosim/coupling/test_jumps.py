@@ -1,0 +1,157 @@
+"""Inputs that jump do so at their time, whatever the coupling and however large the times are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim import Adaptive, Coupling, Scaling, Scenario, Table
+
+KINDS = {
+    "CS 2.0 interpolating": (2, {}),
+    "CS 3.0": (3, {}),
+    "ME 2.0": (2, {"exchange": True}),
+    "ME 3.0": (3, {"exchange": True}),
+}
+COUPLINGS = {
+    f"{method}, degree {degree}": Coupling(method, degree=degree)
+    for method in ("gauss_seidel", "jacobi", "iterative")
+    for degree in (0, 1, 2)
+}
+ADAPTIVE = {
+    f"adaptive, degree {degree}": Coupling("iterative", degree=degree, adaptive=Adaptive(1e-4))
+    for degree in (1, 2)
+}
+STARTS = {"0": (0.0, 0.1), "1e4": (1e4, 1e-5), "Unix": (1.7e9, 1e-3)}
+N = 20
+LEVELS = np.array([0.5, -2.0, 3.0, 1.0])
+AT = np.array([0, 3, 7, 15])  # the points in time at which they begin
+each_kind = pytest.mark.parametrize("kind", KINDS)
+each_coupling = pytest.mark.parametrize("coupling", COUPLINGS | ADAPTIVE)
+BEYOND_0 = [name for name in COUPLINGS | ADAPTIVE if "degree 0" not in name]
+beyond_0 = pytest.mark.parametrize("coupling", BEYOND_0)
+
+
+def at_each_start(couplings):
+    """All couplings from 0 on, one of each degree from large times on."""
+    some = [name for name in couplings if name.startswith("iterative")]
+    pairs = [(name, "0") for name in couplings] + [(n, s) for n in some for s in ("1e4", "Unix")]
+    return pytest.mark.parametrize(("coupling", "start"), pairs)
+
+
+def integrator(linear, kind):
+    """x' = u, y1 = x."""
+    version, abilities = KINDS[kind]
+    system = cosim.System("integrator")
+    system.add("a", linear(version, **abilities), {"b11": 1.0, "c11": 1.0})
+    system.expose("u", "a.u1")
+    return system
+
+
+def run(system, coupling, start, step, signal, **more):
+    how = (COUPLINGS | ADAPTIVE)[coupling]
+    spec = {"start": start, "step": step, "stop": start + N * step, "tolerance": 1e-9}
+    with system.prepare(**spec, coupling=how) as simulation:
+        return simulation.run(inputs={"u": signal} if system.inputs else {}, **more)
+
+
+def levels(start, step):
+    """Return the times of the jumps, as whoever writes the table computes them, and the input."""
+    time = np.array([start + k * step for k in AT])
+    u = np.repeat(LEVELS, np.diff([*AT, N + 1]))
+    return time, u
+
+
+@each_kind
+@at_each_start(COUPLINGS | ADAPTIVE)
+def test_a_held_input_is_held(linear, kind, coupling, start):
+    """Each value from its time on: the integral is a sum of rectangles."""
+    start, step = STARTS[start]
+    time, u = levels(start, step)
+    result = run(integrator(linear, kind), coupling, start, step, Table(time, LEVELS, held=True))
+    np.testing.assert_array_equal(result["u"], u)
+    exact = step * np.append(0.0, np.cumsum(u[:-1]))
+    np.testing.assert_allclose(result["a.y1"], exact, rtol=2e-3 if start else 1e-7, atol=step / 200)
+
+
+@each_kind
+@at_each_start(BEYOND_0)
+def test_lines_that_jump_end_where_the_next_begins(linear, kind, coupling, start):
+    """A sawtooth with its corners on points of the run: the integral is a sum of trapezoids."""
+    start, step = STARTS[start]
+    teeth = np.array([0, 4, 4, 8, 8, 12, 12, 16, 16, 20])
+    table = Table([start + k * step for k in teeth], [0.0, 1.0] * 5)
+    result = run(integrator(linear, kind), coupling, start, step, table)
+    rise = np.arange(N + 1) % 4 / 4
+    exact = step * np.append(0.0, np.cumsum(rise[:-1] + 1 / 8))
+    np.testing.assert_allclose(result["u"][:-1], rise[:-1], atol=1e-12 if not start else 1e-3)
+    np.testing.assert_allclose(result["a.y1"], exact, rtol=2e-3 if start else 1e-7, atol=step / 200)
+
+
+@each_kind
+@each_coupling
+def test_a_scenario_acts_on_an_input_at_its_time(linear, kind, coupling):
+    step = 0.1
+    scenario = Scenario().set("u", 3.0, at=0.5).override("u", -1.0, begin=1.2, end=1.5)
+    result = run(integrator(linear, kind), coupling, 0.0, step, 1.0, scenario=scenario)
+    u = np.repeat([1.0, 3.0, -1.0, 3.0], [5, 7, 3, 6])
+    np.testing.assert_array_equal(result["u"], u)
+    exact = step * np.append(0.0, np.cumsum(u[:-1]))
+    np.testing.assert_allclose(result["a.y1"], exact, atol=1e-7)
+
+
+@each_kind
+@beyond_0
+def test_a_scenario_acts_on_an_output_at_its_time(linear, kind, coupling):
+    """A constant output that is replaced, then free: its receiver sees no ramp."""
+    version, abilities = KINDS[kind]
+    system = cosim.System("two")
+    system.add("source", linear(version, **abilities), {"f1": 1.0})
+    system.add("a", linear(version, **abilities), {"b11": 1.0, "c11": 1.0})
+    system.connect("source.y1", "a.u1", cosim.Link(Scaling(2.0)))
+    scenario = Scenario().override("source.y1", 3.0, begin=0.5, end=1.2)
+    result = run(system, coupling, 0.0, 0.1, None, scenario=scenario)
+    u = np.repeat([1.0, 3.0, 1.0], [5, 7, 9])
+    np.testing.assert_array_equal(result["source.y1"], u)
+    exact = 0.2 * np.append(0.0, np.cumsum(u[:-1]))
+    np.testing.assert_allclose(result["a.y1"], exact, atol=1e-7)
+
+
+@each_kind
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize(
+    "scenario",
+    [None, Scenario(), Scenario().set("v", 1.0, at=0.0), Scenario().add_noise("b.y1", 1.0, 1)],
+    ids=["no scenario", "empty", "another input", "an output"],
+)
+@pytest.mark.parametrize("method", ["gauss_seidel", "jacobi"])
+def test_jumps_between_points_are_where_they_are(linear, kind, start, scenario, method):
+    """What a scenario does not touch goes on to jump between two points in time."""
+    start, step = STARTS[start]
+    system = integrator(linear, kind)
+    system.add("b", system.components["a"])
+    system.expose("v", "b.u1")
+    jump = start + 3 * step + np.ldexp(np.round(np.ldexp(step / 4, 22)), -22)  # a binary number
+    table = Table([start, jump], [0.0, 1.0], held=True)
+    result = run(system, f"{method}, degree 0", start, step, table, scenario=scenario)
+    exact = np.maximum(result.time - jump, 0.0)
+    np.testing.assert_allclose(result["a.y1"], exact, atol=step * (2e-3 if start else 1e-6))
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_spans_and_points_are_found_at_any_time(linear, start):
+    start, step = STARTS[start]
+    system = integrator(linear, "CS 3.0")
+    sums = {"late": cosim.Deviation("u", 0.0, begin=start + 15 * step)}
+    stop = start + N * step
+    spec = {"start": start, "step": step, "record": cosim.Record(["u"], sum_of_squares=sums)}
+    with system.prepare(**spec, stop=stop) as simulation:
+        scenario = Scenario().set("u", 1.0, at=start + 12 * step).stick("u", start + 17 * step)
+        for k in range(1, N + 1):
+            assert len(simulation.run(inputs={"u": 0.0}, until=start + k * step).time) == k + 1
+        result = simulation.run(inputs={"u": 0.0}, scenario=scenario)
+        np.testing.assert_array_equal(result["u"], np.repeat([0.0, 1.0], [12, 9]))
+        assert result.sum_of_squares["late"] == 6.0
+        with pytest.raises(cosim.ExperimentError, match="none of the points"):
+            simulation.run(until=start + 3.4 * step)
