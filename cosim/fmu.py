@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 import toolchain
-from cosim.archive import unpack
+from cosim.archive import restore, unpack
 from cosim.archive.names import is_device
 from cosim.collection import paused_collection
 from cosim.description import Description, DescriptionFault, read_description
@@ -122,6 +122,16 @@ class Fmu:
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"
+
+    def restore(self) -> None:
+        """Unpack the FMU again where its unpacked files were changed, as by a run of it.
+
+        Raises
+        ------
+        FmuError
+            When the file is not there any more, or another one.
+        """
+        restore(self.folder, self.path, FmuError)
 
     def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
         """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.

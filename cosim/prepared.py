@@ -73,6 +73,8 @@ class Prepared:
         check_starts(system)
         check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        for fmu in {fmu.folder: fmu for fmu in system.components.values()}.values():
+            fmu.restore()
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
         self._run, self._facades = wire(
             system,

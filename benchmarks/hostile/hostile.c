@@ -140,6 +140,13 @@ static int act(Model *m) {
         sleep_elsewhere();
         *(volatile int *)8 = 1;
     }
+    IF("rewrite") { /* the next one that is loaded does something else, of the same length */
+        FILE *file = fopen(place, "r+");
+        if (file) {
+            fputs("DoStep abort  ", file);
+            fclose(file);
+        }
+    }
     IF("chdir") { return chdir("/"); }
     IF("locale") { setlocale(LC_ALL, "C.UTF-8"); }
     IF("flush") { flush_subnormals(true, true); }

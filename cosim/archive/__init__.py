@@ -4,6 +4,6 @@
 can be true; ``members`` writes one after another, every byte counted; ``unpacked`` is the cache.
 """
 
-from cosim.archive.unpacked import unpack
+from cosim.archive.unpacked import restore, unpack
 
-__all__ = ["unpack"]
+__all__ = ["restore", "unpack"]

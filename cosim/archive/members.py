@@ -23,7 +23,7 @@ _FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, O
 
 
 def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
-    """Unpack an archive into a new folder; return the size (bytes) of each file by its path.
+    """Unpack an archive into a new folder; return the CRC-32 of each file by its path.
 
     Raises
     ------
@@ -41,15 +41,16 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
         places = directory.check_members(members, stated)
         _check_room(members, folder.parent)
         folder.mkdir()
-        sizes: dict[str, int] = {}
+        checks: dict[str, int] = {}
         for path, member in zip(places, members, strict=True):
             target = folder / path
             if directory.is_folder(member):
                 target.mkdir(parents=True, exist_ok=True)
             else:
                 target.parent.mkdir(parents=True, exist_ok=True)
-                sizes[str(path)] = _extract_file(archive, member, target)
-        return sizes
+                _extract_file(archive, member, target)
+                checks[str(path)] = member.CRC
+        return checks
 
 
 def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
@@ -59,8 +60,8 @@ def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
         raise Refused(f"{total} bytes when unpacked, but only {free} are free in {folder}")
 
 
-def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> int:
-    """Write one file, not a byte more than was declared; return its size."""
+def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:
+    """Write one file, not a byte more than was declared."""
     what, size = f"member {shown(member.orig_filename)} is damaged", 0
     with _blaming(what), archive.open(member) as source, target.open("xb") as copy:
         while chunk := source.read(_CHUNK):
@@ -73,7 +74,6 @@ def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Pat
             f"{what}: {size} bytes, expected {member.file_size} as its header says;"
             " copy or export the archive again"
         )
-    return size
 
 
 @contextmanager

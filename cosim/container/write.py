@@ -98,6 +98,8 @@ def write_fmu(
     identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
     times = experiment or DefaultExperiment()
     fmus = system.components.values()
+    for fmu in fmus:
+        fmu.restore()
 
     def described(token: str) -> str:
         return model_description(

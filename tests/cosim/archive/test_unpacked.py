@@ -10,7 +10,7 @@ import pytest
 
 import cosim
 from benchmarks.hostile.zips import DEFLATE, Member, zipped
-from cosim.archive import members, unpack
+from cosim.archive import members, unpack, unpacked
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}
 
@@ -54,11 +54,34 @@ def test_a_whole_folder_is_not_unpacked_again(archive, monkeypatch):
     assert opened(archive)[1] == CONTENT
 
 
-@pytest.mark.parametrize("damage", ["remove", "shorten", "folder", "list", "broken list"])
-def test_a_damaged_folder_is_made_anew(room, archive, damage):
+DAMAGES = ["remove", "shorten", "change", "change, with the old times", "add", "add a folder"]
+DAMAGES += ["link", "link the folder", "folder", "list", "broken list", "other list"]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_folder_is_made_anew(room, archive, damage, tmp_path):
     folder, _ = opened(archive)
     listed = folder.with_suffix(".json")
-    if damage == "remove":
+    text, times = folder / "a.txt", (folder / "a.txt").stat()
+    if damage.startswith("change"):
+        text.write_bytes(b"TEXT")
+        if damage != "change":
+            os.utime(text, ns=(times.st_atime_ns, times.st_mtime_ns))
+    elif damage == "add":
+        (folder / "folder" / "c").touch()
+    elif damage == "add a folder":
+        (folder / "d").mkdir()
+        (folder / "d" / "c").touch()
+    elif damage == "link":
+        (tmp_path / "elsewhere").write_bytes(text.read_bytes())
+        text.unlink()
+        text.symlink_to(tmp_path / "elsewhere")
+    elif damage == "link the folder":
+        (folder / "folder").rename(tmp_path / "moved")
+        (folder / "folder").symlink_to(tmp_path / "moved")
+    elif damage == "other list":
+        listed.write_text('{"a.txt": 4, "folder/b.bin": 25344}')
+    elif damage == "remove":
         (folder / "a.txt").unlink()
     elif damage == "shorten":
         os.truncate(folder / "folder" / "b.bin", 7)
@@ -74,6 +97,18 @@ def test_a_damaged_folder_is_made_anew(room, archive, damage):
     again, content = opened(archive)
     assert (again, content) == (folder, CONTENT)
     assert {p.name for p in room.iterdir()} == {folder.name, listed.name}
+
+
+@pytest.mark.usefixtures("room")
+def test_a_copy_of_the_same_content_is_not_unpacked_again(archive, monkeypatch):
+    """Other times and inodes, as of a cache that was copied: noted once."""
+    folder, _ = opened(archive)
+    (folder / "a.txt").unlink()
+    (folder / "a.txt").write_bytes(CONTENT["a.txt"])
+    monkeypatch.setattr(members.zipfile, "ZipFile", None)
+    assert opened(archive)[1] == CONTENT
+    monkeypatch.setattr(unpacked, "_check", None)
+    assert opened(archive)[1] == CONTENT
 
 
 def test_ctrl_c_leaves_nothing(room, archive, monkeypatch):

@@ -1,0 +1,66 @@
+"""An FMU that writes into its unpacked files spoils no later run."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+import cosim
+from benchmarks.hostile import fmus
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
+
+
+@pytest.fixture
+def writer(tmp_path):
+    return fmus.write(tmp_path / "writer.fmu", "DoStep rewrite")
+
+
+def behaviour(fmu):
+    return (fmu.folder / "resources" / "behaviour.txt").read_text()
+
+
+def alone(fmu):
+    system = cosim.System("alone")
+    system.add("a", fmu)
+    return system
+
+
+def test_every_command_finds_what_was_packed(writer):
+    for _ in range(3):
+        for how in ("--isolate", "--no-isolate"):
+            command = [sys.executable, "-m", "stickslip", "simulate", str(writer), how]
+            done = subprocess.run(command, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+
+
+def test_every_preparation_finds_what_was_packed(writer):
+    """With one Fmu object, in children: a library that is loaded here stays loaded."""
+    fmu = cosim.Fmu(writer)
+    for _ in range(3):
+        with alone(fmu).prepare(step=0.01, stop=0.1, isolation="process") as simulation:
+            assert behaviour(fmu) == "DoStep rewrite"
+            simulation.run()
+        assert behaviour(fmu) == "DoStep abort  "
+    assert behaviour(cosim.Fmu(writer)) == "DoStep rewrite"
+
+
+def test_a_container_holds_what_was_packed(writer, tmp_path):
+    fmu = cosim.Fmu(writer)
+    with alone(fmu).prepare(step=0.01, stop=0.1, isolation="process") as simulation:
+        simulation.run()
+    path = cosim.write_fmu(alone(fmu), tmp_path / "packed.fmu", step=0.01)
+    with zipfile.ZipFile(path) as archive:
+        (name,) = (n for n in archive.namelist() if n.endswith("behaviour.txt"))
+        assert archive.read(name) == b"DoStep rewrite"
+
+
+def test_an_archive_that_was_changed_too_is_named(writer):
+    fmu = cosim.Fmu(writer)
+    (fmu.folder / "resources" / "behaviour.txt").write_text("")
+    fmus.write(writer, "never")
+    with pytest.raises(cosim.FmuError, match=r"writer\.fmu: .* so was the archive itself"):
+        alone(fmu).prepare(step=0.01, stop=0.1)
