@@ -36,6 +36,8 @@ FOLLOWS, EQUALS = 2.0, 1.25
 """Ratio up to which a signal follows its command, and a velocity is the position's derivative."""
 LATE, FILTERED = 0.1, 0.01
 """Share of the log by which a signal may be later than its command, and a velocity late."""
+CUTOFF = 0.02
+"""Of the low-pass before a comparison, in sampling frequencies because the time may be wrong."""
 FASTER, SLOWER = 200.0, 20.0
 """How much faster or slower than its log a controller may run."""
 
@@ -60,7 +62,7 @@ def near_factor(ratio: float) -> Factor | None:
 def contradictions(reading: Reading) -> Iterator[Finding]:
     """Yield pairs of signals, and a controller, that contradict each other by their scale."""
     recording, units = reading.recording, reading.units
-    motion = kinematics(recording)
+    motion = kinematics(recording, CUTOFF / recording.T_s)
     signals: dict[str, Array] = {
         role: smoothed(signal, recording.T_s, motion.cutoff)
         for role in units
@@ -125,7 +127,7 @@ def _image(a: Array, b: Array, late: float) -> _Image | None:
     lags = lags[len(a) - 1 - reach : len(a) + reach]
     if lags.max() >= ALIKE:
         return _Image(sizes[1] / sizes[0], float(lags.max()))
-    if lags.min() <= -ALIKE and lags.max() < ALIKE / 2:
+    if lags.min() <= -SAME and lags.max() < ALIKE / 2:
         return _Image(-sizes[1] / sizes[0], -float(lags.min()))
     return None
 
