@@ -225,7 +225,9 @@ def _addresses(fmu: Fmu, library: Library) -> list[int]:
         + "R" * fmu.restores_state
     )
     return [
-        0 if name == "-" or not set(reasons) & set(needs) else library.address(name)
+        0
+        if name in {"-", library.lacks_reset} or not set(reasons) & set(needs)
+        else library.address(name)
         for name, reasons in mirror.facade_calls(fmu.version)
     ]
 

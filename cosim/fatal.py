@@ -19,6 +19,11 @@ def declare(binary: Path) -> None:
         _times[binary] += 1
 
 
+def none() -> bool:
+    """Return whether no FMU is."""
+    return not _times
+
+
 def times(binary: Path) -> int:
     """Return how often; an instance made when it was less may not be called."""
     return _times[binary]

@@ -28,6 +28,7 @@ class Library:
     Attributes
     ----------
     calls : addresses in the order of the kernel's table; none for Model Exchange
+    lacks_reset : the name of the function, where the binary does not have it
     resources : where the FMU finds its resources: a URI in FMI 2.0, a path in FMI 3.0
 
     Raises
@@ -42,9 +43,10 @@ class Library:
         self._library = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
         self.calls: list[int] = []
+        self.lacks_reset = self._missing_reset()
         self.resources = folder.as_uri() if fmu.version == 2 else f"{folder}{os.sep}"
         if fmu.interface == "co_simulation":
-            self.calls = [self.address(name) for name in kernel.calls(fmu.version)]
+            self.calls = self._step_calls()
 
     def accessor(self, type_name: str, verb: str) -> tuple[str, int, Any]:
         """Return name, address and C type of the function that sets or gets a type.
@@ -84,6 +86,21 @@ class Library:
             raise self._lacks(name) from None
         return ctypes.cast(function, ctypes.c_void_p).value or 0
 
+    def _missing_reset(self) -> str:
+        name = f"fmi{self._fmu.version}Reset"
+        try:
+            self.address(name)
+        except FmuError:
+            return name
+        return ""
+
+    def _step_calls(self) -> list[int]:
+        """Return what the kernel needs; without a reset an FMU can be run, too."""
+        return [
+            0 if name == self.lacks_reset else self.address(name)
+            for name in kernel.calls(self._fmu.version)
+        ]
+
     def _lacks(self, name: str) -> FmuError:
         return FmuError(
             f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
@@ -107,8 +124,8 @@ class UnloadedLibrary(Library):
             self._names = toolchain.interface(fmu.binary.read_bytes()).exports
         except (toolchain.NotALibrary, OSError) as fault:
             raise FmuError(f"{fmu.binary}: {fault}") from fault
-        names = kernel.calls(fmu.version) if fmu.interface == "co_simulation" else []
-        self.calls = [self.address(name) for name in names]
+        self.lacks_reset = self._missing_reset()
+        self.calls = self._step_calls() if fmu.interface == "co_simulation" else []
 
     def address(self, name: str) -> int:
         """Return 0 for a function that is there, see Library."""

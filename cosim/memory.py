@@ -15,6 +15,7 @@ from cosim.result import Array
 from cosim.span import Span
 
 Room = Callable[[tuple[int, int]], Array]
+_MOST_APART = 2**23  # numbers of the rows of a repetition
 
 
 class Memory:
@@ -47,7 +48,6 @@ class Memory:
         self._recorded = 0 if layout.whole or self._only_last else len(self._columns)
         self._every = record.every
         self._record: Array = np.empty((len(time[:: record.every]), 0))
-        run.used_again = not layout.whole
         run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
         run.n_selected = self._recorded
         run.every = record.every
@@ -55,26 +55,35 @@ class Memory:
         sums = (kernel.SumOfSquares * len(entries))(*entries)
         run.sums, run.n_sums = sums, len(entries)
         self._sums = dict(zip(layout.summed, sums, strict=True))
-        if not layout.whole:
-            self._rows: Array = np.empty((run.block + 1, run.width))
-            run.rows = self._rows.ctypes.data
+        self._whole = layout.whole
+        self._rows: Array
+        self._block: Array = np.empty((0 if layout.whole else run.block + 1, run.width))
+        self._take(self._block, used_again=not layout.whole)
 
-    def prepare(self, external: Array) -> None:
+    def prepare(self, external: Array, *, apart: bool = False) -> None:
         """Make room for a run.
 
         Parameters
         ----------
         external : (n_steps + 1, number of exposed inputs)
+        apart : whether it is a repetition: not in the room of results, and with all rows where
+            they are not too many
         """
         run = self._run
         self._external = external
         run.external = external.ctypes.data if external.size else None
-        if not run.used_again:
-            self._rows = self._room((run.n_steps + 1, run.width))
-            run.rows = self._rows.ctypes.data
+        room = np.empty if apart else self._room
+        if self._whole or (apart and (run.n_steps + 1) * run.width <= _MOST_APART):
+            self._take(room((run.n_steps + 1, run.width)), used_again=False)
+        elif self._rows is not self._block:
+            self._take(self._block, used_again=True)
         if self._recorded:
-            self._record = self._room((len(self._time[:: self._every]), self._recorded))
+            self._record = room((len(self._time[:: self._every]), self._recorded))
             run.record = self._record.ctypes.data
+
+    def rows(self) -> Array:
+        """Return the rows of all signals up to the last step done; none where they are not kept."""
+        return self._rows[: 0 if self._rows is self._block else max(self._run.done + 1, 0)]
 
     def state(self) -> Array:
         """Return the signals at the end of the last step done, and the sums up to there."""
@@ -115,7 +124,7 @@ class Memory:
         if self._only_last:
             return self._time[last : last + 1], self._row(last)[self._columns][None]
         begin, end = -(-first // self._every), last // self._every + 1
-        record = self._record if self._run.used_again else self._rows
+        record = self._rows if self._whole else self._record
         time = self._time[begin * self._every : last + 1 : self._every]
         values: Array = record[begin:end]
         if ended and last % self._every:
@@ -127,6 +136,10 @@ class Memory:
     def sums(self) -> dict[str, float]:
         """Return the sums of squares by label."""
         return {label: entry.sum for label, entry in self._sums.items()}
+
+    def _take(self, rows: Array, *, used_again: bool) -> None:
+        self._rows = rows
+        self._run.rows, self._run.used_again = rows.ctypes.data, used_again
 
     def _row(self, step: int) -> Array:
         row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]

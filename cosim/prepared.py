@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from cosim import fatal, kernel
+from cosim import fatal, kernel, resets
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling
 from cosim.errors import SimulationError
@@ -76,6 +76,9 @@ class Prepared:
         for fmu in {fmu.folder: fmu for fmu in system.components.values()}.values():
             fmu.restore()
         self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+        for name, library in self._libraries.items():
+            if library.lacks_reset:
+                self._declare_unresettable([name], f"it has no function {library.lacks_reset}")
         self._run, self._facades = wire(
             system,
             self._layout,
@@ -98,6 +101,9 @@ class Prepared:
             system, self._layout, groups, self._libraries, coupling, self._facades
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
+        self._moved = np.zeros(len(self.order), np.uint8)
+        self._began = np.empty(self._run.width)
+        self._run.moved, self._run.began = self._moved.ctypes.data, self._began.ctypes.data
         self._coupled.attach(self._run)
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -174,8 +180,42 @@ class Prepared:
                 given.add(slot.instance)
         self._ready = True
 
+    def _declare_unresettable(self, names: Sequence[str], what: str) -> None:
+        """Note that components cannot be used again after a reset, and what shows it."""
+        self._declare(
+            names, "cannot be used again after a reset", what, "each run has a new instance of it"
+        )
+
+    def _declare_erratic(self, names: Sequence[str], what: str) -> None:
+        """Note that new instances of components do not do the same, and what shows it."""
+        self._declare(
+            names,
+            "gives other results in the same run with another new instance",
+            what,
+            "it cannot be seen whether a reset works, so each run has new instances",
+        )
+
+    def _declare(self, names: Sequence[str], fault: str, what: str, consequence: str) -> None:
+        fmus = [self.spec.system.components[name] for name in names]
+        each = [f"{name} ({fmu.path.name})" for name, fmu in zip(names, fmus, strict=True)]
+        who = each[0] if len(each) == 1 else f"one of {', '.join(each)}"
+        line = f"{who} {fault}: {what}; {consequence}"
+        resets.declare([fmu.binary for fmu in fmus], line)
+
+    def _renew(self, names: Iterable[str]) -> None:
+        """Free the used instances of components; the next run has new ones."""
+        self._bury()
+        used = [slot for slot in map(self._slots.__getitem__, names) if slot.used and slot.instance]
+        if used:
+            self._ready = False
+            self._kernel.forget(self._run)
+        for slot in used:
+            self._kernel.release(slot)
+
     def _bury(self) -> None:
         """Let go of instances whose FMU answered fatal, here or elsewhere, without a call."""
+        if fatal.none():
+            return
         for name, slot in self._slots.items():
             if self._born.get(name, 0) < fatal.times(self.spec.system.components[name].binary):
                 self._lose(name, slot)
@@ -237,7 +277,7 @@ class Prepared:
             self._cancel(name, slot, facade)
         elif run.call.endswith(b"Reset"):
             self._kernel.forget(run)
-            self._kernel.release(slot)  # the next run instantiates it anew
+            self._kernel.release(slot)
         return SimulationError(message)
 
     def _cancel(self, name: str, slot: kernel.Component, facade: Facade | None) -> None:

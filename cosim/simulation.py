@@ -13,14 +13,14 @@ from cosim.coupling import Coupling
 from cosim.disturbances import held_values, hold_values
 from cosim.ending import last_outputs
 from cosim.errors import ExperimentError, SimulationError
+from cosim.repeated import RESUMED, Repeated
 from cosim.result import Result
 from cosim.scenario import Scenario
 from cosim.signals import Input
 from cosim.state import StateAccess
-from cosim.stepping import Stepping
 
 
-class Simulation(Stepping):
+class Simulation(Repeated):
     """Runs a system. Life: ``prepare`` -> any number of ``run`` -> ``close`` (or ``with``).
 
     One thread at a time; other threads prepare their own from ``spec``. A run leaves the
@@ -45,6 +45,10 @@ class Simulation(Stepping):
         progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
+
+        The result is that of new instances. The second run is done twice to see whether a reset
+        achieves this; where it does not, each run has new instances of that FMU, and a warning is
+        logged once.
 
         Parameters
         ----------
@@ -71,9 +75,15 @@ class Simulation(Stepping):
         """
         values = self._values(parameters or {})
 
+        last = self._place(until)
+
         def attempt() -> Result:
-            self._begin(values, self._feed(values, inputs or {}, scenario))
-            return self._step(0, self._place(until), real_time, progress)
+            external = self._feed(values, inputs or {}, scenario)
+
+            def go(repeated: bool) -> Result:
+                return self._step(0, last, real_time, None if repeated else progress)
+
+            return self._repeatable(values, external, go, repeats=real_time is None)
 
         return self._carefully(attempt)
 
@@ -144,9 +154,7 @@ class Simulation(Stepping):
             )
         parameters = self.spec.system.parameters
 
-        def attempt() -> Result:
-            external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
-            self._begin(parameters, external)
+        def go(_: bool) -> Result:
             self._advance(0)  # initialised, the FMUs are in a mode that takes a state
             try:
                 for name in self.order:
@@ -159,6 +167,12 @@ class Simulation(Stepping):
                 raise SimulationError(f"{path}: the saved state is damaged: {fault!r}") from fault
             self._compare(path, checkpoint)
             return self._step(checkpoint.step, last, real_time, progress)
+
+        def attempt() -> Result:
+            external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
+            result = self._repeatable(parameters, external, go, repeats=False)
+            self._traces.add(RESUMED)
+            return result
 
         return self._carefully(attempt)
 

@@ -11,7 +11,7 @@ import numpy as np
 from cosim import kernel
 from cosim.disturbances import disturb
 from cosim.ending import Ending, ending, last_outputs
-from cosim.errors import ExperimentError, ParameterError
+from cosim.errors import ExperimentError, ParameterError, SimulationError
 from cosim.input_events import InputEvents, courses, joined
 from cosim.pace import Pace
 from cosim.prepared import Prepared
@@ -26,11 +26,19 @@ from cosim.variables import Value
 _log = logging.getLogger(__name__)
 
 
-class _Discarded(Exception):
+class Discarded(Exception):
     """A component discarded a step that it can do in parts."""
 
     def __init__(self, component: str) -> None:
         super().__init__(component)
+        self.component = component
+
+
+class NotReset(SimulationError):
+    """The reset of a component failed; its instance is gone."""
+
+    def __init__(self, component: str, message: str) -> None:
+        super().__init__(message)
         self.component = component
 
 
@@ -80,6 +88,7 @@ class Stepping(Prepared):
         """Prepare what a scenario does; return the names of the signals that it touches."""
         run, system = self._run, self.spec.system
         self._starts = values
+        self._changed: frozenset[str] = frozenset()
         if not (scenario or run.disturbed or run.n_changes):
             return ()
         tables = scenario.tables(self.time) if scenario else {}
@@ -87,16 +96,18 @@ class Stepping(Prepared):
         disturb(self._disturbances, self._layout, run, self._slots, external, ends)
         self._changes = tune(changed, values, system, self._libraries, self._facades)
         run.changes = in_order(self._changes, self.order)
-        run.n_changes, run.next_change = len(self._changes), 0
+        run.n_changes = len(self._changes)
+        self._changed = frozenset(changed)
         return self._disturbances.keys()
 
-    def _begin(self, values: Mapping[str, Value], external: Array) -> None:
-        """Make FMUs, start values and memory ready for a new run."""
+    def _begin(self, values: Mapping[str, Value], external: Array, *, apart: bool = False) -> None:
+        """Make FMUs, start values and memory, apart for a repetition, ready for a new run."""
         if values.keys() != self._settings.names:
             self._attach(self._new_settings(values))
         self._settings.fill(values)
         self._instantiate()
-        self._memory.prepare(external)
+        self._memory.prepare(external, apart=apart)
+        self._run.next_change = 0
         self._halted = False
         self._run.done = -1
 
@@ -132,11 +143,16 @@ class Stepping(Prepared):
         return self._result(*self._memory.kept(first, last))
 
     def _carefully(self, attempt: Callable[[], Result]) -> Result:
-        """Run; again, and with more care, where an FMU discards a step that it can take back."""
+        """Run; again, and with more care, where an FMU discards a step that it can take back.
+
+        Where a reset fails, the run is done with a new instance.
+        """
         while True:
             try:
                 return attempt()
-            except _Discarded as discarded:
+            except NotReset as fault:
+                self._declare_unresettable([fault.component], str(fault))
+            except Discarded as discarded:
                 _log.info("%s discards steps: they are tried in parts", discarded.component)
                 self._careful.add(discarded.component)
                 self.close()
@@ -155,8 +171,10 @@ class Stepping(Prepared):
             end = ending(self._run, self._slots[name], facade, self._libraries[name])
             if end is None:
                 if self._can_take_back(name):
-                    raise _Discarded(name)
-                raise self._failure()
+                    raise Discarded(name)
+                call = self._run.call
+                error = self._failure()
+                raise NotReset(name, str(error)) if call.endswith(b"Reset") else error
             return end
         if outcome == kernel.HALTED:
             self._halted = True

@@ -30,10 +30,11 @@ typedef enum {
     STATES,  /* status 0: FMI 3.0 has 2^40 states */
     SAY,     /* the n-th DoStep logs the status, and returns OK */
     SILENT,  /* the n-th DoStep returns the status, and logs nothing */
+    KEEP,    /* Reset does nothing, and initialisation leaves x as it is */
     N_FAULTS
 } Fault;
-static const char *const WORDS[] = {"",      "Output", "Freeze", "Nothing", "Size",  "Long",
-                                    "Slope", "Event",  "States", "Say",     "Silent"};
+static const char *const WORDS[] = {"",      "Output", "Freeze", "Nothing", "Size",   "Long",
+                                    "Slope", "Event",  "States", "Say",     "Silent", "Keep"};
 
 typedef struct {
     double u, x, k, t;
@@ -120,6 +121,9 @@ static int plain(Model *c, const char *name) {
 
 static int reset(Model *c) {
     ANSWER("Reset");
+    if (fault == KEEP) {
+        return said;
+    }
     c->u = c->x = c->t = 0.0;
     c->k = 1.0;
     return said;
@@ -127,7 +131,7 @@ static int reset(Model *c) {
 
 static int start(Model *c) {
     ANSWER("EnterInitializationMode");
-    c->x = c->k;
+    c->x = fault == KEEP ? c->x : c->k;
     return said;
 }
 

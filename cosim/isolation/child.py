@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
+from cosim import resets
 from cosim.isolation.answers import LOST, receive, send
 from cosim.isolation.shared import Shared
 from cosim.kernel import marks
@@ -46,6 +47,7 @@ def main(name: str, size: int, token: bytes) -> None:
     order = _receive(requests, token)
     marks.use(shared.mark, Path(order["kernel"]))
     _limit(order["memory"])
+    resets.lines.update(order["resets"])
     reply()
     served = _Served(order["specification"], shared, reply)
     what = ""
@@ -92,10 +94,12 @@ class _Served:
             answer = {"error": type(error).__name__, "message": str(error)}
             if isinstance(error, OSError) and error.filename:
                 answer["file"] = [error.errno, error.strerror, str(error.filename)]
-        self._reply(**answer, logged=self._logged.take())
+        known = {str(binary): line for binary, line in resets.lines.items()}
+        self._reply(**answer, logged=self._logged.take(), resets=known)
 
     def prepare(self) -> dict[str, object]:
         self._simulation = Simulation(self._specification, self._room)
+        self._simulation.before_repetition = lambda: self._reply(repeats=True)
         return {"accuracy": self._simulation.accuracy}
 
     def run(self, **arguments: Any) -> dict[str, object]:

@@ -17,7 +17,7 @@ from pathlib import Path
 from queue import Empty
 from typing import IO, TYPE_CHECKING, NoReturn
 
-from cosim import kernel
+from cosim import kernel, resets
 from cosim.errors import FmuCrashed
 from cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from cosim.isolation.parcel import pack
@@ -58,6 +58,10 @@ class Process:
     ----------
     order : names of the components as they step
     n : numbers that a result may have
+
+    Attributes
+    ----------
+    repeats : whether it repeats the run that it was asked for, to see what a reset does
     """
 
     def __init__(
@@ -66,9 +70,12 @@ class Process:
         self._system, self._order, self._limits = specification.system, order, limits
         self._parent = os.getpid()
         self._printed, self._tail = 0, b""
+        self.repeats = False
         self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
-        parcel = pack(specification, kernel=str(library), memory=limits.memory)
+        parcel = pack(
+            specification, kernel=str(library), memory=limits.memory, resets=dict(resets.lines)
+        )
         made = Made(n)
         self.shared = made.shared
         token = secrets.token_bytes(TOKEN_SIZE)
@@ -114,10 +121,14 @@ class Process:
         FmuCrashed
             When it died of it, or had to be ended; it is gone then.
         """
-        self._clock = _Clock()
+        self._clock, self.repeats = _Clock(), False
         self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         limit = self._limits.timeout or math.inf
-        while "progress" in (reply := self._wait(self._limits.patience + slack, limit)):
+        patience = self._limits.patience + slack
+        while {"progress", "repeats"} & (reply := self._wait(patience, limit)).keys():
+            if "repeats" in reply:  # with as much time again
+                self._clock, self.repeats = _Clock(), True
+                continue
             if self._clock.passed() >= limit:
                 self._die(self._too_long(limit))
             if progress:

@@ -14,6 +14,7 @@ from weakref import finalize
 import numpy as np
 
 import cosim.errors
+from cosim import resets
 from cosim.coupling import Coupling
 from cosim.errors import CosimError, FmuCrashed, SimulationError
 from cosim.experiment import check_memory, check_tolerance, count_steps
@@ -21,6 +22,7 @@ from cosim.isolation.answers import Reply
 from cosim.isolation.parcel import Tabulated, portable_inputs
 from cosim.isolation.process import Process
 from cosim.isolation.settings import Isolation
+from cosim.isolation.verdict import called
 from cosim.layout import Layout
 from cosim.loops import group
 from cosim.pace import Pace
@@ -164,12 +166,26 @@ class IsolatedSimulation(Simulation):
             "real_time": real_time,
             "progress": progress is not None,
         }
-        reply = self._ask(how, arguments, progress, slack)
+        process = self._living()
+        try:
+            reply = self._ask(how, arguments, progress, slack)
+        except FmuCrashed as crash:
+            if not self._ended_by_reuse(process, crash):
+                raise
+            reply = self._ask(how, arguments, progress, slack)
         self._effort = reply["effort"]
         if real_time and reply["pace"]:
             looks, overruns, worst = reply["pace"]
             self.pace = Pace(real_time, looks=looks, overruns=overruns, worst=worst)
         return self._result_of(reply)
+
+    def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
+        """Whether a child with new instances would not have come to this end."""
+        mark = process.shared.mark
+        if process.repeats:
+            name = called(mark, self.order)
+            self._declare_unresettable([name] if name else self.order, str(crash))
+        return process.repeats or mark.call.endswith((b"Reset", b"FreeInstance"))
 
     def _result_of(self, reply: Reply) -> Result:
         """Take a result out of the memory that both see, before the next run overwrites it."""
@@ -193,8 +209,12 @@ class IsolatedSimulation(Simulation):
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise
+        known: dict[str, str] = reply.get("resets", {})
+        for line in dict.fromkeys(known.values()):
+            resets.declare([Path(binary) for binary in known if known[binary] == line], line)
         for level, line in reply.get("logged", ()):
-            _log.log(level, line)
+            if line not in known.values():
+                _log.log(level, line)
         if "error" in reply:
             _raise(reply)
         return reply

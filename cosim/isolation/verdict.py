@@ -56,8 +56,7 @@ def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> F
     order : names of the components as they step
     """
     call = mark.call.decode(errors="replace") or "its process"
-    place = _place(mark, len(order))
-    name = mark.name.decode(errors="replace") if place is None else order[place]
+    name = called(mark, order) or mark.name.decode(errors="replace")
     if name in system.components:
         name = f"{name} ({system.components[name].path.name})"
     name = name or ", ".join(sorted({fmu.path.name for fmu in system.components.values()}))
@@ -68,11 +67,12 @@ def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> F
     return FmuCrashed(f"{name}: {call} {death.what}{when}{said}")
 
 
-def _place(mark: Mark, n: int) -> int | None:
+def called(mark: Mark, order: Sequence[str]) -> str | None:
+    """Return the component that was called, None where the kernel called none."""
     if not (mark.component and mark.first):
         return None
     place, rest = divmod(mark.component - mark.first, ctypes.sizeof(kernel.Component))
-    return None if rest or not 0 <= place < n else int(place)
+    return None if rest or not 0 <= place < len(order) else order[place]
 
 
 def _signal_name(number: int) -> str:

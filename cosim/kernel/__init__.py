@@ -191,6 +191,8 @@ class Run(Structure):
         ("event", c_int64),
         ("event_end", c_int64),
         ("within", c_int64),
+        ("moved", c_void_p),
+        ("began", c_void_p),
     )
 
 

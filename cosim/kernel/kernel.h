@@ -210,6 +210,8 @@ typedef struct {
     int64_t event;              /* the next one */
     int64_t event_end;          /* the number of its step's end; 0 where none follows */
     int64_t within;             /* not 0: in a part of a step that another one follows */
+    uint8_t *moved; /* n_components, or NULL: is set where outputs are not what they began with */
+    double *began;  /* (width), or NULL: the first row */
 } Run;
 
 EXPORT const char *fmi2_calls(void); /* names separated by blanks */

@@ -92,6 +92,18 @@ static bool trace_back(Run *run, int64_t first) {
     return false;
 }
 
+/* Note which components have moved in the rows first to last; one that is noted is not looked at.
+ */
+static void note_moved(Run *run, int64_t first, int64_t last) {
+    for (int64_t i = 0; run->moved && i < run->n_components; i++) {
+        const Component *c = &run->components[i];
+        const size_t size = c->n_outputs * sizeof(double);
+        for (int64_t n = first; n <= last && !run->moved[i] && size; n++) {
+            run->moved[i] = memcmp(row_of(run, n) + c->column, run->began + c->column, size) != 0;
+        }
+    }
+}
+
 /* Check the rows up to the last step done, and record what is kept of them. */
 static bool close_rows(Run *run) {
     const int64_t first = run->closed + 1, last = run->done;
@@ -102,6 +114,7 @@ static bool close_rows(Run *run) {
         }
     }
     record_rows(run, first, last);
+    note_moved(run, first, last);
     run->closed = last;
     return true;
 }
@@ -166,6 +179,9 @@ static enum Outcome go_on(Run *run) {
             return FAILED;
         }
         run->done = 0;
+        if (run->began) {
+            memcpy(run->began, run->rows, (size_t)run->width * sizeof *run->began);
+        }
         add_squares(run, 0, run->rows);
         if (!close_rows(run)) {
             return FAILED;

@@ -10,7 +10,7 @@ import pytest
 
 import cosim
 from benchmarks.hostile import faults
-from cosim import Adaptive, Coupling
+from cosim import Adaptive, Coupling, resets
 
 # function -> (its name in FMI 2.0 and 3.0, which call fails)
 COMMON = {
@@ -131,12 +131,18 @@ def recovers(kind, function, status):
     return status == DISCARD and (tried_again or by_solver)
 
 
+def words_of(version, status):
+    unknown = f"returned the unknown status {status}"
+    return unknown if version == 3 and status == 5 else WORDS.get(status, unknown)
+
+
 @pytest.mark.parametrize(("version", "kind", "function"), CASES)
-def test_every_status(rigs, version, kind, function, caplog):
+def test_every_status(rigs, version, kind, function, caplog, monkeypatch):
     rig = rigs(version, kind)
     *names, nth = NAMES[function]
     call = names[version - 2]
     for status in STATUSES:
+        monkeypatch.setattr(resets, "lines", {})
         rig.arm()
         caplog.clear()
         before_all = rig.counts()
@@ -150,12 +156,16 @@ def test_every_status(rigs, version, kind, function, caplog):
                 assert "the FMU says: " in record.getMessage()
             elif recovers(kind, function, status):
                 np.testing.assert_allclose(drive(simulation), before, rtol=0.02)
+            elif function == "Reset":  # a new instance does as well
+                np.testing.assert_array_equal(drive(simulation), before)
+                (record,) = caplog.records
+                words = words_of(version, status)
+                assert f"cannot be used again after a reset: a: {call} {words}" in record.message
+                assert "the FMU says: " in record.message
             else:
                 with pytest.raises(cosim.SimulationError) as error:
                     drive(simulation)
-                unknown = f"returned the unknown status {status}"
-                words = unknown if version == 3 and status == 5 else WORDS.get(status, unknown)
-                assert str(error.value).startswith(f"a: {call} {words}")
+                assert str(error.value).startswith(f"a: {call} {words_of(version, status)}")
                 assert (
                     " t = " in str(error.value)
                     or "initialisation" in str(error.value)
@@ -168,6 +178,25 @@ def test_every_status(rigs, version, kind, function, caplog):
         assert abused == 0
         assert alive == (status == FATAL)
         assert states == 0 or status == FATAL
+
+
+@pytest.mark.parametrize(
+    ("version", "kind"), sorted({(version, kind) for version, kind, _ in CASES})
+)
+def test_a_reset_that_does_nothing(rigs, version, kind, caplog, monkeypatch):
+    monkeypatch.setattr(resets, "lines", {})
+    rig = rigs(version, kind)
+    rig.arm("Keep 0 0")
+    before = rig.counts()
+    with rig.prepare() as simulation:
+        expected = drive(simulation)
+        for _ in range(3):
+            np.testing.assert_array_equal(drive(simulation), expected)
+    rig.arm()
+    (record,) = caplog.records
+    assert record.message.startswith("a (")
+    assert "cannot be used again after a reset: a.y is " in record.message
+    np.testing.assert_array_equal(rig.counts(), before)
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -1,0 +1,306 @@
+"""Each run of a prepared simulation is that of a new simulation, whatever a reset does."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+import cosim
+import ga
+import toolchain
+from cosim import resets
+
+STEP, STOP = 0.05, 0.5  # 10 steps; see unreset.c
+SOUND = "*m = fresh();"
+RESETS = {
+    "does nothing": "",
+    "keeps what cannot be seen": "*m = fresh(); m->z = old.z;",
+    "keeps its time": "*m = fresh(); m->time = old.time;",
+    "keeps what shows late": "*m = fresh(); m->steps = old.steps / 5;",
+    "loses the start values of parameters": "*m = fresh(); m->k = 0.0;",
+    "loses the start values of inputs": "*m = fresh(); m->u = 0.0;",
+    "keeps parameters": "*m = fresh(); m->k = old.k;",
+    "returns an error": "return 3;",
+    "returns discard": "return 2;",
+    "returns fatal": "return 4;",
+    "does not exist": "missing",
+}
+RUNS = [{"a.k": 2.0}, {"a.k": 2.0}, {"a.k": 5.0}, {}, {"a.k": 2.0}]
+
+
+@pytest.fixture(autouse=True)
+def nothing_known(monkeypatch):
+    """What is known of FMUs is known for good; here each test begins without."""
+    monkeypatch.setattr(resets, "lines", {})
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def write(tmp_path_factory):
+    """Write the FMU of unreset.c: ``write("a", 2, "*m = fresh();")``."""
+    folder, made = tmp_path_factory.mktemp("unreset"), {}
+
+    def write(name, version, reset, noise=0.0, flags=""):
+        key = (name, version, reset, noise, flags)
+        if key in made:
+            return made[key]
+        headers = Path(fmpy.__file__).parent / "c-code"
+        files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
+        files["unreset.c"] = Path(__file__).with_name("unreset.c").read_text()
+        options = [
+            "-DRESET=" + reset.replace("missing", ""),
+            f"-DNOISE={noise}",
+            "-Wno-unused-parameter",
+            "-Wno-variadic-macro-arguments-omitted",
+        ]
+        options += ["-DWITHOUT_RESET", "-Wno-unused-function"] if reset == "missing" else []
+        binary = toolchain.shared_library("unreset", files, flags=tuple(options))
+        platform = toolchain.host_platform()
+        place = platform.fmi2 if version == 2 else platform.tuple
+        path = folder / str(len(made)) / f"{name}.fmu"
+        path.parent.mkdir()
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("modelDescription.xml", describe(version, flags))
+            archive.write(binary, f"binaries/{place}/{binary.name}")
+        made[key] = path
+        return path
+
+    return write
+
+
+def describe(version, flags):
+    rows = [("u", "input", "continuous", 'start="1"'), ("y", "output", "continuous", "")]
+    rows.append(("k", "parameter", "tunable", 'start="0.1"'))
+    variables = ""
+    for i, (name, causality, variability, start) in enumerate(rows):
+        head = f'name="{name}" valueReference="{i}" causality="{causality}"'
+        head += f' variability="{variability}"'
+        variables += (
+            f"<ScalarVariable {head}><Real {start}/></ScalarVariable>"
+            if version == 2
+            else f"<Float64 {head} {start}/>"
+        )
+    if version == 3:
+        variables += '<Float64 name="time" valueReference="9" causality="independent"/>'
+    token, output = (
+        ("guid", '<Outputs><Unknown index="2" dependencies=""/></Outputs>')
+        if version == 2
+        else ("instantiationToken", '<Output valueReference="1" dependencies=""/>')
+    )
+    return (
+        f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" {token}="x"'
+        f' modelName="unreset"><CoSimulation modelIdentifier="unreset" {flags}'
+        f' canHandleVariableCommunicationStepSize="true"/>'
+        f"<ModelVariables>{variables}</ModelVariables>"
+        f"<ModelStructure>{output}</ModelStructure></fmiModelDescription>"
+    )
+
+
+def alone(fmu, *, exposed=True):
+    system = cosim.System("alone")
+    system.add("a", fmu)
+    if exposed:
+        system.expose("u", "a.u")
+    return system
+
+
+def fresh(system, parameters=None, inputs=None, scenario=None, **options):
+    """Return the result of a simulation that is new."""
+    with system.prepare(step=STEP, stop=STOP, **options) as simulation:
+        return simulation.run(parameters, inputs, scenario=scenario)
+
+
+def same(result, expected):
+    np.testing.assert_array_equal(result.time, expected.time)
+    np.testing.assert_array_equal(result.values, expected.values)
+    assert result.sum_of_squares == expected.sum_of_squares
+
+
+def lines(caplog):
+    return [r.getMessage() for r in caplog.records if "cannot be used again" in r.getMessage()]
+
+
+@pytest.mark.parametrize("what", RESETS)
+@pytest.mark.parametrize("isolation", [None, "process"])
+def test_every_run_is_that_of_a_new_simulation(write, version, what, isolation, caplog):
+    system = alone(write("a", version, RESETS[what]), exposed=False)
+    expected = [fresh(system, parameters) for parameters in RUNS]
+    for _ in range(2):
+        with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:
+            for parameters, values in zip(RUNS, expected, strict=True):
+                same(simulation.run(parameters), values)
+    (line,) = lines(caplog)
+    assert line.startswith("a (a.fmu) cannot be used again after a reset: ")
+    assert line.endswith("; each run has a new instance of it")
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        cosim.Record(("a.y",), every=4),
+        cosim.Record((), sum_of_squares={"cost": cosim.Deviation("a.y", 0.5)}),
+        cosim.Record(keep="last"),
+    ],
+)
+@pytest.mark.parametrize("compiled", [False, True])
+def test_with_little_recorded(write, version, record, compiled, caplog):
+    system = alone(write("a", version, RESETS["keeps what cannot be seen"]))
+    expected = fresh(system, record=record)
+    options = {"record": record, "compiled": compiled}
+    with system.prepare(step=STEP, stop=STOP, **options) as simulation:
+        for _ in range(3):
+            same(simulation.run(), expected)
+    assert "a.y is " in lines(caplog)[0]
+
+
+def test_a_sound_reset_is_used(write, version, caplog):
+    """Instances are told by the noise: each has another."""
+    system = alone(write("a", version, "const double k = m->k; *m = fresh(); m->k = k;", 1.0))
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        results = [simulation.run({"a.k": 1.0}).values for _ in range(20)]
+    for values in results:
+        np.testing.assert_array_equal(values, results[0])
+    assert not caplog.records
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        born = simulation.run()["a.y"][1]
+    assert round(born / STEP - 0.1) == 3  # two, and one that is new here
+
+
+@pytest.mark.parametrize("first", ["a", "b"])
+def test_who_is_named_in_a_loop(write, version, first, caplog):
+    system = cosim.System("loop")
+    broken = write("broken", version, RESETS["keeps its time"])
+    system.add("a", broken if first == "a" else write("b", version, SOUND))
+    system.add("b", write("b", version, SOUND) if first == "a" else broken)
+    system.connect("a.y", "b.u")
+    system.connect("b.y", "a.u")
+    for coupling in ("jacobi", "gauss_seidel"):
+        expected = fresh(system, {"a.k": 1.0}, coupling=coupling)
+        with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
+            for _ in range(4):
+                same(simulation.run({"a.k": 1.0}), expected)
+    (line,) = lines(caplog)
+    assert line.startswith(f"{first} (broken.fmu)")
+
+
+def test_two_that_do_not_reset(write, version, caplog):
+    system = cosim.System("two")
+    system.add("a", write("a", version, RESETS["keeps its time"]))
+    system.add("b", write("b", version, RESETS["does nothing"]))
+    system.connect("a.y", "b.u")
+    expected = fresh(system)
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for _ in range(5):
+            same(simulation.run(), expected)
+    assert [line[:9] for line in lines(caplog)] == ["a (a.fmu)", "b (b.fmu)"]
+
+
+def test_a_first_run_at_rest_proves_nothing(write, version, caplog):
+    """Without input and start value nothing happens that a reset could undo."""
+    system = alone(write("a", version, "*m = fresh(); m->z = old.z; m->x = old.x;"))
+    rest, moves = {"u": 0.0}, {"u": 2.0}
+    parameters = {"a.k": 1.0}
+    short = {"step": STEP, "stop": 0.3}
+    expected = []
+    for inputs in (rest, moves):
+        with system.prepare(**short) as simulation:
+            expected.append(simulation.run(parameters, inputs))
+    with system.prepare(**short) as simulation:
+        for i in (0, 0, 1, 1, 0, 1):
+            same(simulation.run(parameters, [rest, moves][i]), expected[i])
+    assert len(lines(caplog)) == 1
+
+
+def test_parameters_that_a_scenario_changed(write, version, caplog):
+    system = alone(write("a", version, RESETS["keeps parameters"]))
+    change = cosim.Scenario().set("a.k", 3.0, at=0.2)
+    expected = {None: fresh(system), change: fresh(system, scenario=change)}
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for scenario in (change, None, change, change, None):
+            same(simulation.run(scenario=scenario), expected[scenario])
+    assert len(lines(caplog)) == 1
+
+
+def test_after_a_run_that_was_halted(write, version):
+    system = alone(write("a", version, "*m = fresh(); m->time = old.time < 0.4 ? old.time : 0;"))
+    expected = fresh(system)
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for until in (None, None, 0.3, None, 0.3, None):
+            same_until = len(expected.time) if until is None else 7
+            values = simulation.run(until=until).values
+            np.testing.assert_array_equal(values, expected.values[:same_until])
+
+
+def test_signals_are_sampled_once(write, version, caplog):
+    """A function that gives other values each time is no fault of the FMU."""
+    system = alone(write("a", version, SOUND))
+    noise = np.random.default_rng(1)
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for _ in range(4):
+            simulation.run(inputs={"u": lambda t: noise.standard_normal(len(t))})
+    assert not caplog.records
+
+
+def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, version, caplog):
+    system = alone(write("a", version, "instances++; *m = fresh();", noise=1.0))
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for _ in range(5):
+            simulation.run()
+    (record,) = caplog.records
+    assert record.getMessage().startswith(
+        "a (a.fmu) gives other results in the same run with another new instance: a.y is "
+    )
+
+
+def test_one_instance_per_process(write, version, caplog):
+    flags = 'canBeInstantiatedOnlyOncePerProcess="true"'
+    system = alone(write("a", version, RESETS["does nothing"], flags=flags))
+    expected = fresh(system)
+    with system.prepare(step=STEP, stop=STOP) as simulation:
+        for _ in range(3):
+            same(simulation.run(), expected)
+    assert len(lines(caplog)) == 1
+
+
+def test_a_crash_on_reset_costs_no_run(write, version, caplog):
+    system = alone(write("a", version, "*(volatile int *)8 = 1;"))
+    expected = fresh(system)
+    with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
+        for _ in range(4):
+            same(simulation.run(), expected)
+    (line,) = lines(caplog)
+    assert f"fmi{version}Reset died of SIGSEGV" in line
+
+
+def test_the_time_limit_is_that_of_one_run(write, version):
+    """A repetition has as much time again."""
+    system = alone(write("a", version, SOUND))
+    limits = cosim.Isolation(timeout=1.5)
+    with system.prepare(step=STEP, stop=STOP, isolation=limits) as simulation:
+        for _ in range(2):
+            simulation.run(progress=str)
+
+
+def largest(result):
+    return float(np.abs(result["a.y"]).max())
+
+
+@pytest.mark.parametrize("where", ["threads", "processes"])
+def test_candidates(write, version, where):
+    system = alone(write("a", version, RESETS["does nothing"]))
+    gains = [3.0, 1.0, 2.0, 1.0, 3.0, 0.5]
+    specification = cosim.Specification(system, STEP, STOP)
+    with (
+        ga.SimulatedCost(specification, ("a.k",), largest) as cost,
+        ga.executor(where, workers=2) as pool,
+    ):
+        found = list(pool.map(cost, [np.array([k]) for k in gains]))
+    assert found == [largest(fresh(system, {"a.k": k})) for k in gains]
