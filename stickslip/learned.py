@@ -7,13 +7,20 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from cosim import Trapezoid
 from cosim.control import VelocityLoop
 from stickslip.errors import UsageError
 from stickslip.estimation import Estimation
-from stickslip.learned_loop import loop_document, read_document, validation_document
-from stickslip.parameters import LUGRE, UNITS, unit_of
+from stickslip.guards import Worth
+from stickslip.learned_loop import (
+    datasheet_document,
+    loop_document,
+    read_document,
+    validation_document,
+)
+from stickslip.parameters import LUGRE, UNITS, at_share, unit_of
 from stickslip.reproduction import Reproduction
-from stickslip.setup import VALIDATION
+from stickslip.setup import VALIDATION, Datasheet
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 
@@ -76,8 +83,7 @@ def estimation_document(
         "judge": estimation.judge,
         "reason": estimation.reason,
         "relative_errors": {
-            name: value if math.isfinite(value) else None
-            for name, value in estimation.figures.errors().items()
+            name: _finite(value) for name, value in estimation.figures.errors().items()
         },
         "evaluations": int(estimation.searches["evaluations"].sum()),
         "seed": seed,
@@ -92,6 +98,31 @@ def estimation_document(
     return document | {"versions": versions()}
 
 
+def trial_document(worth: Worth, command: Trapezoid, sheet: Datasheet) -> dict[str, Any]:
+    """Return what learned.json tells of how a compensator was tried.
+
+    Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
+    """
+    return {
+        "share": {"value": worth.share, "unit": "1"},
+        "validation": validation_document(command),
+        "datasheet": datasheet_document(sheet),
+        "tracking_error": [
+            {
+                "speed": row.speed,
+                "drive": row.drive,
+                "without": _finite(row.without),
+                "with": _finite(row.compensated),
+            }
+            for row in worth.rows
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
 def versions() -> dict[str, str]:
     """Return the versions of the packages that the result depends on."""
     return {package: version(package) for package in PACKAGES}
@@ -100,7 +131,8 @@ def versions() -> dict[str, str]:
 def read_learned(path: Path) -> dict[str, float]:
     """Return the compensator's parameters of a learned.json by name, in SI units.
 
-    LuGre's five, and the exponent ``delta`` where the file has it.
+    LuGre's five, at the ``share`` of their force that the file names, and the exponent ``delta``
+    where the file has it.
 
     Raises
     ------
@@ -114,6 +146,8 @@ def read_learned(path: Path) -> dict[str, float]:
         values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
         if "delta" in document:
             values["delta"] = float(document["delta"]["value"])
+        if "share" in document:
+            values = at_share(values, float(document["share"]["value"]))
     except (ValueError, KeyError, TypeError) as error:
         reason = str(error)
         if isinstance(error, KeyError):

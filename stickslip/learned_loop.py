@@ -2,6 +2,7 @@
 
     "loop": {"K_p": {"value": 4717.4, "unit": "N.s/m"}, ...}     absent in older files
     "validation": {"height": {"value": 0.04, "unit": "m/s"}, ...}
+    "datasheet": {"encoder_step": {"value": 4e-7, "unit": "m"}, ...}
 
 The loop is m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and the gains L_x L_v L_d of a
 velocity filter.
@@ -22,7 +23,7 @@ from cosim.control import Axis, ControlError, VelocityFilter, VelocityLoop, clos
 from stickslip.errors import UsageError
 from stickslip.loop import FEEDS, Feed
 from stickslip.parameters import LUGRE
-from stickslip.setup import VALIDATION
+from stickslip.setup import VALIDATION, Datasheet
 from toolchain import MOST_TEXT, parse_json, read_whole
 
 UNITS = {
@@ -38,6 +39,7 @@ UNITS = {
     "L_v": "1/s",
     "L_d": "N/m",
 }
+DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m"}
 TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
 _GAINS = ("L_x", "L_v", "L_d")
 _AXIS = ("m", "b", "tau_i")
@@ -57,6 +59,11 @@ def validation_document(command: cosim.Trapezoid) -> dict[str, dict[str, Any]]:
     """Return a validation command as plain data, for the entry ``validation``."""
     values = dataclasses.asdict(command)
     return {name: {"value": values[name], "unit": unit} for name, unit in TRAPEZOID.items()}
+
+
+def datasheet_document(sheet: Datasheet) -> dict[str, dict[str, Any]]:
+    """Return what is known of motor and encoder as plain data, for the entry ``datasheet``."""
+    return {name: {"value": getattr(sheet, name), "unit": DATASHEET[name]} for name in DATASHEET}
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -137,6 +144,24 @@ def read_validation(path: Path) -> cosim.Trapezoid:
             f" got {entry}"
         )
     return cosim.Trapezoid(**entry)
+
+
+def read_datasheet(path: Path) -> Datasheet:
+    """Return what a learned.json tells of motor and encoder, the paper's when it tells nothing.
+
+    Raises
+    ------
+    UsageError
+        When the entry names something else, or a value is not above 0.
+    """
+    entry = _entry(path, "datasheet") or {}
+    if not set(entry) <= set(DATASHEET) or not all(
+        value > 0.0 or (name == "tau_i" and value == 0.0) for name, value in entry.items()
+    ):
+        raise UsageError(
+            f"{path}: datasheet: expected {', '.join(DATASHEET)}, each above 0; got {entry}"
+        )
+    return Datasheet(**entry)
 
 
 def read_standard_errors(path: Path) -> dict[str, float]:

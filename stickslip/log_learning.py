@@ -3,35 +3,32 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 import models
-from cosim.control import Axis, ControlError, VelocityLoop, close_velocity_loop
-from stickslip.errors import HarmfulError
 from stickslip.estimation import Estimation, JudgeName, Search, Task, candidate_fmus, learn
-from stickslip.guards import Trial, inspect, refuse_worse
-from stickslip.learned import estimation_document
+from stickslip.estimation.certainty import NOT_VISIBLE
+from stickslip.learned import estimation_document, trial_document
 from stickslip.learned_report import FILES as REPORT
-from stickslip.learned_report import write_estimation_report
-from stickslip.loop import build_fmus
-from stickslip.parameters import LUGRE
+from stickslip.learned_report import section_worth, write_estimation_report
+from stickslip.log_trial import LogTrial, try_compensator
+from stickslip.parameters import LUGRE, at_share
 from stickslip.recording import (
     Description,
     Finding,
     Reading,
+    aligned,
     check_recording,
     check_units,
     implausible_mass,
     raise_errors,
     read_recording,
+    samples_late,
 )
 from stickslip.result_folder import staged
-from stickslip.setup import VALIDATION, Datasheet
 from toolchain import write_whole
 
 FILES = ("learned.json", "compensator.fmu", *REPORT)
@@ -45,19 +42,48 @@ class LogLearning:
     Attributes
     ----------
     findings : of reading and checks
-    loop : the velocity loop of the log's controller around the learned axis; None where it has none
+    trial : of the compensator in a loop; None where no loop can be closed
     """
 
     reading: Reading
     findings: tuple[Finding, ...]
     estimation: Estimation
-    loop: VelocityLoop | None
+    trial: LogTrial | None
     seed: int
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The compensator's parameters by name, in SI units."""
-        return self.estimation.compensator
+        """The compensator's parameters by name, in SI units, at the share of its force tried."""
+        share = self.trial.worth.share if self.trial else 1.0
+        return at_share(self.estimation.compensator, share)
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be written; empty where nothing speaks against it."""
+        mass = self.estimation.known.get("m")
+        question = implausible_mass(self.reading, mass.low, mass.high) if mass else None
+        if question and question.severity == "error":
+            return str(question)
+        return self.trial.worth.refusal if self.trial and not self.trial.worth.harmless else ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What should be known before the compensator is used, a line each."""
+        guesses = [
+            f"{name} is not visible in this log; the compensator takes {known.value:.4g}: "
+            f"{known.sentence}"
+            for name, known in self.estimation.known.items()
+            if name in LUGRE and known.visible == NOT_VISIBLE
+        ]
+        trial = self.trial
+        if trial is None:
+            return (*guesses, "no velocity loop can be closed, so the compensator is not tried")
+        if not trial.known:
+            guesses.append(
+                "no velocity loop of the log is known, so the compensator is tried in one designed "
+                f"for the learned mass, K_p = {trial.loop.K_p:.4g} and K_i = {trial.loop.K_i:.4g}"
+            )
+        return (*guesses, *trial.warnings)
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
@@ -97,6 +123,8 @@ def learn_from_log(
     reading, findings = read_and_check(path, description)
     raise_errors(path, findings)
     on_findings(findings)
+    recording = aligned(reading.recording, samples_late(reading.recording))
+    reading = replace(reading, recording=recording)
     with candidate_fmus() as fmus:
         task = Task(
             fmus,
@@ -106,94 +134,37 @@ def learn_from_log(
             seed=seed,
             seeds=seeds,
             search=search or Search(),
+            faults=tuple(finding.what for finding in findings if finding.unreliable),
         )
         estimation = learn(task, on_stage)
-    return LogLearning(reading, findings, estimation, _loop(reading, estimation), seed)
+    on_stage("trying the compensator")
+    trial = try_compensator(reading, estimation)
+    return LogLearning(reading, findings, estimation, trial, seed)
 
 
-def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) -> list[str]:
-    """Write learned.json, report and, if it does no harm, compensator.fmu; return warnings.
+def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) -> None:
+    """Write learned.json, report and, if it does no harm or is forced, compensator.fmu.
 
     Raises
     ------
     OSError
         When a file cannot be written.
     """
-    document = estimation_document(learned.estimation, learned.loop, learned.seed)
-    warnings, harmless = _guarded(learned)
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     with staged(folder, command, without=["compensator.fmu"]) as desk:
-        write_whole(desk / "learned.json", json.dumps(document, indent=2) + "\n")
-        if harmless or force:
-            models.build_fmu("compensator", desk, start=learned.compensator)
-        write_estimation_report(learned.estimation, learned.findings, desk)
-    return warnings
+        write_whole(desk / "learned.json", json.dumps(learned_document(learned), indent=2) + "\n")
+        if force or not learned.refusal:
+            start = learned.estimation.compensator if force else learned.compensator
+            models.build_fmu("compensator", desk, start=start)
+        further = [section_worth.write(learned.trial.worth)] if learned.trial else []
+        write_estimation_report(learned.estimation, learned.findings, desk, further)
 
 
-def _guarded(learned: LogLearning) -> tuple[list[str], bool]:
-    """Return what the guards say, and whether the compensator may leave."""
-    said = [
-        f"{name} is not visible in this log, the compensator's value is a guess: "
-        f"{learned.estimation.known[name].sentence}"
-        for name in LUGRE
-        if learned.estimation.known[name].visible == "not visible"
-    ]
-    mass = learned.estimation.known.get("m")
-    question = implausible_mass(learned.reading, mass.low, mass.high) if mass else None
-    if question and question.severity == "error":
-        return [*said, f"compensator.fmu is not written: {question}"], False
-    if learned.loop is None:
-        said.append(
-            "no stable velocity loop is known, so whether the compensator helps is unchecked; give "
-            "the gains of a controller of velocity, or a cascade"
-        )
-        return said, True
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        build_fmus(Path(folder), {})
-        trial = _trial(learned, learned.loop, Path(folder))
-        errors = {
-            name: learned.estimation.known[name].standard_error
-            for name in LUGRE
-            if learned.estimation.known[name].visible != "not visible"
-        }
-        said += [str(finding) for finding in inspect(trial, errors)]
-        try:
-            refuse_worse(trial)
-        except HarmfulError as error:
-            return [*said, f"compensator.fmu is not written: {error}"], False
-    return said, True
-
-
-def _trial(learned: LogLearning, loop: VelocityLoop, fmus: Path) -> Trial:
-    """Return the validation command at the log's own speed, in the log's own loop."""
-    recording = learned.estimation.recording
-    velocity = learned.estimation.figures.velocity_recorded
-    top = float(np.quantile(np.abs(velocity), 0.99))
-    scale = top / VALIDATION.height
-    duration = VALIDATION.corners()[-1] + VALIDATION.begin
-    t = np.arange(round(duration / loop.T_s) + 1) * loop.T_s
-    strongest = float(np.max(np.abs(learned.estimation.figures.shown)))
-    limit = learned.reading.force_limit or 1e3 * strongest
-    step = recording.encoder_step or 1e-6 * top
-    sheet = Datasheet(peak_force=limit, tau_i=loop.axis.tau_i, encoder_step=step)
-    return Trial(
-        fmus,
-        loop,
-        learned.compensator,
-        learned.compensator,
-        scale * VALIDATION.sample(t),
-        datasheet=sheet,
-    )
-
-
-def _loop(reading: Reading, estimation: Estimation) -> VelocityLoop | None:
-    """Return the velocity loop of the log's controller, None where there is none or it fails."""
-    controller, known = reading.controller, estimation.known
-    if "m" not in known or not controller.K_p or controller.P_x or controller.I_x:
-        return None
-    T_s = controller.T_s or estimation.recording.T_s
-    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
-    try:
-        return close_velocity_loop(axis, T_s, controller.tau_f, controller.K_p, controller.K_i)
-    except ControlError:
-        return None
+def learned_document(learned: LogLearning) -> dict[str, Any]:
+    """Return the content of learned.json."""
+    trial = learned.trial
+    loop = trial.loop if trial and trial.known else None
+    document = estimation_document(learned.estimation, loop, learned.seed)
+    if trial:
+        document |= trial_document(trial.worth, trial.command, trial.datasheet)
+    return document

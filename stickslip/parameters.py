@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 UNITS = {
     "m": "kg",
     "b": "N.s/m",
@@ -40,3 +42,10 @@ PAPER = {
 
 LUGRE = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")
 """The five that the genetic algorithm learns."""
+
+_FORCES = ("F_s", "F_c", "sigma_0", "sigma_1")
+
+
+def at_share(friction: Mapping[str, float], share: float) -> dict[str, float]:
+    """Return LuGre parameters whose force is a share of that of others at the same motion."""
+    return {**friction, **{name: share * friction[name] for name in _FORCES}}

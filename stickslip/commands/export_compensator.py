@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,19 @@ import numpy as np
 import models
 from models.firmware import write_compensator
 from stickslip.commands.platforms import add_platform_option, parse_platforms
+from stickslip.commands.worth import print_worth
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.guards import Trial, inspect, refuse_worse
+from stickslip.guards import Trial, inspect, try_out
 from stickslip.learned import read_learned
-from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, read_validation
+from stickslip.learned_loop import (
+    read_datasheet,
+    read_feed,
+    read_loop,
+    read_standard_errors,
+    read_validation,
+)
 from stickslip.loop import build_fmus
+from stickslip.parameters import at_share
 
 MOST_SAMPLES = 10_000_000
 """Of a validation command."""
@@ -40,7 +49,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--force",
         action="store_true",
-        help="export even what makes the loop worse on the validation command",
+        help="export the whole force, even if it makes the loop worse",
     )
     add_platform_option(parser)
     parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
@@ -50,23 +59,32 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write the compensator with its learned start values and print the paths.
 
-    What the guards find goes to standard error; what makes the loop worse is not written.
+    What the guards find goes to standard error. The force is reduced to the largest share that
+    makes the loop worse nowhere; where there is none, nothing is written.
     """
     start = read_learned(options.parameters)
     try:
         models.load_model("compensator").with_start(start)
-        _guard(options.parameters, start, force=options.force)
+        share = _guarded_share(options.parameters, start, force=options.force)
+        start = at_share(start, share)
         paths = _write(options, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
 
 
-def _guard(path: Path, compensator: dict[str, float], *, force: bool) -> None:
+def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) -> float:
+    """Try a compensator, print what is found, and return the share of its force to export.
+
+    Raises
+    ------
+    HarmfulError
+        When it makes the loop worse at every share, and is not forced.
+    """
     loop = read_loop(path)
     if loop is None:
         _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
-        return
+        return 1.0
     command, feed = read_validation(path), read_feed(path)
     duration = command.corners()[-1] + command.begin
     if duration > MOST_SAMPLES * loop.T_s:
@@ -77,15 +95,21 @@ def _guard(path: Path, compensator: dict[str, float], *, force: bool) -> None:
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         build_fmus(Path(folder), {})
-        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, feed)
-        for finding in inspect(trial, read_standard_errors(path)):
+        sheet = read_datasheet(path)
+        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, feed, sheet)
+        worth = try_out(trial)
+        written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
+        for finding in inspect(written, read_standard_errors(path)):
             _warn(str(finding))
-        try:
-            refuse_worse(trial)
-        except HarmfulError as error:
-            if not force:
-                raise HarmfulError(f"{path}: {error}; --force exports all the same") from None
-            _warn(str(error))
+    if not worth.harmless:
+        print_worth(worth, sys.stderr)
+        if not force:
+            raise HarmfulError(f"{path}: {worth.refusal}; --force exports all the same")
+        _warn(worth.refusal)
+    elif worth.share < 1.0:
+        fate = "the whole force" if force else f"{worth.share:g} of the force"
+        _warn(f"{fate} is exported: {worth.reason}")
+    return 1.0 if force else worth.share
 
 
 def _warn(message: str) -> None:

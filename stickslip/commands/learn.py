@@ -18,9 +18,10 @@ from stickslip.commands.execution import (
 )
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.worth import print_worth
 from stickslip.errors import RecordingError, UsageError
 from stickslip.estimation import Estimation, JudgeName, Search
-from stickslip.log_learning import FILES, learn_from_log, read_and_check, write_learned
+from stickslip.log_learning import FILES, LogLearning, learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
 from stickslip.recording import Description, Finding
 from stickslip.result_folder import reserved
@@ -101,12 +102,26 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             on_stage=progress.stage,
         )
         print_estimation(learned.estimation)
+        if learned.trial:
+            print_worth(learned.trial.worth)
+        for warning in learned.warnings:
+            print(f"stickslip: warning: {warning}", file=sys.stderr)
         if options.out:
             progress.stage("writing the results")
-            for warning in write_learned(learned, options.out, force=options.force):
-                print(f"stickslip: warning: {warning}", file=sys.stderr)
-            print(f"all results in {options.out}; begin with report.html")
+            write_learned(learned, options.out, force=options.force)
+            _print_written(learned, options)
         forget(execution, options)
+
+
+def _print_written(learned: LogLearning, options: argparse.Namespace) -> None:
+    worth = learned.trial.worth if learned.trial else None
+    if learned.refusal:
+        fate = "written all the same" if options.force else "not written; --force writes it"
+        print(f"stickslip: warning: compensator.fmu is {fate}: {learned.refusal}", file=sys.stderr)
+    elif worth and worth.share < 1.0:
+        share = "1, as --force asks for" if options.force else f"{worth.share:g}"
+        print(f"share of the force in compensator.fmu: {share}; {worth.reason}")
+    print(f"all results in {options.out}; begin with report.html")
 
 
 def _print_findings(findings: Iterable[Finding]) -> None:
@@ -119,6 +134,8 @@ def print_estimation(estimation: Estimation) -> None:
     print(f"\njudged by the {estimation.judge}: {estimation.reason}")
     for remark in estimation.remarks:
         print(f"note: {remark}")
+    for fault in estimation.faults:
+        print(f"warning: {fault}: no parameter is called well known")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

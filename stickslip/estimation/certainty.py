@@ -7,20 +7,20 @@ all others give way. In the units of the fit its parabola is (distance / standar
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
 from stickslip.estimation.fit import Fit, inverse_information
-from stickslip.estimation.unknowns import LEVEL, LOGS, NAMES, Values
+from stickslip.estimation.unknowns import LOGS, NAMES, Values
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
 
 WELL, WEAKLY = 0.05, 0.3
 """Relative half-widths of a 95 % interval up to which a parameter is well, and weakly, known."""
-NOT_VISIBLE = "not visible"
+WELL_KNOWN, WEAKLY_KNOWN, NOT_VISIBLE = "well known", "weakly known", "not visible"
 MUTE = 0.5
 """Share of what was expected beforehand that may be left of the doubt, if a recording speaks."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
@@ -86,12 +86,20 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
         visible = NOT_VISIBLE
         said = f"not visible in this experiment; {_remedy(name)}"
     elif relative > WELL:
-        visible = "weakly known"
-        said = f"weakly known, +-{100 * relative:.2g} %; {_remedy(name)}"
+        visible = WEAKLY_KNOWN
+        said = f"{WEAKLY_KNOWN}, +-{100 * relative:.2g} %; {_remedy(name)}"
     else:
-        visible = "well known"
-        said = f"well known, +-{100 * relative:.2g} %"
+        visible = WELL_KNOWN
+        said = f"{WELL_KNOWN}, +-{100 * relative:.2g} %"
     return Certainty(value, error, low, high, visible, said)
+
+
+def unreliable(known: Certainty) -> Certainty:
+    """Return the certainty of a value whose recording is at fault: weakly known at best."""
+    if known.visible != WELL_KNOWN:
+        return known
+    sentence = known.sentence.replace(WELL_KNOWN, f"{WEAKLY_KNOWN} at best") + ", see the warnings"
+    return replace(known, visible=WEAKLY_KNOWN, sentence=sentence)
 
 
 def _remedy(name: str) -> str:
@@ -101,20 +109,15 @@ def _remedy(name: str) -> str:
 def _mute(name: str, fitted: Fit) -> bool:
     """Tell whether what was expected beforehand decides more than the recording."""
     index = NAMES.index(name)
-    if name in ("F_s", "v_s") and fitted.unknowns.upper[0] <= LEVEL:
+    if name in ("F_s", "v_s") and fitted.unknowns.is_level:
         return True
     doubt = fitted.unknowns.doubt[index]
     if not np.isfinite(doubt):
         return False
-    at_bound = (
-        name != "F_s"
-        and min(
-            fitted.q[index] - fitted.unknowns.lower[index],
-            fitted.unknowns.upper[index] - fitted.q[index],
-        )
-        < AT_BOUND
-    )
-    return bool(at_bound) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
+    room = fitted.unknowns.upper[index] - fitted.q[index]
+    if name != "F_s":  # F_s = F_c is a finding, its upper bound is none
+        room = min(room, fitted.q[index] - fitted.unknowns.lower[index])
+    return bool(room < AT_BOUND) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
 
 
 def profiles(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ from stickslip.recording import Recording
 SHARE = 1.0 / 50.0
 """Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
+FACTOR = 0.1
+"""Share of the force, and of the error, that a factor alone may leave, to be the error's cause."""
 BETTER = 0.5
 """Share of the error that another form of the controller may leave, to be believed."""
 
@@ -36,6 +38,7 @@ class ControllerCheck:
     gains : of the FMU, in the form that commands the logged force best, with what its memory held
         if it was running before the log began
     form : how that differs from the FMU's own; empty if it does not
+    factor : of the logged force over the commanded one, where that alone makes them agree; else 1
     """
 
     force: Array
@@ -43,6 +46,7 @@ class ControllerCheck:
     shift: int
     gains: Mapping[str, float]
     form: str = OWN
+    factor: float = 1.0
 
 
 def check_controller(
@@ -75,7 +79,20 @@ def check_controller(
             _compared(force, T_s, commanded(said), said, form)
             for form, said in forms(gains, T_s).items()
         ]
-    return _believed(checks[0], min(checks, key=lambda check: check.error))
+    check = _believed(checks[0], min(checks, key=lambda check: check.error))
+    return replace(check, factor=_factor(force, T_s, check))
+
+
+def _factor(force: Array, T_s: float, check: ControllerCheck) -> float:
+    """Return the factor by which the logged force differs from the commanded one, else 1."""
+    n = len(force) - check.shift
+    late, commanded = (
+        smoothed(signal - signal.mean(), T_s, SHARE / T_s)
+        for signal in (force[check.shift :], check.force[:n])
+    )
+    factor = float(late @ commanded) / (float(commanded @ commanded) or 1.0)
+    rest = np.linalg.norm(late - factor * commanded) / (np.linalg.norm(late) or 1.0)
+    return factor if rest < FACTOR * min(1.0, check.error) else 1.0
 
 
 def _believed(own: ControllerCheck, other: ControllerCheck) -> ControllerCheck:

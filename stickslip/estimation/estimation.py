@@ -36,6 +36,7 @@ class Task:
     search : which algorithm, where it runs
     seed : of the search
     seeds : how many searches, each with a seed of its own
+    faults : of the recording, for which no parameter is called well known
     """
 
     fmus: Path
@@ -45,6 +46,7 @@ class Task:
     search: Search = field(default_factory=Search)
     seed: int = 0
     seeds: int = 1
+    faults: tuple[str, ...] = ()
 
     @property
     def workers(self) -> int:
@@ -69,6 +71,7 @@ class Estimation:
     controller : the check of the controller; None when it is not known
     remarks : what was done to the recording
     model_error : residual of the loop over what encoder and noise explain; NaN without the loop
+    faults : those of the task, and those that learning found
     """
 
     recording: Recording
@@ -87,6 +90,7 @@ class Estimation:
     model_error: float
     gains: Mapping[str, float] | None = None
     remarks: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.

@@ -14,10 +14,11 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 import ga
-from stickslip.estimation.certainty import certainty, profiles
+from stickslip.estimation.certainty import certainty, profiles, unreliable
 from stickslip.estimation.choice import choose
 from stickslip.estimation.controller_check import check_controller
 from stickslip.estimation.estimation import Estimation, Task, restored
+from stickslip.estimation.faults import found_faults
 from stickslip.estimation.figures import figures
 from stickslip.estimation.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.estimation.inverse import InverseModel
@@ -29,7 +30,13 @@ from stickslip.estimation.search import Search, search, with_linear
 from stickslip.estimation.stand_in import coarse, correct_inverse
 from stickslip.estimation.start import Start, begin
 from stickslip.estimation.unknowns import NAMES, SOUGHT, Values
-from stickslip.estimation.valleys import SURE, best_fit, with_exponent, without_stribeck
+from stickslip.estimation.valleys import (
+    SURE,
+    best_fit,
+    shows_rise,
+    with_exponent,
+    without_stribeck,
+)
 from stickslip.measurement import Array
 from stickslip.recording import Recording
 
@@ -102,7 +109,7 @@ def _learn(
         corrected = None
         if judge == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
-            corrected, ambiguity = _output_error(task, task.gains, start, found)
+            corrected, errors = _output_error(task, task.gains, start, found)
             if corrected.model_error > MODEL_ERROR and task.judge == "auto":
                 judge = InverseModel.name
                 reason = (
@@ -113,8 +120,8 @@ def _learn(
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")
         if judge == OutputError.name and corrected and task.gains is not None:
-            errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
+            table = _known_loop_profiles(task, task.gains, corrected, errors)
         else:
             best, errors = _inverse_model(task, inverse, found)
             degrees = BLOCKS - len(found.q)
@@ -122,6 +129,9 @@ def _learn(
         shown = figures(task.fmus, recording, inverse, best.parameters, task.gains, check)
     names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
     known = {name: certainty(name, best, errors, degrees) for name in names}
+    faults = (*task.faults, *found_faults(best, judge, check))
+    if faults:
+        known = {name: unreliable(one) for name, one in known.items()}
     return Estimation(
         recording,
         judge,
@@ -139,6 +149,7 @@ def _learn(
         model_error,
         task.gains,
         remarks,
+        faults,
     )
 
 
@@ -193,6 +204,19 @@ def _of_seed(task: Task, seed: int) -> Search:
 
 def _output_error(
     task: Task, gains: Mapping[str, float], start: Start, found: Fit
+) -> tuple[Corrected, dict[str, float]]:
+    """Return the fit of the known loop and standard errors by name [SI]; F_s = F_c if F_s hides."""
+    corrected, ambiguity = _corrected_loop(task, gains, start, found)
+    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
+    best = corrected.fit
+    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
+    if start.unknowns.is_level or shows_rise(best, errors, RUNS - 1):
+        return corrected, errors
+    return _output_error(task, gains, replace(start, unknowns=start.unknowns.level()), found)
+
+
+def _corrected_loop(
+    task: Task, gains: Mapping[str, float], start: Start, found: Fit
 ) -> tuple[Corrected, Array]:
     """Fit the loop from the inverse model's values on: plain, then whitened, then corrected.
 
@@ -226,8 +250,18 @@ def _output_error(
 
 
 def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
+    """Return the fit without its bias, and standard errors by name [SI]; F_s = F_c if F_s hides."""
+    best, errors = _corrected_inverse(task, inverse, found)
+    if best.unknowns.is_level or shows_rise(best, errors, BLOCKS - len(best.q)):
+        return best, errors
+    return _corrected_inverse(task, inverse, fit(inverse, found.unknowns.level(), found.q))
+
+
+def _corrected_inverse(
+    task: Task, inverse: InverseModel, found: Fit
+) -> tuple[Fit, dict[str, float]]:
     """Return the fit without its bias, and standard errors by name [SI]."""
-    if inverse.measures_friction or task.gains is not None or not coarse(inverse, task.recording):
+    if inverse.measures_friction or not coarse(inverse, task.recording):
         return found, found.errors()
     best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
     if not alike:  # it is no correction, but tells how much is in doubt
@@ -236,17 +270,13 @@ def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, 
     return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
 
 
-def _known_loop(
-    task: Task, gains: Mapping[str, float], corrected: Corrected, ambiguity: Array
-) -> tuple[dict[str, float], pd.DataFrame]:
-    """Return standard errors by name [SI], and the profiles."""
-    best = corrected.fit
-    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
-    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
+def _known_loop_profiles(
+    task: Task, gains: Mapping[str, float], corrected: Corrected, errors: Values
+) -> pd.DataFrame:
     with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
         judge.whitening = corrected.whitening
 
         def residual(values: Values) -> Array:
             return judge.residual(values) - corrected.mean
 
-        return errors, profiles(best, residual, errors, judge.each)
+        return profiles(corrected.fit, residual, errors, judge.each)

@@ -19,7 +19,7 @@ from stickslip.estimation import Estimation, Task, candidate_fmus, learn
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.learned import estimation_document
-from stickslip.log_learning import learn_from_log
+from stickslip.log_learning import learn_from_log, learned_document
 from stickslip.record_mode import gains_of, record_drive
 from stickslip.recording import Description, check_recording, load_description
 from stickslip.rig import rig_of
@@ -63,7 +63,7 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
         config = drive.source.config
         description = load_description(config) if config else Description()
         learned = learn_from_log(drive.source.log, description, seed=seed, on_stage=on_stage)
-        estimation, loop, findings = learned.estimation, learned.loop, learned.findings
+        document, findings = learned_document(learned), learned.findings
     else:
         with rig_of(drive.source.changes) as rig:
             recording, recording_loop = record_drive(rig)
@@ -71,8 +71,7 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
         with candidate_fmus() as fmus:
             task = Task(fmus, recording, gains_of(recording_loop), seed=seed)
             estimation = learn(task, on_stage, on_generation=lambda _: on_stage("searching"))
-        loop = _designed(estimation)
-    document = estimation_document(estimation, loop, seed)
+        document = estimation_document(estimation, _designed(estimation), seed)
     return document | {"findings": [str(finding) for finding in findings]}
 
 

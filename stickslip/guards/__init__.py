@@ -6,7 +6,8 @@ axis has the friction that the compensator believes in, so they find what is wro
     stribeck      friction that falls with speed, against the damping of the loop
     tolerance     how much too large a force may be, against how well it is known
     hunting       stick and slip while the command stands
-    refuse_worse  no compensator that makes the tracking error worse
+    worth         tracking errors without and with it, and at which share of its force it never
+                  makes them worse
 """
 
 from stickslip.guards.finding import Finding
@@ -14,9 +15,19 @@ from stickslip.guards.hunting import hunting
 from stickslip.guards.stribeck import stribeck
 from stickslip.guards.tolerance import tolerance
 from stickslip.guards.trial import Trial
-from stickslip.guards.worth import refuse_worse
+from stickslip.guards.worth import Tried, Worth, try_out
 
-__all__ = ["Finding", "Trial", "hunting", "inspect", "refuse_worse", "stribeck", "tolerance"]
+__all__ = [
+    "Finding",
+    "Trial",
+    "Tried",
+    "Worth",
+    "hunting",
+    "inspect",
+    "stribeck",
+    "tolerance",
+    "try_out",
+]
 
 
 def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:

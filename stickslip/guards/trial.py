@@ -53,14 +53,6 @@ class Trial:
         known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
         return {**self.friction, **known, **lag, "encoder_step": sheet.encoder_step}
 
-    def errors(self) -> tuple[float, float]:
-        """Return the RMS tracking error without and with the compensator [m/s]."""
-        found = []
-        for compensated in (False, True):
-            with self.runs(compensated=compensated) as run:
-                found.append(run.error())
-        return found[0], found[1]
-
 
 @dataclass(frozen=True)
 class Run:

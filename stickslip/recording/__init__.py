@@ -3,7 +3,7 @@
 from stickslip.recording.checks import check_recording
 from stickslip.recording.configuration import load_description
 from stickslip.recording.controller import Controller, Kind
-from stickslip.recording.delay import Delay, aligned, force_delay, signal_delay
+from stickslip.recording.delay import Delay, aligned, force_delay, samples_late, signal_delay
 from stickslip.recording.description import ROLES, Column, Description
 from stickslip.recording.excitation import Excitation, TurnAround, excitation
 from stickslip.recording.finding import Finding, Severity
@@ -34,5 +34,6 @@ __all__ = [
     "load_description",
     "raise_errors",
     "read_recording",
+    "samples_late",
     "signal_delay",
 ]

@@ -9,8 +9,15 @@ import numpy as np
 
 from stickslip.measurement import Array
 from stickslip.recording.controller import Controller
-from stickslip.recording.delay import Delay, force_delay, signal_delay
+from stickslip.recording.delay import (
+    Delay,
+    aligned,
+    force_delay,
+    samples_late,
+    signal_delay,
+)
 from stickslip.recording.excitation import Excitation, excitation
+from stickslip.recording.faults import clipped_command, lost_rows
 from stickslip.recording.finding import Finding, Severity
 from stickslip.recording.grid import runs
 from stickslip.recording.motion import kinematics
@@ -39,11 +46,14 @@ def check_recording(
     if any(finding.severity == "error" for finding in findings):
         return tuple(findings)
     shown = excitation(recording)
+    late = samples_late(recording)
+    found = (lost_rows(recording), clipped_command(aligned(recording, late)))
     return (
         *findings,
+        *filter(None, found),
         *_saturation(recording, force_limit),
         *_quantisation(recording, shown),
-        *_delays(recording),
+        *_delays(recording, late),
         *visibility(recording, shown),
     )
 
@@ -93,11 +103,13 @@ def _saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         share = float(np.mean(at))
         if share > (0.0 if limit else 0.002):
             advice = "there it does not follow its command; log a gentler motion"
-            yield Finding("warning", f"{name} saturates at {most:.4g}", f"{share:.2%}", advice)
+            what = f"{name} saturates at {most:.4g}"
+            yield Finding("warning", what, f"{share:.2%}", advice, unreliable=True)
         if limit and most > 1.05 * limit:
             figure = f"{most:.4g} against {limit:.4g}"
-            advice = "check unit and scale"
-            yield Finding("warning", f"{name} exceeds the force limit", figure, advice)
+            advice = "check unit and scale, and that it was logged behind the limit"
+            what = f"{name} exceeds the force limit"
+            yield Finding("warning", what, figure, advice, unreliable=True)
 
 
 def _flat(signal: Array) -> Array:
@@ -124,10 +136,10 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         yield Finding("note", "the position has steps", figure)
 
 
-def _delays(recording: Recording) -> Iterator[Finding]:
+def _delays(recording: Recording, late: int) -> Iterator[Finding]:
     """Yield signals that are late against each other."""
     if delay := force_delay(recording):
-        yield _delayed("force", "the motion", delay, recording.T_s)
+        yield _delayed("force", "the motion", delay, recording.T_s, late)
     if recording.position is not None and recording.velocity is not None:
         motion = kinematics(recording)
         other = kinematics(Recording(recording.t, velocity=recording.velocity))
@@ -135,9 +147,12 @@ def _delays(recording: Recording) -> Iterator[Finding]:
             yield _delayed("velocity", "the position's derivative", delay, recording.T_s)
 
 
-def _delayed(name: str, other: str, delay: Delay, T_s: float) -> Finding:
+def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0) -> Finding:
     figure = f"{delay.value / T_s:.2f} +- {delay.standard_error / T_s:.2f} samples"
+    way = "late" if delay.value >= 0 else "early (negative)"
+    if taken_out:
+        advice = f"{1e3 * taken_out * T_s:.4g} ms are taken out before learning"
+        return Finding("warning", f"{name} shows {way} against {other}", figure, advice)
     if not delay.known(T_s):
         return Finding("note", f"how late {name} is against {other} does not show", figure)
-    way = "late" if delay.value >= 0 else "early (negative)"
     return Finding("note", f"{name} shows {way} against {other}", figure)

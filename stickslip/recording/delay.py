@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,10 @@ CUTOFF = 50.0
 ROUNDS = 12
 FARTHEST = 0.05
 """Delays beyond are not looked for [s]."""
+LARGE = 2.0
+"""Samples from which on a delay is more than that of a sampled loop."""
+SURE = 6.0
+"""Standard errors from which on a delay is beyond doubt: saturation makes one of 4.5."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +111,27 @@ def _fitted(
     return Delay(delay, float(error))
 
 
-def aligned(recording: Recording, delay: float) -> Recording:
-    """Return a recording whose force shows a delay [s] earlier; its ends are held."""
-    if recording.force is None:
+def samples_late(recording: Recording) -> int:
+    """Return by how many samples the force shows late, where that is sure and no loop explains it.
+
+    A sampled loop and its amplifier account for less than two samples.
+    """
+    delay = force_delay(recording)
+    if delay is None or abs(delay.value) < max(LARGE * recording.T_s, SURE * delay.standard_error):
+        return 0
+    return round(delay.value / recording.T_s)
+
+
+def aligned(recording: Recording, samples: int) -> Recording:
+    """Return a recording whose force shows so many samples earlier, cut where one signal lacks."""
+    if recording.force is None or not samples:
         return recording
-    t = np.clip(recording.t + delay, recording.t[0], recording.t[-1])
-    return replace(recording, force=np.asarray(CubicSpline(recording.t, recording.force)(t)))
+    n = len(recording.t) - abs(samples)
+    late, other = max(samples, 0), max(-samples, 0)
+    cut: dict[str, Any] = {
+        field.name: value[other : other + n]
+        for field in fields(recording)
+        if isinstance(value := getattr(recording, field.name), np.ndarray)
+    }
+    cut |= {"t": recording.t[:n], "force": recording.force[late : late + n]}
+    return replace(recording, **cut)

@@ -18,12 +18,14 @@ class Finding:
     what : was found
     figure : the number behind it, with its unit
     advice : what to do; empty when nothing need be done
+    unreliable : whether values learned from the recording are off by more than their intervals tell
     """
 
     severity: Severity
     what: str
     figure: str = ""
     advice: str = ""
+    unreliable: bool = False
 
     def __str__(self) -> str:
         figure = f": {self.figure}" if self.figure else ""

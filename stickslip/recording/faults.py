@@ -1,0 +1,78 @@
+"""Faults of a log that its values alone do not show: rows lost, commands before a limit."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from stickslip.measurement import Array, smoothed
+from stickslip.recording.finding import Finding
+from stickslip.recording.motion import kinematics, rigid_columns, sliding
+from stickslip.recording.recording import Recording
+
+WINDOW = 7
+"""Differences of the position whose median is the usual one."""
+STEPS = 5.0
+"""Encoder steps that the position must change by from row to row, to tell one row from two."""
+EVENTS = 5
+LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
+"""Quantiles of the force at which a limit is tried."""
+EXPLAINED = 0.25
+"""Share of the unexplained force that a limit may leave, to be believed."""
+
+
+def lost_rows(recording: Recording) -> Finding | None:
+    """Return a finding where single steps of the position are whole multiples of their neighbours.
+
+    A mass cannot move twice as far in one sample as in those before and after; a row is missing
+    there, though the clock is even.
+    """
+    x = recording.position
+    if x is None or len(x) < 10 * WINDOW:
+        return None
+    windows = sliding_window_view(np.diff(x), WINDOW)
+    usual, middle = np.median(windows, axis=1), windows[:, WINDOW // 2]
+    noise = 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / np.sqrt(20.0)
+    fast = np.abs(usual) > max(STEPS * recording.encoder_step, 10.0 * noise)
+    ratio = middle[fast] / usual[fast]
+    missing = np.round(ratio) - 1.0
+    found = (missing >= 1.0) & (np.abs(ratio - np.round(ratio)) < 0.3 * missing)
+    if np.sum(found) < EVENTS:
+        return None
+    share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
+    figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"
+    advice = "log without gaps, or with the true times"
+    return Finding("warning", "rows are lost under an even clock", figure, advice, unreliable=True)
+
+
+def clipped_command(recording: Recording) -> Finding | None:
+    """Return a finding where the motion shows a limit that the logged force does not have.
+
+    The force of a rigid drive is fitted to the motion for each limit that may have acted; see
+    ``motion.rigid_columns``.
+    """
+    if recording.force is None:
+        return None
+    motion = kinematics(recording)
+    used = sliding(motion, recording.T_s)
+    columns = rigid_columns(motion, used)
+    if len(columns) < 50:
+        return None
+    basis = np.linalg.qr(columns)[0]
+
+    def unexplained(force: Array) -> float:
+        slow = smoothed(force, recording.T_s, motion.cutoff)[used]
+        rest = slow - basis @ (basis.T @ slow)
+        return float(rest @ rest)
+
+    force = recording.force
+    limits = np.quantile(np.abs(force), LEVELS)
+    left = [unexplained(np.clip(force, -limit, limit)) for limit in limits]
+    best = int(np.argmin(left))
+    if best == 0 or left[best] > EXPLAINED * unexplained(force):
+        return None
+    share = float(np.mean(np.abs(force) > limits[best]))
+    figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
+    advice = "log it behind the limit, or the current"
+    what = "the force was logged before a limit"
+    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, unreliable=True)
