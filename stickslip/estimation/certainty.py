@@ -14,7 +14,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from stickslip.estimation.fit import Fit, inverse_information
-from stickslip.estimation.unknowns import LOGS, NAMES, Values
+from stickslip.estimation.unknowns import LEVEL, LOGS, NAMES, Values
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
 
@@ -94,6 +94,16 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
     return Certainty(value, error, low, high, visible, said)
 
 
+def harmless(known: dict[str, Certainty]) -> dict[str, Certainty]:
+    """Return the same with F_s = F_c where F_s is not visible: too little force does no harm."""
+    F_s, F_c = known["F_s"], known["F_c"]
+    if F_s.visible != NOT_VISIBLE or F_s.value <= F_c.value:
+        return known
+    sentence = F_s.sentence.replace(NOT_VISIBLE, f"F_s = F_c is taken, as F_s is {NOT_VISIBLE}")
+    taken = replace(F_s, value=F_c.value, low=min(F_s.low, F_c.low), sentence=sentence)
+    return {**known, "F_s": taken}
+
+
 def unreliable(known: Certainty) -> Certainty:
     """Return the certainty of a value whose recording is at fault: weakly known at best."""
     if known.visible != WELL_KNOWN:
@@ -109,7 +119,7 @@ def _remedy(name: str) -> str:
 def _mute(name: str, fitted: Fit) -> bool:
     """Tell whether what was expected beforehand decides more than the recording."""
     index = NAMES.index(name)
-    if name in ("F_s", "v_s") and fitted.unknowns.is_level:
+    if name in ("F_s", "v_s") and fitted.unknowns.upper[0] <= LEVEL:
         return True
     doubt = fitted.unknowns.doubt[index]
     if not np.isfinite(doubt):

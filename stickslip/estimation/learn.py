@@ -14,7 +14,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 import ga
-from stickslip.estimation.certainty import certainty, profiles, unreliable
+from stickslip.estimation.certainty import certainty, harmless, profiles, unreliable
 from stickslip.estimation.choice import choose
 from stickslip.estimation.controller_check import check_controller
 from stickslip.estimation.estimation import Estimation, Task, restored
@@ -33,7 +33,6 @@ from stickslip.estimation.unknowns import NAMES, SOUGHT, Values
 from stickslip.estimation.valleys import (
     SURE,
     best_fit,
-    shows_rise,
     with_exponent,
     without_stribeck,
 )
@@ -109,7 +108,7 @@ def _learn(
         corrected = None
         if judge == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
-            corrected, errors = _output_error(task, task.gains, start, found)
+            corrected, ambiguity = _output_error(task, task.gains, start, found)
             if corrected.model_error > MODEL_ERROR and task.judge == "auto":
                 judge = InverseModel.name
                 reason = (
@@ -120,18 +119,20 @@ def _learn(
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")
         if judge == OutputError.name and corrected and task.gains is not None:
+            errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
-            table = _known_loop_profiles(task, task.gains, corrected, errors)
         else:
             best, errors = _inverse_model(task, inverse, found)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.residual, errors, inverse.each)
-        shown = figures(task.fmus, recording, inverse, best.parameters, task.gains, check)
-    names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
-    known = {name: certainty(name, best, errors, degrees) for name in names}
-    faults = (*task.faults, *found_faults(best, judge, check))
-    if faults:
-        known = {name: unreliable(one) for name, one in known.items()}
+        names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
+        known = {name: certainty(name, best, errors, degrees) for name in names}
+        faults = (*task.faults, *found_faults(best, judge, check))
+        if faults:
+            known = {name: unreliable(one) for name, one in known.items()}
+        known = harmless(known)
+        values = {**best.parameters, "F_s": known["F_s"].value}
+        shown = figures(task.fmus, recording, inverse, values, task.gains, check)
     return Estimation(
         recording,
         judge,
@@ -139,7 +140,7 @@ def _learn(
         start,
         best,
         known,
-        best.parameters,
+        values,
         errors,
         table,
         rows,
@@ -204,19 +205,6 @@ def _of_seed(task: Task, seed: int) -> Search:
 
 def _output_error(
     task: Task, gains: Mapping[str, float], start: Start, found: Fit
-) -> tuple[Corrected, dict[str, float]]:
-    """Return the fit of the known loop and standard errors by name [SI]; F_s = F_c if F_s hides."""
-    corrected, ambiguity = _corrected_loop(task, gains, start, found)
-    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
-    best = corrected.fit
-    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
-    if start.unknowns.is_level or shows_rise(best, errors, RUNS - 1):
-        return corrected, errors
-    return _output_error(task, gains, replace(start, unknowns=start.unknowns.level()), found)
-
-
-def _corrected_loop(
-    task: Task, gains: Mapping[str, float], start: Start, found: Fit
 ) -> tuple[Corrected, Array]:
     """Fit the loop from the inverse model's values on: plain, then whitened, then corrected.
 
@@ -250,16 +238,6 @@ def _corrected_loop(
 
 
 def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
-    """Return the fit without its bias, and standard errors by name [SI]; F_s = F_c if F_s hides."""
-    best, errors = _corrected_inverse(task, inverse, found)
-    if best.unknowns.is_level or shows_rise(best, errors, BLOCKS - len(best.q)):
-        return best, errors
-    return _corrected_inverse(task, inverse, fit(inverse, found.unknowns.level(), found.q))
-
-
-def _corrected_inverse(
-    task: Task, inverse: InverseModel, found: Fit
-) -> tuple[Fit, dict[str, float]]:
     """Return the fit without its bias, and standard errors by name [SI]."""
     if inverse.measures_friction or not coarse(inverse, task.recording):
         return found, found.errors()
@@ -270,13 +248,17 @@ def _corrected_inverse(
     return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
 
 
-def _known_loop_profiles(
-    task: Task, gains: Mapping[str, float], corrected: Corrected, errors: Values
-) -> pd.DataFrame:
+def _known_loop(
+    task: Task, gains: Mapping[str, float], corrected: Corrected, ambiguity: Array
+) -> tuple[dict[str, float], pd.DataFrame]:
+    """Return standard errors by name [SI], and the profiles."""
+    best = corrected.fit
+    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
+    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
     with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
         judge.whitening = corrected.whitening
 
         def residual(values: Values) -> Array:
             return judge.residual(values) - corrected.mean
 
-        return profiles(corrected.fit, residual, errors, judge.each)
+        return errors, profiles(best, residual, errors, judge.each)

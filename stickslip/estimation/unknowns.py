@@ -7,7 +7,7 @@ log(F_s / F_c) >= 0. All coordinates are of the order of 1.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -73,17 +73,6 @@ class Unknowns:
         slopes = np.diag([*diagonal, self.b_unit, self.force_unit, self.time_unit])
         slopes[0, 1] = values["F_s"]
         return slopes
-
-    def level(self) -> Unknowns:
-        """Return the same with F_s = F_c."""
-        upper = self.upper.copy()
-        upper[0] = LEVEL
-        return replace(self, upper=upper)
-
-    @property
-    def is_level(self) -> bool:
-        """Whether F_s is held at F_c."""
-        return bool(self.upper[0] <= LEVEL)
 
     def surprise(self, q: Array) -> Array:
         """Return how far coordinates are from what is expected (k,), in standard deviations."""

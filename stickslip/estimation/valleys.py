@@ -10,7 +10,7 @@ from stickslip.estimation.certainty import NOT_VISIBLE, certainty
 from stickslip.estimation.fit import BLOCKS, Fit, Judge, fit
 from stickslip.estimation.inverse import InverseModel
 from stickslip.estimation.start import Start
-from stickslip.estimation.unknowns import NAMES, Values
+from stickslip.estimation.unknowns import LEVEL, NAMES, Values
 from stickslip.measurement import Array
 
 CURVE = ("F_s", "F_c", "v_s")
@@ -24,7 +24,7 @@ SURE = 0.99
 AMBIGUITY = 0.6
 """Standard error, as share of the distance of both fits, where neither is better."""
 WORTH = 1.1
-"""By which factor the mean square must fall to make F_s > F_c believed where v_s is not visible."""
+"""By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
 
 
 def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
@@ -40,24 +40,21 @@ def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
     return min((fit(inverse, start.unknowns, q) for q in begins), key=lambda found: found.noise)
 
 
-def without_stribeck(judge: Judge, found: Fit) -> Fit:
-    """Return a fit with F_s = F_c, unless the recording shows F_s.
+def without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
+    """Return a fit with F_s = F_c, if the recording does not ask for more.
 
     A rise of friction towards rest that nobody saw would be compensated all the same, and a force
-    that is not there pushes the drive. One that spreads over all speeds is a part of b: where v_s
-    alone is not visible, F_s must leave clearly less unexplained.
+    that is not there pushes the drive. One that spreads over all speeds is a part of b.
     """
     errors = found.errors()
-    hidden = [certainty(name, found, errors, BLOCKS).visible == NOT_VISIBLE for name in RISE]
-    if not any(hidden) or found.unknowns.is_level:
+    if all(certainty(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in RISE):
         return found
-    flat = fit(judge, found.unknowns.level(), found.q)
-    return flat if hidden[0] or flat.noise < WORTH * found.noise else found
-
-
-def shows_rise(found: Fit, errors: Values, degrees: int) -> bool:
-    """Tell whether F_s is visible; see ``certainty`` for the parameters."""
-    return certainty("F_s", found, errors, degrees).visible != NOT_VISIBLE
+    level = found.unknowns.upper.copy()
+    level[0] = LEVEL
+    q = found.q.copy()
+    q[0] = 0.0
+    flat = fit(inverse, replace(found.unknowns, upper=level), q)
+    return flat if flat.noise < WORTH * found.noise else found
 
 
 def with_exponent(judge: Judge, found: Fit, sure: float = SURE) -> tuple[Fit, Array]:
@@ -69,7 +66,7 @@ def with_exponent(judge: Judge, found: Fit, sure: float = SURE) -> tuple[Fit, Ar
     95 %. 0 trusts no mean square.
     """
     known = np.zeros_like(found.covariance)
-    if found.unknowns.is_level:
+    if found.unknowns.upper[0] <= LEVEL:
         return found, known
     q, other = found.q.copy(), 3.0 - found.unknowns.delta
     q[V_S] += np.log(WIDER) * (other - found.unknowns.delta)

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from stickslip.identification.estimate import covariance
 from stickslip.measurement import Array, smoothed
-from stickslip.recording.motion import kinematics, rigid_columns, sliding
+from stickslip.recording.motion import kinematics, rigid_columns, sliding, unexplained
 from stickslip.recording.recording import Recording
 
 CUTOFF = 50.0
@@ -22,8 +22,8 @@ FARTHEST = 0.05
 """Delays beyond are not looked for [s]."""
 LARGE = 2.0
 """Samples from which on a delay is more than that of a sampled loop."""
-SURE = 6.0
-"""Standard errors from which on a delay is beyond doubt: saturation makes one of 4.5."""
+EXPLAINS = 0.5
+"""Share of the unexplained force that may be left once a delay is taken out."""
 
 
 @dataclass(frozen=True)
@@ -114,12 +114,15 @@ def _fitted(
 def samples_late(recording: Recording) -> int:
     """Return by how many samples the force shows late, where that is sure and no loop explains it.
 
-    A sampled loop and its amplifier account for less than two samples.
+    A sampled loop and its amplifier account for less than two samples. Saturation and noise make
+    delays, too; taking those out explains no more of the force.
     """
     delay = force_delay(recording)
-    if delay is None or abs(delay.value) < max(LARGE * recording.T_s, SURE * delay.standard_error):
+    if delay is None or abs(delay.value) < LARGE * recording.T_s:
         return 0
-    return round(delay.value / recording.T_s)
+    samples = round(delay.value / recording.T_s)
+    better = unexplained(aligned(recording, samples)) < EXPLAINS * unexplained(recording)
+    return samples if better else 0
 
 
 def aligned(recording: Recording, samples: int) -> Recording:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from stickslip.measurement import Array, smoothed
 from stickslip.recording.finding import Finding
-from stickslip.recording.motion import kinematics, rigid_columns, sliding
+from stickslip.recording.motion import unexplained
 from stickslip.recording.recording import Recording
 
 WINDOW = 7
@@ -48,28 +49,15 @@ def lost_rows(recording: Recording) -> Finding | None:
 def clipped_command(recording: Recording) -> Finding | None:
     """Return a finding where the motion shows a limit that the logged force does not have.
 
-    The force of a rigid drive is fitted to the motion for each limit that may have acted; see
-    ``motion.rigid_columns``.
+    The force of a rigid drive is fitted to the motion for each limit that may have acted.
     """
-    if recording.force is None:
-        return None
-    motion = kinematics(recording)
-    used = sliding(motion, recording.T_s)
-    columns = rigid_columns(motion, used)
-    if len(columns) < 50:
-        return None
-    basis = np.linalg.qr(columns)[0]
-
-    def unexplained(force: Array) -> float:
-        slow = smoothed(force, recording.T_s, motion.cutoff)[used]
-        rest = slow - basis @ (basis.T @ slow)
-        return float(rest @ rest)
-
     force = recording.force
+    if force is None:
+        return None
     limits = np.quantile(np.abs(force), LEVELS)
-    left = [unexplained(np.clip(force, -limit, limit)) for limit in limits]
+    left = [unexplained(replace(recording, force=np.clip(force, -at, at))) for at in limits]
     best = int(np.argmin(left))
-    if best == 0 or left[best] > EXPLAINED * unexplained(force):
+    if best == 0 or not left[best] < EXPLAINED * unexplained(recording):
         return None
     share = float(np.mean(np.abs(force) > limits[best]))
     figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"

@@ -78,6 +78,21 @@ def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bo
     return np.asarray(~near)
 
 
+def unexplained(recording: Recording) -> float:
+    """Return what a rigid drive leaves of the force while sliding, sum of squares [N^2].
+
+    NaN where too little slides to tell.
+    """
+    motion = kinematics(recording)
+    used = sliding(motion, recording.T_s)
+    if recording.force is None or used.sum() < 50:
+        return np.nan
+    basis = np.linalg.qr(rigid_columns(motion, used))[0]
+    force = smoothed(recording.force, recording.T_s, motion.cutoff)[used]
+    rest = force - basis @ (basis.T @ force)
+    return float(rest @ rest)
+
+
 def rigid_columns(motion: Kinematics, used: NDArray[np.bool_]) -> Array:
     """Return the columns (k, 4) of F = m a + b v + F_c sign v + F_0 where (n,) is used."""
     v = motion.v[used]
