@@ -20,6 +20,8 @@ CUTOFF = 50.0
 ROUNDS = 12
 FARTHEST = 0.05
 """Delays beyond are not looked for [s]."""
+NOTHING = 1e-7
+"""Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
 LARGE = 2.0
 """Samples from which on a delay is more than that of a sampled loop."""
 EXPLAINS = 0.5
@@ -97,7 +99,7 @@ def _fitted(
         shifted = spline(t[used] + delay)
         columns = np.column_stack([base, slope(np.asarray(fit))])
         scale = np.linalg.norm(columns, axis=0)
-        if not np.all(scale > 0):
+        if not np.all(scale > 0) or scale[-1] * T_s < NOTHING * np.linalg.norm(shifted):
             return None
         solution = np.linalg.lstsq(columns / scale, shifted, rcond=None)[0] / scale
         residual = shifted - columns @ solution

@@ -1,10 +1,15 @@
-"""One recording of the paper's drive, learned from once."""
+"""One recording of the paper's drive, learned from once; drives of other laws."""
+
+import sys
+from pathlib import Path
 
 import pytest
 
 from stickslip.estimation import candidate_fmus
 from stickslip.record_mode import reproduce_from_recording
 from stickslip.reproduction import Options
+
+sys.path.insert(0, str(Path(__file__).parent))  # drives
 
 STAGES = []
 
