@@ -131,8 +131,26 @@ def versions() -> dict[str, str]:
 def read_learned(path: Path) -> dict[str, float]:
     """Return the compensator's parameters of a learned.json by name, in SI units.
 
-    LuGre's five, at the ``share`` of their force that the file names, and the exponent ``delta``
-    where the file has it.
+    They are those of the friction, at the ``share`` of its force that the file names.
+
+    Raises
+    ------
+    UsageError
+        When the file is not one.
+    OSError
+        When it cannot be read.
+    """
+    friction, entry = read_friction(path), read_document(path).get("share", {"value": 1.0})
+    share = entry.get("value") if isinstance(entry, dict) else None
+    if not isinstance(share, (int, float)) or not 0.0 < share <= 1.0:
+        raise UsageError(f"{path}: share: expected a value above 0 and up to 1; got {entry!r:.80}")
+    return at_share(friction, share)
+
+
+def read_friction(path: Path) -> dict[str, float]:
+    """Return the learned friction of a learned.json by name, in SI units.
+
+    LuGre's five, and the exponent ``delta`` where the file has it.
 
     Raises
     ------
@@ -146,8 +164,6 @@ def read_learned(path: Path) -> dict[str, float]:
         values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
         if "delta" in document:
             values["delta"] = float(document["delta"]["value"])
-        if "share" in document:
-            values = at_share(values, float(document["share"]["value"]))
     except (ValueError, KeyError, TypeError) as error:
         reason = str(error)
         if isinstance(error, KeyError):

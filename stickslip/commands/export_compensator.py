@@ -17,7 +17,7 @@ from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.commands.worth import print_worth
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.guards import Trial, inspect, try_out
-from stickslip.learned import read_learned
+from stickslip.learned import read_friction, read_learned
 from stickslip.learned_loop import (
     read_datasheet,
     read_feed,
@@ -96,7 +96,8 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         build_fmus(Path(folder), {})
         sheet = read_datasheet(path)
-        trial = Trial(Path(folder), loop, compensator, compensator, v_cmd, feed, sheet)
+        friction = read_friction(path)
+        trial = Trial(Path(folder), loop, friction, compensator, v_cmd, feed, sheet)
         worth = try_out(trial)
         written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
         for finding in inspect(written, read_standard_errors(path)):

@@ -116,8 +116,9 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
 def _print_written(learned: LogLearning, options: argparse.Namespace) -> None:
     worth = learned.trial.worth if learned.trial else None
     if learned.refusal:
-        fate = "written all the same" if options.force else "not written; --force writes it"
-        print(f"stickslip: warning: compensator.fmu is {fate}: {learned.refusal}", file=sys.stderr)
+        fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
+        warning = f"compensator.fmu is {fate}: {learned.refusal}{how}"
+        print(f"stickslip: warning: {warning}", file=sys.stderr)
     elif worth and worth.share < 1.0:
         share = "1, as --force asks for" if options.force else f"{worth.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {worth.reason}")

@@ -100,9 +100,8 @@ def test_identify_writes_values_with_errors(tmp_path, capsys):
 
 def test_export_takes_what_was_learned(results, tmp_path, capsys):
     learned = results / "learned.json"
-    assert (
-        main(["export", "compensator", "--parameters", str(learned), "--out", str(tmp_path)]) == 0
-    )
+    arguments = ["--parameters", str(learned), "--out", str(tmp_path), "--force"]
+    assert main(["export", "compensator", *arguments]) == 0
     exported = tmp_path / "compensator.fmu"
     assert exported.read_bytes() == (results / "compensator.fmu").read_bytes()
     assert str(exported) in capsys.readouterr().out
@@ -112,7 +111,7 @@ def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
     learned = json.loads((results / "learned.json").read_text())["parameters"]["F_c"]["value"]
     for form, names in (("c", ["compensator.h", "compensator.c"]), ("st", ["compensator.st"])):
         arguments = ["--parameters", results / "learned.json", "--as", form, "--out", tmp_path]
-        assert main(["export", "compensator", *map(str, arguments)]) == 0
+        assert main(["export", "compensator", "--force", *map(str, arguments)]) == 0
         assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in names]
         assert repr(learned) in (tmp_path / names[-1]).read_text()
 

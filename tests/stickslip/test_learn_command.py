@@ -98,7 +98,25 @@ def test_the_compensator_has_what_was_learned(folder, tmp_path):
     (tmp_path / "v.csv").write_text("time,v\n0,0.02\n1,0.02\n")
     assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
     last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
-    assert last == pytest.approx(learned["F_c"]["value"], rel=0.02)
+    share = json.loads((folder / "learned.json").read_text())["share"]["value"]
+    assert last == pytest.approx(share * learned["F_c"]["value"], rel=0.02)
+
+
+def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
+    """With and without --out: twelve errors, none larger with the compensator."""
+    document = json.loads((folder / "learned.json").read_text())
+    assert len(document["tracking_error"]) == 12
+    for row in document["tracking_error"]:
+        assert row["with"] <= 1.02 * row["without"]
+    assert main(["learn", "--log", str(log), "--judge", "inverse"]) == 0
+    out, error = capsys.readouterr()
+    table = out.split("RMS tracking error of simulated drives")[1].splitlines()
+    assert [len(line.split("->")) for line in table[2:5]] == [5, 5, 5]
+    first = document["tracking_error"][0]
+    assert f"{1e3 * first['without']:.3g} -> {1e3 * first['with']:.3g}" in table[2]
+    assert "tried in one designed for the learned mass" in error
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Whether compensation helps" in report
 
 
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys):

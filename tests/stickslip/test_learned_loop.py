@@ -13,7 +13,9 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.learned_loop import (
+    datasheet_document,
     loop_document,
+    read_datasheet,
     read_feed,
     read_loop,
     read_standard_errors,
@@ -95,10 +97,39 @@ def test_a_loop_that_is_none_is_told(learned, entry, said):
     assert said in str(caught.value)
 
 
-def test_export_of_a_sound_compensator_is_quiet(learned, tmp_path, capsys):
-    assert export(learned(loop=loop_document(LOOPS["paper"])), tmp_path) == 0
+def start_of(path, name):
+    return cosim.Fmu(path).variables[name].start
+
+
+def test_export_reduces_a_force_that_would_hurt_where_friction_halves(learned, tmp_path, capsys):
+    path = learned(loop=loop_document(LOOPS["paper"]))
+    assert export(path, tmp_path) == 0
+    [line] = capsys.readouterr().err.splitlines()
+    share = float(line.split("warning: ")[1].split(" of the force is exported")[0])
+    assert "on a drive with friction x 0.5" in line
+    assert 0.8 <= share < 1.0
+    fmu = tmp_path / "compensator.fmu"
+    assert start_of(fmu, "F_c") == pytest.approx(share * PAPER["F_c"], rel=1e-12)
+    assert start_of(fmu, "v_s") == PAPER["v_s"]
+    assert export(path, tmp_path, "--force") == 0
+    assert "the whole force is exported" in capsys.readouterr().err
+    assert start_of(fmu, "F_c") == PAPER["F_c"]
+
+
+def test_export_of_a_harmless_share_is_quiet(learned, tmp_path, capsys):
+    """What learn wrote: the share is applied, tried once more, and stays."""
+    entries = {"loop": loop_document(LOOPS["paper"]), "share": {"value": 0.8, "unit": "1"}}
+    assert export(learned(**entries), tmp_path) == 0
     assert capsys.readouterr().err == ""
-    assert (tmp_path / "compensator.fmu").exists()
+    assert start_of(tmp_path / "compensator.fmu", "F_c") == pytest.approx(0.8 * PAPER["F_c"])
+
+
+def test_the_datasheet_of_a_log_comes_back(learned):
+    sheet = Datasheet(peak_force=40.0, tau_i=0.0, encoder_step=1e-6)
+    assert read_datasheet(learned(datasheet=datasheet_document(sheet))) == sheet
+    assert read_datasheet(learned()) == Datasheet()
+    with pytest.raises(UsageError, match="datasheet: expected peak_force, tau_i, encoder_step"):
+        read_datasheet(learned(datasheet={"encoder_step": {"value": -1.0}}))
 
 
 def test_export_refuses_what_makes_the_loop_worse_unless_forced(learned, tmp_path, capsys):
@@ -107,13 +138,14 @@ def test_export_refuses_what_makes_the_loop_worse_unless_forced(learned, tmp_pat
     path = learned(**{name: documents[name](value) for name, value in entries.items()})
     assert export(path, tmp_path) == 1
     lines = capsys.readouterr().err.splitlines()
-    assert lines[-1].startswith(f"stickslip: {path}: with the compensator the simulated tracking")
+    assert lines[-1].startswith(f"stickslip: {path}: with the whole force the simulated tracking")
+    assert any("friction x 1.5" in line for line in lines)  # the table
     assert lines[-1].endswith("--force exports all the same")
     assert any(line.startswith("stickslip: warning: stribeck: at 0.5 mm/s") for line in lines)
     assert not (tmp_path / "compensator.fmu").exists()
     assert export(path, tmp_path, "--force") == 0
     assert (tmp_path / "compensator.fmu").exists()
-    assert "warning: with the compensator" in capsys.readouterr().err
+    assert "warning: with the whole force" in capsys.readouterr().err
 
 
 def test_export_says_when_it_cannot_tell(learned, tmp_path, capsys):

@@ -1,12 +1,13 @@
 """Measured logs: the published figures of EMPS, and a tribometer's hysteresis."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import cosim
 from stickslip.commands.learn import print_estimation
-from stickslip.errors import HarmfulError
+from stickslip.guards import Worth
 from stickslip.learned import read_learned
 from stickslip.log_learning import learn_from_log, write_learned
 from stickslip.recording import load_description
@@ -52,26 +53,26 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 
 
 def test_what_was_learned_is_written_and_read(emps, tmp_path):
-    warnings = write_learned(emps, tmp_path)
+    write_learned(emps, tmp_path)
     assert read_learned(tmp_path / "learned.json") == pytest.approx(emps.compensator)
-    assert sum("the compensator's value is a guess" in warning for warning in warnings) == 4
+    assert sum("not visible in this log" in warning for warning in emps.warnings) == 4
     assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
         emps.compensator["F_c"]
     )
     assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path, monkeypatch):
-    def refuse(_):
-        raise HarmfulError("it makes the error worse")
-
-    write_learned(emps, tmp_path, force=True)
+def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
+    worth = emps.trial.worth
+    rows = tuple(replace(row, compensated=1.03 * row.without) for row in worth.rows)
+    harmful = replace(emps, trial=replace(emps.trial, worth=Worth(1.0, rows, rows)))
+    assert "1.03 times that without the compensator" in harmful.refusal
+    assert not emps.refusal
+    write_learned(emps, tmp_path)
     assert (tmp_path / "compensator.fmu").exists()
-    monkeypatch.setattr("stickslip.log_learning.refuse_worse", refuse)
-    warnings = write_learned(emps, tmp_path)
+    write_learned(harmful, tmp_path)
     assert not (tmp_path / "compensator.fmu").exists()
-    assert "compensator.fmu is not written: it makes the error worse" in warnings
-    write_learned(emps, tmp_path, force=True)
+    write_learned(harmful, tmp_path, force=True)
     assert (tmp_path / "compensator.fmu").exists()
 
 
