@@ -51,7 +51,9 @@ class Trial:
         axis, sheet = self.loop.axis, self.datasheet
         lag = {"tau_i": axis.tau_i} if axis.tau_i else {"current_loop": False}
         known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
-        return {**self.friction, **known, **lag, "encoder_step": sheet.encoder_step}
+        # The paper's converter has steps larger than the friction of a small drive.
+        converters = {"dac": False, "encoder_step": sheet.encoder_step}
+        return {**self.friction, **known, **lag, **converters}
 
 
 @dataclass(frozen=True)

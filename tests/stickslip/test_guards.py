@@ -117,6 +117,17 @@ def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     assert "0.4 mm/s on a drive with friction x 0.5" in worth.reason
 
 
+def test_a_trial_does_not_depend_on_the_size_of_the_drive(make_trial):
+    """Masses, gains and forces a million times smaller: the same motion, as no converter rounds."""
+    by = 1e-6
+    paper = make_trial(PAPER, VALIDATION)
+    axis = Axis(by * AXIS.m, by * AXIS.b, AXIS.tau_i)
+    loop = close_velocity_loop(axis, PAPER.T_s, PAPER.tau_f, by * PAPER.K_p, by * PAPER.K_i)
+    tiny = at_share(TABLE_2, by)
+    small = replace(paper, loop=loop, friction=tiny, compensator=tiny)
+    assert errors(small) == pytest.approx(errors(paper), rel=0.02)
+
+
 def test_a_share_is_of_the_force_alone(fmus):
     """At the same velocities every force of the LuGre FMU is that share of the whole."""
     v = 1e-3 * np.sin(np.linspace(0.0, 40.0, 4000)) ** 3
