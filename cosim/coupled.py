@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -78,6 +79,7 @@ class Coupled:
             return
         width = len(self._names)
         adaptive = self._coupling.adaptive
+        countable = 16 * math.ulp(max(abs(run.start), abs(run.stop)))  # s; parts of it are, too
         self._members = (tables.Member * n)(
             *(self._member(name, run.components[i]) for name, i in self._place.items())
         )
@@ -92,7 +94,7 @@ class Coupled:
             next=(ctypes.c_double * width)(),
             given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
-            min_step=adaptive.min_step if adaptive else 0.0,
+            min_step=max(adaptive.min_step, countable) if adaptive else 0.0,
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
         )
         run.jacobi = False

@@ -21,7 +21,8 @@ class Adaptive:
     Attributes
     ----------
     tolerance : relative to the greater of a signal's value and nominal value
-    min_step : s; a step as short as this counts as good
+    min_step : s; a step as short as this counts as good. It is longer where rounding asks for it,
+        4e-6 s at Unix time
     """
 
     tolerance: float = 1e-4

@@ -155,3 +155,21 @@ def test_spans_and_points_are_found_at_any_time(linear, start):
         assert result.sum_of_squares["late"] == 6.0
         with pytest.raises(cosim.ExperimentError, match="none of the points"):
             simulation.run(until=start + 3.4 * step)
+
+
+@each_kind
+@pytest.mark.parametrize("start", STARTS)
+def test_adaptive_steps_come_past_a_jump_at_any_time(linear, kind, start):
+    """An output that shows the jump at once lets no prediction hold, however short the step."""
+    start, step = STARTS[start]
+    version, abilities = KINDS[kind]
+    system = cosim.System("gain")
+    system.add("gain", linear(version, "d11", **abilities), {"d11": 1.0})
+    system.add("a", linear(version, **abilities), {"b11": 1.0, "c11": 1.0})
+    system.expose("u", "gain.u1")
+    system.connect("gain.y1", "a.u1")
+    time, u = levels(start, step)
+    coupling = "adaptive, degree 1"
+    result = run(system, coupling, start, step, Table(time, LEVELS, held=True))
+    exact = step * np.append(0.0, np.cumsum(u[:-1]))
+    np.testing.assert_allclose(result["a.y1"], exact, rtol=2e-3, atol=step / 50)
