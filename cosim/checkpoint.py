@@ -25,7 +25,7 @@ from cosim.result import Array
 MOST_BYTES = 1 << 30
 FORMAT = 2
 _MOST_NAMED = 3  # differences in a message
-_MOST_SHOWN = 120  # characters of each
+_MOST_SHOWN = 80  # characters of each
 _DAMAGES = (
     *(ValueError, KeyError, TypeError, EOFError, OverflowError, NotImplementedError),
     *(AttributeError, RuntimeError, struct.error, zipfile.BadZipFile, zlib.error),
