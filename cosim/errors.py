@@ -9,6 +9,7 @@ CosimError(toolchain.Fault)
     SspError(ValueError)           the file is no system structure package that can be read
     SimulationError(RuntimeError)  an FMU failed during a run
         FmuCrashed                 it ended its process, or had to be ended with it
+    SharedSimulation(RuntimeError) two threads, or a forked process, use one simulation
 """
 
 from toolchain import Fault
@@ -48,3 +49,7 @@ class SimulationError(CosimError, RuntimeError):
 
 class FmuCrashed(SimulationError):
     """An FMU ended the process it had for itself, or did not return; another can be started."""
+
+
+class SharedSimulation(CosimError, RuntimeError):
+    """A simulation is used by two threads at once, or by a process that was forked."""

@@ -6,7 +6,7 @@ import ctypes
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, NoReturn, Self
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from cosim import fatal, kernel, resets
 from cosim.coupled import Coupled
 from cosim.coupling import Coupling
 from cosim.errors import SimulationError
+from cosim.exclusive import Exclusive
 from cosim.experiment import check_memory, check_tolerance, count_steps
 from cosim.kernel.unrolled import unroll
 from cosim.layout import Layout
@@ -56,6 +57,10 @@ class Prepared:
         self._careful: set[str] = set()  # components that discarded a step and can take it back
         self._born: dict[str, int] = {}
         self._warned: set[tuple[str, bytes]] = set()
+        self._exclusive = Exclusive(
+            spec.system.name,
+            outlives_fork=not any(fmu.needs_tool for fmu in spec.system.components.values()),
+        )
         self._build()
 
     def _build(self) -> None:
@@ -122,7 +127,18 @@ class Prepared:
         return self._coupled.effort
 
     def close(self) -> None:
-        """Free the FMUs. A closed simulation instantiates them again when it runs."""
+        """Free the FMUs. A closed simulation instantiates them again when it runs.
+
+        Raises
+        ------
+        SharedSimulation
+            When it runs.
+        """
+        if self._exclusive.is_ours:
+            with self._exclusive:
+                self._free()
+
+    def _free(self) -> None:
         self._halted = self._ready = False
         self._bury()
         self._kernel.forget(self._run)
@@ -142,8 +158,14 @@ class Prepared:
         self.close()
 
     def __del__(self) -> None:
-        if hasattr(self, "_settings"):
-            self.close()
+        if hasattr(self, "_settings") and self._exclusive.is_ours:
+            self._free()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            f"{self.spec.system.name}: a prepared simulation cannot be pickled or copied, for it"
+            " holds instances of FMUs; pickle simulation.spec, and prepare() it where it arrives"
+        )
 
     def _new_settings(self, names: Iterable[str]) -> Settings:
         return Settings(self.spec.system, names, self._libraries, self._facades)

@@ -45,10 +45,9 @@ class Repeated(Stepping):
         super().__init__(spec, room)
         self._proven = np.zeros_like(self._moved)
 
-    def close(self) -> None:
-        """Free the FMUs. A closed simulation instantiates them again when it runs."""
+    def _free(self) -> None:
         self._traces, self._set = set(), {}
-        super().close()
+        super()._free()
 
     def _repeatable(
         self,

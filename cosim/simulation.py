@@ -23,8 +23,8 @@ from cosim.state import StateAccess
 class Simulation(Repeated):
     """Runs a system. Life: ``prepare`` -> any number of ``run`` -> ``close`` (or ``with``).
 
-    One thread at a time; other threads prepare their own from ``spec``. A run leaves the
-    interpreter lock, so their runs go on side by side.
+    One thread at a time; other threads, and forked processes, prepare their own from ``spec``. A
+    run leaves the interpreter lock, so their runs go on side by side.
 
     Attributes
     ----------
@@ -68,13 +68,14 @@ class Simulation(Repeated):
         ------
         ParameterError, SignalError
             Before anything is run.
+        SharedSimulation
+            When it runs already, in another thread or from its own progress function.
         SimulationError
             When an FMU fails or gives a value that is not finite; the simulation can run again.
 
         An FMU may ask to end a run: the result is then shorter, and its ``stopped`` says so.
         """
         values = self._values(parameters or {})
-
         last = self._place(until)
 
         def attempt() -> Result:
@@ -85,7 +86,8 @@ class Simulation(Repeated):
 
             return self._repeatable(values, external, go, repeats=real_time is None)
 
-        return self._carefully(attempt)
+        with self._exclusive:
+            return self._carefully(attempt)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
@@ -98,6 +100,10 @@ class Simulation(Repeated):
         A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
         starts anew, so that the two agree within its tolerance.
         """
+        with self._exclusive:
+            return self._save(Path(path))
+
+    def _save(self, path: Path) -> Path:
         if not self._halted:
             raise SimulationError("there is no state to save: halt a run with run(until=...)")
         components = self.spec.system.components
@@ -174,7 +180,8 @@ class Simulation(Repeated):
             self._traces.add(RESUMED)
             return result
 
-        return self._carefully(attempt)
+        with self._exclusive:
+            return self._carefully(attempt)
 
     def _state_of(self, name: str) -> StateAccess:
         facade = self._facades.get(name)

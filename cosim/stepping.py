@@ -155,7 +155,7 @@ class Stepping(Prepared):
             except Discarded as discarded:
                 _log.info("%s discards steps: they are tried in parts", discarded.component)
                 self._careful.add(discarded.component)
-                self.close()
+                self._free()
                 self._build()
 
     def _advance(self, halt: int) -> Ending | None:

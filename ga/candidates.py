@@ -75,7 +75,8 @@ class SimulatedCost:
     def close(self) -> None:
         """Free this cost's simulations in this process; a later call prepares them again."""
         for key in [key for key in _open if key[0] == self._token and key[1][0] == os.getpid()]:
-            with suppress(cosim.FmuCrashed):  # the costs are known
+            # The costs are known; one that still runs frees its FMUs when its thread lets go of it.
+            with suppress(cosim.FmuCrashed, cosim.SharedSimulation):
                 _open.pop(key).close()
 
     def __enter__(self) -> Self:

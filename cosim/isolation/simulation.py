@@ -17,6 +17,7 @@ import cosim.errors
 from cosim import resets
 from cosim.coupling import Coupling
 from cosim.errors import CosimError, FmuCrashed, SimulationError
+from cosim.exclusive import Exclusive
 from cosim.experiment import check_memory, check_tolerance, count_steps
 from cosim.isolation.answers import Reply
 from cosim.isolation.parcel import Tabulated, portable_inputs
@@ -60,6 +61,7 @@ class IsolatedSimulation(Simulation):
         self.pace = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
+        self._exclusive = Exclusive(spec.system.name, outlives_fork=False)
         self._living()
 
     @property
@@ -115,7 +117,8 @@ class IsolatedSimulation(Simulation):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
-        self._ask("save", {"path": str(Path(path).absolute())})
+        with self._exclusive:
+            self._ask("save", {"path": str(Path(path).absolute())})
         return Path(path)
 
     def close(self) -> None:
@@ -127,13 +130,14 @@ class IsolatedSimulation(Simulation):
             When an FMU crashes even then.
         """
         process = self._process
-        if process is None:
+        if process is None or not self._exclusive.is_ours:
             return
-        try:
-            self._ask("close")
-            process.leave()
-        finally:
-            self._give_up()
+        with self._exclusive:
+            try:
+                self._ask("close")
+                process.leave()
+            finally:
+                self._give_up()
 
     def __exit__(
         self,
@@ -166,18 +170,19 @@ class IsolatedSimulation(Simulation):
             "real_time": real_time,
             "progress": progress is not None,
         }
-        process = self._living()
-        try:
-            reply = self._ask(how, arguments, progress, slack)
-        except FmuCrashed as crash:
-            if not self._ended_by_reuse(process, crash):
-                raise
-            reply = self._ask(how, arguments, progress, slack)
-        self._effort = reply["effort"]
-        if real_time and reply["pace"]:
-            looks, overruns, worst = reply["pace"]
-            self.pace = Pace(real_time, looks=looks, overruns=overruns, worst=worst)
-        return self._result_of(reply)
+        with self._exclusive:
+            process = self._living()
+            try:
+                reply = self._ask(how, arguments, progress, slack)
+            except FmuCrashed as crash:
+                if not self._ended_by_reuse(process, crash):
+                    raise
+                reply = self._ask(how, arguments, progress, slack)
+            self._effort = reply["effort"]
+            if real_time and reply["pace"]:
+                looks, overruns, worst = reply["pace"]
+                self.pace = Pace(real_time, looks=looks, overruns=overruns, worst=worst)
+            return self._result_of(reply)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
         """Whether a child with new instances would not have come to this end."""
