@@ -224,7 +224,9 @@ class Simulation(Repeated):
             "sums of squares": self._layout.summed,
         }
         fmus = {
-            f"component {name}": f"{fmu.interface} of the file with SHA-256 {fmu.folder.name[:16]}..."
+            f"component {name}": (
+                f"{fmu.interface} of the file with SHA-256 {fmu.folder.name[:16]}..."
+            )
             for name, fmu in system.components.items()
         }
         fed = {
