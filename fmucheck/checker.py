@@ -19,12 +19,11 @@ _BLOCKING = {
     "schema-violation",
     "bad-model-identifier",
     "bad-dimension",
-    "not-a-library",
-    "wrong-architecture",
-    "binary-missing",
     "unknown-version",
 }
 """Rules whose findings make running pointless or dangerous."""
+_UNLOADABLE = {"not-a-library", "wrong-architecture"}
+"""Rules whose findings do so for the binary that they name, whatever the others are."""
 
 
 def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Report:
@@ -54,7 +53,8 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
         _judge(report, "archive", archive, None)
         if fmu := _judge_content(report, members, content):
             blocked = report.rules & _BLOCKING
-            runs = findings_of_runs(fmu, blocked, timeout) if run else ()
+            broken = {f.place: f.rule for f in report if f.rule in _UNLOADABLE}
+            runs = findings_of_runs(fmu, blocked, broken, timeout) if run else ()
             report.findings += runs
     report.findings = list(dict.fromkeys(report.findings))  # both interfaces may say the same
     report.findings.sort(key=lambda finding: -finding.severity)

@@ -38,6 +38,11 @@ def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:
         ("bad-build-description", "schema", replaced(_BUILD, ("<SourceFile ", "<Source "))),
         ("bad-build-description", "not XML", with_files({_BUILD: b"<a>"})),
         ("bad-build-configuration", "unknown identifier", replaced(_BUILD, ("reference", "other"))),
+        (
+            "options-without-compiler",
+            "options alone",
+            replaced(_BUILD, ("<SourceFileSet ", '<SourceFileSet compilerOptions="-O2" ')),
+        ),
         ("bad-terminals-file", "schema", replaced(_TERMINALS, ("matchingRule", "rule"))),
         (
             "misplaced-terminals",

@@ -68,6 +68,15 @@ def bad_build_configuration(fmu: Fmu) -> Claims:
             yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
 
 
+@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.3", advice="say which compiler takes them")
+def options_without_compiler(fmu: Fmu) -> Claims:
+    """A set of source files has compilerOptions, but no compiler."""
+    build = _build(fmu)
+    for files in build.root.iter("SourceFileSet") if build and build.root is not None else ():
+        if "compilerOptions" in files.attrib and "compiler" not in files.attrib:
+            yield f"{BUILD} (line {files.sourceline})", f"{files.get('compilerOptions')!r}"
+
+
 @rule(Severity.ERROR, fmi2=None, fmi3="2.5.1.3", advice="add sources/buildDescription.xml")
 def sources_without_build_description(fmu: Fmu) -> Claims:
     """There are sources, but nothing says how to build them."""

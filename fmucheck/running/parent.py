@@ -27,6 +27,7 @@ Claim = tuple[str, str]
 
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
+_MOST_REPORT = 2**28  # bytes; an FMU may write into it too
 _UNANIMOUS = ("dependency-never-seen",)
 _SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
 _PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
@@ -45,18 +46,22 @@ def host_binary(fmu: Fmu, identifier: str) -> str | None:
     return None
 
 
-def findings_of_runs(fmu: Fmu, blocked: set[str], timeout: float = TIMEOUT) -> Iterator[Finding]:
+def findings_of_runs(
+    fmu: Fmu, blocked: set[str], broken: Mapping[str, str], timeout: float = TIMEOUT
+) -> Iterator[Finding]:
     """Yield what is found by running every interface of an FMU.
 
     Parameters
     ----------
     blocked : rules whose findings make running pointless
+    broken : binary that cannot be loaded -> the rule that found so
     timeout : s that one rule may take
     """
     libraries = {}
     for interface in fmu.description.interfaces:
         name = host_binary(fmu, interface.identifier)
-        why = f"because of {', '.join(sorted(blocked))}" if blocked else ""
+        reasons = blocked | ({broken[name]} if name and name in broken else set())
+        why = f"because of {', '.join(sorted(reasons))}" if reasons else ""
         if not why and name is None:
             why = "there is no binary for this machine"
         if not why and interface.flag("needsExecutionTool"):
@@ -183,7 +188,7 @@ class _Child:
                 told, since = size, time.monotonic()
             if time.monotonic() - since > timeout:
                 return "hang"
-            if max(size, output.stat().st_size) > MOST_TEXT:
+            if output.stat().st_size > MOST_TEXT or size > _MOST_REPORT:
                 return "flood"
 
     def _read(self, report: Path) -> tuple[str, str, bool]:

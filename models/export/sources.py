@@ -76,7 +76,11 @@ def build_description(model: Model, files: Iterable[str]) -> str:
     configuration = xml.child(root, "BuildConfiguration", modelIdentifier=model.name)
     # Without fused multiply-add, the bits are those of the binaries inside.
     sources = xml.child(
-        configuration, "SourceFileSet", language="C11", compilerOptions="-O2 -ffp-contract=off"
+        configuration,
+        "SourceFileSet",
+        language="C11",
+        compiler="gcc",
+        compilerOptions="-O2 -ffp-contract=off",
     )
     for path in compiled(files):
         xml.child(sources, "SourceFile", name=path)

@@ -1,13 +1,13 @@
 /* exp and log of numerics/elementary.h for 32-bit floating point, relative error below 2e-7. */
 #include <stdint.h>
-#include <string.h>
 
 /* 2^n for -126 <= n <= 127 */
 static float power_of_two(int n) {
-    const uint32_t bits = (uint32_t)(n + 127) << 23;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    const union {
+        uint32_t bits;
+        float value;
+    } number = {(uint32_t)(n + 127) << 23};
+    return number.value;
 }
 
 /* e^x; 0 below -87, the largest exponent a normal number has. */
@@ -28,9 +28,11 @@ static float elementary_exp(float x) {
 static float elementary_log(float x) {
     if (x < 1.17549435e-38f)
         return -1e30f;
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    int e = (int)(bits >> 23) - 127;
+    const union {
+        float value;
+        uint32_t bits;
+    } number = {x};
+    int e = (int)(number.bits >> 23) - 127;
     float m = x / power_of_two(e);
     if (m > 1.41421356f) {
         m *= 0.5f;

@@ -35,7 +35,12 @@ def _declarations(variables: Iterable[Variable]) -> Iterable[str]:
         yield f"    {v.name} : {kind} := {start}; (* {explained(v)} *)"
 
 
+_SMALLEST = 2.0**-126
+"""Compilers such as matiec take no literal that is not 0 and below what a REAL holds."""
+
+
 def _number(value: float) -> str:
     """Return a real literal: it needs a point, also before an exponent."""
+    value = value if abs(value) >= _SMALLEST else 0.0
     mantissa, exponent, power = repr(float(value)).partition("e")
     return (mantissa if "." in mantissa else f"{mantissa}.0") + exponent.upper() + power

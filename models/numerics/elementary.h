@@ -8,14 +8,14 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include <string.h>
 
 /* 2^n for -1022 <= n <= 1023 */
 static inline double power_of_two(int n) {
-    const uint64_t bits = (uint64_t)(n + 1023) << 52;
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    const union {
+        uint64_t bits;
+        double value;
+    } number = {(uint64_t)(n + 1023) << 52};
+    return number.value;
 }
 
 /* Nearest whole number, |x| < 2^51. Adding 1.5 * 2^52 leaves no room for a fraction. */
@@ -50,7 +50,7 @@ static inline double elementary_exp(double x) {
 static inline double phi_series(double y, int n) {
     double sum = 0.0;
     for (int k = 14; k >= 1; k--)
-        sum = (1.0 + sum) * (-y / (n + k));
+        sum = (1.0 + sum) * (-y / (double)(n + k));
     return 1.0 + sum;
 }
 
@@ -66,9 +66,11 @@ static inline double elementary_phi2(double y) {
 
 /* ln(x) for normal x > 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e. */
 static inline double elementary_log(double x) {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    int e = (int)(bits >> 52) - 1023;
+    const union {
+        double value;
+        uint64_t bits;
+    } number = {x};
+    int e = (int)(number.bits >> 52) - 1023;
     double m = x / power_of_two(e);
     if (m > 1.4142135623730951) {
         m *= 0.5;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import shutil
 import subprocess
 import sys
@@ -22,6 +23,7 @@ import structured_text
 STEP = 5e-4  # s
 TUNED = {"F_s": 8.91, "F_c": 6.0002185, "v_s": 5.627e-4, "sigma_0": 3.9298e5, "sigma_1": 4436.34}
 ASKED = ("-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic")
+STRICT = ("-Wconversion", "-Wfloat-conversion", "-Wdouble-promotion", "-ffreestanding", "-O2")
 # hold, lead [s], b [N s/m], delta
 SETTINGS = [(1, 0.0, 0.0, 1.0), (0, 1e-4, 0.0, 1.0), (1, 0.0, 6.6, 2.0), (0, 2e-4, 3.0, 0.7)]
 
@@ -112,14 +114,45 @@ def test_exp_and_log_in_float_are_within_two_bits():
     assert library.probe_exp(ctypes.c_float(-88.0)) == 0.0
 
 
-@pytest.mark.parametrize("flags", [(), ("-DCOMPENSATOR_FLOAT", "-Wdouble-promotion")], ids=str)
+@pytest.mark.parametrize("flags", [(), ("-DCOMPENSATOR_FLOAT",)], ids=str)
 def test_strict_compilers_of_c99_have_nothing_to_say(exported, flags, tmp_path):
     compiler = [sys.executable, "-m", "ziglang", "cc"]
     for called in (compiler, ["gcc"])[: 1 + bool(shutil.which("gcc"))]:
         target = tmp_path / "compensator.o"
-        arguments = [*called, *ASKED, *flags, "-O1", "-c", "compensator.c", "-o", str(target)]
+        arguments = [*called, *ASKED, *STRICT, *flags, "-c", "compensator.c", "-o", str(target)]
         done = subprocess.run(arguments, cwd=exported, capture_output=True, text=True)
         assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_c_includes_what_freestanding_targets_have(exported):
+    """C99, section 4: a freestanding implementation has these and no <string.h>."""
+    freestanding = ["float", "iso646", "limits", "stdarg", "stdbool", "stddef", "stdint"]
+    for name in ("compensator.c", "compensator.h"):
+        included = re.findall(r"#include <(\w+)\.h>", (exported / name).read_text())
+        assert {*included} <= {*freestanding}
+    assert "memcpy" not in (exported / "compensator.c").read_text()
+
+
+@pytest.mark.parametrize("start", [{}, {"b": 1e-300, "lead": 5e-324, "F_s": 1e9, "delta": 0.5}])
+def test_literals_of_structured_text_are_in_the_range_of_real(tmp_path, start):
+    """IEC 61131-3: a literal without a type may be REAL, of 32 bits; matiec refuses others."""
+    (path,) = write_compensator(tmp_path, "st", start=TUNED | start)
+    code = re.sub(r"\(\*.*?\*\)", "", path.read_text(), flags=re.DOTALL)
+    literals = [float(word) for word in re.findall(r"\d+\.\d+(?:E[+-]?\d+)?", code)]
+    limits = np.finfo(np.float32)
+    assert len(literals) > 20
+    assert all(x == 0.0 or limits.tiny <= x <= limits.max for x in literals)
+
+
+def test_structured_text_computes_with_any_ratio_of_speeds(tmp_path):
+    """Also where |v| / v_s is below what a REAL or a normal number holds: next to no force."""
+    (path,) = write_compensator(tmp_path, "st", start=TUNED)
+    block = structured_text.load(path.read_text())["Compensator"]
+    for v in (0.0, 5e-324, 1e-310, 1e-300, 1e-40, 1e-12):
+        for delta in (0.1, 0.5, 1.0, 2.0, 10.0):
+            scope = block(h=STEP, v=v, delta=delta)
+            assert scope["valid"]
+            assert 0.0 <= scope["F_mean"] < 1e-3
 
 
 def test_c_keeps_nothing_between_calls_and_allocates_nothing(exported):
