@@ -42,7 +42,10 @@ def check_recording(
     controller : that was in use
     force_limit : of motor or amplifier [N]
     """
-    findings = [*_signals(recording, controller or Controller())]
+    controller = controller or Controller()
+    if force_limit is None and np.isfinite(controller.u_max):
+        force_limit = controller.u_max
+    findings = [*_signals(recording, controller)]
     if any(finding.severity == "error" for finding in findings):
         return tuple(findings)
     shown = excitation(recording)
