@@ -72,7 +72,7 @@ def try_compensator(reading: Reading, estimation: Estimation) -> LogTrial | None
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         build_fmus(Path(folder), {})
         trial = Trial(Path(folder), loop, learned, learned, v_cmd, datasheet=sheet)
-        worth = try_out(trial)
+        worth = try_out(trial, rotary=reading.recording.motion == "rotary")
         written = replace(trial, compensator=at_share(learned, worth.share))
         found = tuple(str(finding) for finding in inspect(written, errors))
     return LogTrial(loop, controlled is not None, command, sheet, worth, found)

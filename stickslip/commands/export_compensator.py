@@ -20,6 +20,7 @@ from stickslip.guards import Trial, inspect, try_out
 from stickslip.learned import read_friction, read_learned
 from stickslip.learned_loop import (
     read_datasheet,
+    read_document,
     read_feed,
     read_loop,
     read_standard_errors,
@@ -98,7 +99,7 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
         sheet = read_datasheet(path)
         friction = read_friction(path)
         trial = Trial(Path(folder), loop, friction, compensator, v_cmd, feed, sheet)
-        worth = try_out(trial)
+        worth = try_out(trial, rotary=read_document(path).get("motion") == "rotary")
         written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
         for finding in inspect(written, read_standard_errors(path)):
             _warn(str(finding))

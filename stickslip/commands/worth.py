@@ -12,7 +12,7 @@ def print_worth(worth: Worth, file: TextIO | None = None) -> None:
     """Print a row for each speed and a column for each drive."""
     share = "" if worth.share == 1.0 else f" at {worth.share:g} of its force"
     print(
-        "\nRMS tracking error of simulated drives [mm/s, mrad/s if rotary], "
+        f"\nRMS tracking error of simulated drives [{worth.unit}], "
         f"without -> with the compensator{share}:",
         file=file,
     )

@@ -56,11 +56,13 @@ class Worth:
     share : of the compensator's force; the largest of ``SHARES`` that is harmless, or 1
     rows : (12,) at that share
     full : (12,) at the whole force
+    unit : of a thousandth of a speed, for people
     """
 
     share: float
     rows: tuple[Tried, ...]
     full: tuple[Tried, ...]
+    unit: str = "mm/s"
 
     @property
     def harmless(self) -> bool:
@@ -72,9 +74,9 @@ class Worth:
         """Where the whole force makes the error grow most."""
         worst = max(self.full, key=lambda row: row.ratio)
         return (
-            f"with the whole force the simulated tracking error at {1e3 * worst.speed:.3g} mm/s on"
-            f" a drive with {worst.drive} is {1e3 * worst.compensated:.3g} mm/s,"
-            f" {worst.ratio:.3g} times that without the compensator"
+            f"with the whole force the simulated tracking error at {1e3 * worst.speed:.3g}"
+            f" {self.unit} on a drive with {worst.drive} is {1e3 * worst.compensated:.3g}"
+            f" {self.unit}, {worst.ratio:.3g} times that without the compensator"
         )
 
     @property
@@ -87,8 +89,9 @@ class Worth:
         )
 
 
-def try_out(trial: Trial) -> Worth:
+def try_out(trial: Trial, *, rotary: bool = False) -> Worth:
     """Try a compensator at every speed and on every drive, with the largest harmless share."""
+    unit = "mrad/s" if rotary else "mm/s"
     cells = list(_cells(trial))
     with ExitStack() as stack:
         without = [_without(cell) for _, _, cell in cells]
@@ -103,10 +106,10 @@ def try_out(trial: Trial) -> Worth:
 
         full = tried(1.0)
         for share in SHARES:
-            worth = Worth(share, full if share == 1.0 else tried(share), full)
+            worth = Worth(share, full if share == 1.0 else tried(share), full, unit)
             if worth.harmless:
                 return worth
-    return Worth(1.0, full, full)
+    return Worth(1.0, full, full, unit)
 
 
 def _cells(trial: Trial) -> Iterator[tuple[float, str, Trial]]:

@@ -34,7 +34,7 @@ def write(worth: Worth) -> Html:
         table(
             ("Simulated drive", "Speed", "Without", "With", "Ratio"),
             rows,
-            "RMS tracking error (speeds in mm/s, or mrad/s for a rotary drive)",
+            f"RMS tracking error, all in {worth.unit}",
             (0,),
         ),
     )
