@@ -64,6 +64,9 @@ class LogLearning:
         question = implausible_mass(self.reading, mass.low, mass.high) if mass else None
         if question and question.severity == "error":
             return str(question)
+        for fault in self.estimation.faults:
+            if fault.spoils == "values":
+                return f"{fault.what}: {fault.figure}; {fault.advice}"
         return self.trial.worth.refusal if self.trial and not self.trial.worth.harmless else ""
 
     @property
@@ -134,7 +137,7 @@ def learn_from_log(
             seed=seed,
             seeds=seeds,
             search=search or Search(),
-            faults=tuple(finding.what for finding in findings if finding.unreliable),
+            faults=tuple(finding for finding in findings if finding.spoils),
         )
         estimation = learn(task, on_stage)
     on_stage("trying the compensator")

@@ -136,7 +136,7 @@ def print_estimation(estimation: Estimation) -> None:
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
-        print(f"warning: {fault}: no parameter is called well known")
+        print(f"{fault}; no parameter is called well known")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

@@ -19,7 +19,7 @@ from stickslip.estimation.scaling import Scale
 from stickslip.estimation.search import Search
 from stickslip.estimation.start import Start
 from stickslip.estimation.unknowns import FRICTION, SOUGHT
-from stickslip.recording import Recording
+from stickslip.recording import Finding, Recording
 
 JudgeName = Literal["auto", "output error", "inverse model"]
 
@@ -36,7 +36,7 @@ class Task:
     search : which algorithm, where it runs
     seed : of the search
     seeds : how many searches, each with a seed of its own
-    faults : of the recording, for which no parameter is called well known
+    faults : what the checks found that spoils intervals or values
     """
 
     fmus: Path
@@ -46,7 +46,7 @@ class Task:
     search: Search = field(default_factory=Search)
     seed: int = 0
     seeds: int = 1
-    faults: tuple[str, ...] = ()
+    faults: tuple[Finding, ...] = ()
 
     @property
     def workers(self) -> int:
@@ -71,7 +71,7 @@ class Estimation:
     controller : the check of the controller; None when it is not known
     remarks : what was done to the recording
     model_error : residual of the loop over what encoder and noise explain; NaN without the loop
-    faults : those of the task, and those that learning found
+    faults : those of the task, and those that learning found; no parameter is well known then
     """
 
     recording: Recording
@@ -90,7 +90,7 @@ class Estimation:
     model_error: float
     gains: Mapping[str, float] | None = None
     remarks: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()
+    faults: tuple[Finding, ...] = ()
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.

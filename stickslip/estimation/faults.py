@@ -8,13 +8,14 @@ from stickslip.estimation.controller_check import ControllerCheck
 from stickslip.estimation.fit import Fit
 from stickslip.estimation.output_error import OutputError
 from stickslip.estimation.unknowns import NAMES
+from stickslip.recording import Finding
 
 NEAR = 0.01
 """Distance from a bound of the delay that counts as none [samples]."""
 DELAY = NAMES.index("delay")
 
 
-def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iterator[str]:
+def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iterator[Finding]:
     """Yield what is wrong, with its figure and what to do.
 
     Parameters
@@ -26,13 +27,12 @@ def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iter
     delay, low, high = (float(q[DELAY]) for q in (fitted.q, u.lower, u.upper))
     at_low = delay - low < NEAR and judge != OutputError.name  # no lag is a drive without one
     if at_low or high - delay < NEAR:
-        yield (
-            f"the delay of the force ends at the bound of the fit, {delay:.3g} samples or "
-            f"{1e3 * delay * u.time_unit:.3g} ms; log force and position of the same instants, or "
-            "shift the force by its delay"
-        )
+        figure = f"{delay:.3g} samples or {1e3 * delay * u.time_unit:.3g} ms"
+        advice = "log force and position of the same instants, or shift the force by its delay"
+        what = "the delay of the force ends at the bound of the fit"
+        yield Finding("warning", what, figure, advice, spoils="intervals")
     if check is not None and check.factor != 1.0:
-        yield (
-            f"the logged force is {check.factor:.3g} times the force that the controller commands; "
-            f"check the unit of the force (--scale force={1.0 / check.factor:.3g}) or the gains"
-        )
+        what = "the logged force is out of scale with the force that the controller commands"
+        figure = f"{check.factor:.3g} times as large"
+        advice = f"say --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
+        yield Finding("warning", what, figure, advice, spoils="values")

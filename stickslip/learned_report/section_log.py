@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 
 from stickslip.estimation import Estimation
 from stickslip.recording import Finding
@@ -14,11 +14,12 @@ ORDER = ("error", "warning", "note")
 
 
 def write(
-    estimation: Estimation, findings: Iterable[Finding], pictures: Mapping[str, Picture]
+    estimation: Estimation, findings: Collection[Finding], pictures: Mapping[str, Picture]
 ) -> Html:
     """Return the section on the log, errors and warnings first."""
     done = (Finding("note", remark) for remark in estimation.remarks)
-    ordered = sorted([*findings, *done], key=lambda finding: ORDER.index(finding.severity))
+    faults = (fault for fault in estimation.faults if fault not in findings)
+    ordered = sorted([*findings, *faults, *done], key=lambda finding: ORDER.index(finding.severity))
     rows = [
         (finding.severity, _prose(finding.what), _prose(finding.figure), _prose(finding.advice))
         for finding in ordered

@@ -107,12 +107,12 @@ def _saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         if share > (0.0 if limit else 0.002):
             advice = "there it does not follow its command; log a gentler motion"
             what = f"{name} saturates at {most:.4g}"
-            yield Finding("warning", what, f"{share:.2%}", advice, unreliable=True)
+            yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
         if limit and most > 1.05 * limit:
             figure = f"{most:.4g} against {limit:.4g}"
             advice = "check unit and scale, and that it was logged behind the limit"
             what = f"{name} exceeds the force limit"
-            yield Finding("warning", what, figure, advice, unreliable=True)
+            yield Finding("warning", what, figure, advice, spoils="values")
 
 
 def _flat(signal: Array) -> Array:

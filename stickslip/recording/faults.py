@@ -43,7 +43,7 @@ def lost_rows(recording: Recording) -> Finding | None:
     share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
     figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"
     advice = "log without gaps, or with the true times"
-    return Finding("warning", "rows are lost under an even clock", figure, advice, unreliable=True)
+    return Finding("warning", "rows are lost under an even clock", figure, advice, spoils="values")
 
 
 def clipped_command(recording: Recording) -> Finding | None:
@@ -63,4 +63,4 @@ def clipped_command(recording: Recording) -> Finding | None:
     figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
     advice = "log it behind the limit, or the current"
     what = "the force was logged before a limit"
-    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, unreliable=True)
+    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, spoils="values")

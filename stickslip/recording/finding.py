@@ -18,14 +18,15 @@ class Finding:
     what : was found
     figure : the number behind it, with its unit
     advice : what to do; empty when nothing need be done
-    unreliable : whether values learned from the recording are off by more than their intervals tell
+    spoils : "intervals" where values learned from the recording may be off by more than these tell,
+        "values" where they are wrong
     """
 
     severity: Severity
     what: str
     figure: str = ""
     advice: str = ""
-    unreliable: bool = False
+    spoils: Literal["", "intervals", "values"] = ""
 
     def __str__(self) -> str:
         figure = f": {self.figure}" if self.figure else ""

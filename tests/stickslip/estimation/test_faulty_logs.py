@@ -8,10 +8,11 @@ from drives import GAINS, run
 
 from stickslip.estimation import Task, learn
 from stickslip.plan import plan
-from stickslip.recording import Recording, aligned, check_recording, samples_late
+from stickslip.recording import Finding, Recording, aligned, check_recording, samples_late
 
 N = 16000
 """Samples of the planned experiment that are enough here: 8 s."""
+LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 
 
 def recording(recorded, force=None, rows=slice(None)):
@@ -37,7 +38,7 @@ def drive(request, command):
 
 
 def unreliable(log):
-    return [str(finding) for finding in check_recording(log) if finding.unreliable]
+    return [str(finding) for finding in check_recording(log) if finding.spoils]
 
 
 def limited(law, command, share):
@@ -116,12 +117,13 @@ def short(command):
 
 def test_a_force_out_of_scale_names_the_factor(short, candidates):
     scaled = replace(short, force=0.3 * short.force)
-    learned = learn(Task(candidates, scaled, GAINS, faults=("rows are lost",)))
+    learned = learn(Task(candidates, scaled, GAINS, faults=(LOST,)))
     assert learned.controller.error == pytest.approx(1.0 / 0.3 - 1.0, rel=0.02)
     lost, fault = learned.faults
-    assert lost == "rows are lost"
-    assert "0.3 times the force that the controller commands" in fault
-    assert "--scale force=3.33" in fault
+    assert lost == LOST
+    assert fault.figure == "0.3 times as large"
+    assert "--scale force=3.33" in fault.advice
+    assert fault.spoils == "values"
     assert "well known" not in {known.visible for known in learned.known.values()}
     assert "weakly known at best" in learned.known["m"].sentence
 
@@ -140,7 +142,10 @@ def test_rejected_gains_change_nothing(short, candidates):
 def test_a_delay_at_its_bound_is_a_fault(short, candidates):
     learned = learn(Task(candidates, replace(short, force=np.roll(short.force, 10))))
     [fault] = learned.faults
-    assert "the delay of the force ends at the bound of the fit, -5 samples or -2.5 ms" in fault
+    assert "the delay of the force ends at the bound of the fit: -5 samples or -2.5 ms" in str(
+        fault
+    )
+    assert fault.spoils == "intervals"
     assert "well known" not in {known.visible for known in learned.known.values()}
 
 

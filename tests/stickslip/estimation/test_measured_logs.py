@@ -10,7 +10,7 @@ from stickslip.commands.learn import print_estimation
 from stickslip.guards import Worth
 from stickslip.learned import read_learned
 from stickslip.log_learning import learn_from_log, write_learned
-from stickslip.recording import load_description
+from stickslip.recording import Finding, load_description
 
 ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT.parent / "shared" / "data"
@@ -74,6 +74,15 @@ def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
     assert not (tmp_path / "compensator.fmu").exists()
     write_learned(harmful, tmp_path, force=True)
     assert (tmp_path / "compensator.fmu").exists()
+
+
+@pytest.mark.parametrize(("spoils", "written"), [("values", False), ("intervals", True)])
+def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
+    fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
+    spoiled = replace(emps, estimation=replace(emps.estimation, faults=(fault,)))
+    assert spoiled.refusal == ("" if written else "rows are lost: 2 %; log without gaps")
+    write_learned(spoiled, tmp_path)
+    assert (tmp_path / "compensator.fmu").exists() == written
 
 
 def test_the_hysteresis_of_a_tribometer():
