@@ -57,7 +57,9 @@ def linearise(
     Raises
     ------
     LinearisationError
-        When a name is unknown, there are no states, or there is more to know than the states.
+        When a name is unknown, there are no states, or, over a step, there are others than those
+        that can be set: declared ones, or such that show when runs of up to 512 steps are started
+        again on the way.
     FmuError, SimulationError
     """
     dynamics = _dynamics(model, parameters or {}, outputs, step)

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.control.errors import LinearisationError
+from cosim.errors import SimulationError
 from cosim.fmu import Fmu
+from cosim.signals import Input
+from cosim.simulation import Simulation
 from cosim.system import System
 from cosim.variables import Variable
 
 Array = NDArray[np.float64]
-_HIDDEN = 1e-2  # of the change over two steps: more than an integrator's tolerance explains
-_TOLERANCE = 1e-6  # of an integrator, relative to the size of a state
+_HIDDEN = 1e-2  # of the range in two steps: more than an integrator's tolerance explains
+_VISIBLE = 1e-3  # of the range in many, beside the errors that the integrator makes
+_TOLERANCE = 1e-6  # of an integrator, relative to the size of a variable
+_WINDOWS = 8, 64, 512  # steps in which a state that cannot be set comes to light
+_MEASURE = "measure its frequency response (cosim.control.measure_response) instead"
+_INSTEAD = f"export it for Model Exchange and leave out step=, or {_MEASURE}"
 
 
 class StepMap:
@@ -29,7 +37,7 @@ class StepMap:
     Raises
     ------
     LinearisationError
-        When it has no states that can be set.
+        When it has no states that can be set, or others beside them.
     """
 
     change = 1e-3  # of a variable's size, for differences: an integrator inside adds noise
@@ -40,7 +48,9 @@ class StepMap:
         self.dt, self.prefix = step, prefix
         self.inputs, self.outputs = tuple(system.inputs), tuple(outputs)
         variables = {
-            f"{name}.{v.name}": v for name, fmu in system.components.items() for v in _states(fmu)
+            f"{name}.{v.name}": v
+            for name, fmu in system.components.items()
+            for v in _states(name, fmu)
         }
         self.states = tuple(variables)
         if not self.states:
@@ -48,7 +58,13 @@ class StepMap:
                 f"{system.name} has no states that can be set: continuous variables with a start"
                 " value; measure its frequency response instead"
             )
-        record = [*dict.fromkeys([*self.states, *self.outputs])]
+        self._watched = variables | {
+            f"{name}.{v.name}": v
+            for name, fmu in system.components.items()
+            for v in fmu.variables.values()
+            if v.causality == "output" and v.is_plain
+        }
+        record = tuple(dict.fromkeys([*self._watched, *self.outputs]))
         self._simulation = system.prepare(step=step, stop=2 * step, record=record)
         values = [system.parameters.get(name, v.start) for name, v in variables.items()]
         self.x0 = np.array([float(v) if isinstance(v, int | float) else 0.0 for v in values])
@@ -63,52 +79,144 @@ class StepMap:
         Raises
         ------
         LinearisationError
-            When two steps end elsewhere than one after the other from the states in between.
+            When steps end elsewhere than those from the states in between, in a state or an output.
         """
         x, u, later = x + 1e-3 * self.x_size, u + 0.1 * self.u_size, u - 0.1 * self.u_size
-        first, second = self._run(x, np.array([u, later, later]), self.states)[1:]
-        again = self._run(first, later, self.states)[1]
-        change = np.abs(first - x) + np.abs(second - first)
-        off = np.abs(again - second) > _HIDDEN * change + _TOLERANCE * np.maximum(
-            np.abs(x), self.x_size
-        )
-        if off.any():
-            names = ", ".join(name for name, wrong in zip(self.states, off, strict=True) if wrong)
+        name, n, watched = self._simulation.spec.system.name, len(x), tuple(self._watched)
+        two = _run(self._simulation, self._start(x), self._fed(u, later, later), watched)
+        ignored = np.abs(two[0, :n] - x) > _TOLERANCE * np.maximum(np.abs(x), self.x_size)
+        if ignored.any():
             raise LinearisationError(
-                f"{self._simulation.spec.system.name} remembers more than its states, or counts"
-                f" time: a second step of {self.dt:g} s takes {names} elsewhere; choose the step of"
-                " what samples in it, or measure its frequency response instead"
+                f"{name} does not start from the given values of"
+                f" {', '.join(np.array(self.states)[ignored])}; {_INSTEAD}"
             )
+        one = _run(self._simulation, self._start(two[1, :n]), self._fed(later), watched)
+        if names := self._off(two, two[2:], one[1:2], _HIDDEN):
+            raise LinearisationError(
+                f"{name} remembers more than its states, or counts time: a second step of"
+                f" {self.dt:g} s takes {names} elsewhere; choose the step of what samples in it,"
+                f" {_INSTEAD}"
+            )
+        self._simulation.close()
+        for steps in _WINDOWS:
+            try:
+                names = self._off_after(steps, x, u, later)
+            except SimulationError:  # it does not go that far
+                break
+            if names:
+                raise LinearisationError(
+                    f"{name} remembers more than the states that can be set"
+                    f" ({', '.join(self.states)}): after {steps} steps of {self.dt:g} s, a run that"
+                    f" starts from them takes {names} elsewhere; {_INSTEAD}"
+                )
+
+    def _off_after(self, steps: int, x: Array, u: Array, later: Array) -> str:
+        """Return what goes on otherwise when it is started again from its states at that time."""
+        whole = self._course(0, x, [u] * steps + [later] * (steps + 1))
+        again = self._course(steps, whole[steps, : len(x)], [later] * (steps + 1))
+        if not self._off(whole, whole[steps + 1 :], again[1:], _VISIBLE):
+            return ""
+        # Started a step earlier, it would do the same but for its integrator's errors.
+        earlier = self._course(steps - 1, whole[steps - 1, : len(x)], [u] + [later] * (steps + 1))
+        errors = 3.0 * np.abs(earlier[2:] - again[1:]).max(axis=0)
+        return self._off(whole, whole[steps + 1 :], again[1:], _VISIBLE, errors)
+
+    def _course(self, begin: int, x: Array, u: Sequence[Array]) -> Array:
+        """Return what is watched in a run that begins with a step, from there to its end."""
+        times = begin * self.dt, (begin + len(u) - 1) * self.dt
+        spec = replace(self._simulation.spec, start=times[0], stop=times[1])
+        with spec.prepare() as simulation:
+            return _run(simulation, self._start(x), self._fed(*u), tuple(self._watched))
+
+    def _off(
+        self,
+        course: Array,
+        expected: Array,
+        found: Array,
+        share: float,
+        errors: Array | float = 0.0,
+    ) -> str:
+        """Return the names of variables that are not where they were in a run.
+
+        Parameters
+        ----------
+        share : of a variable's range in the run that is allowed
+        errors : that are allowed beside that
+        """
+        sizes = [abs(v.nominal or 1.0) for v in self._watched.values()]
+        size = np.maximum(np.abs(course).max(axis=0), sizes)
+        allowed = share * np.ptp(course, axis=0) + _TOLERANCE * size + errors
+        off = np.abs(found - expected).max(axis=0) > allowed
+        return ", ".join(name for name, wrong in zip(self._watched, off, strict=True) if wrong)
 
     def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return f, (n,): the states after the step."""
-        states: Array = self._run(x, u, self.states)[1]
+        states: Array = _run(self._simulation, self._start(x), self._fed(u), self.states)[1]
         return states
 
     def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return g, (p,)."""
-        outputs: Array = self._run(x, u, self.outputs)[0]
+        outputs: Array = _run(self._simulation, self._start(x), self._fed(u), self.outputs)[0]
         return outputs
 
     def jacobian(self, x: Array, u: Array) -> None:
         """Return None: a step has no derivatives of its own."""
 
-    def _run(self, x: Array, u: Array, names: tuple[str, ...]) -> Array:
-        start = dict(zip(self.states, map(float, x), strict=True))
-        inputs = dict(zip(self.inputs, u.T, strict=True))
-        result = self._simulation.run(start, inputs)
-        return np.array([result[name] for name in names], dtype=float).T
+    def _start(self, x: Array) -> dict[str, float]:
+        return dict(zip(self.states, map(float, x), strict=True))
+
+    def _fed(self, *u: Array) -> dict[str, Input]:
+        """Return inputs, each (m,), for each point in time, or one for all."""
+        values = u[0] if len(u) == 1 else np.array(u).T
+        return dict(zip(self.inputs, values, strict=True))
 
 
-def _states(fmu: Fmu) -> list[Variable]:
-    """Return the states of an FMU: those it names, else what else has a start value and changes."""
-    named = [state for state in fmu.description.derivatives.values() if state is not None]
-    found = [fmu.variables[name] for name in named] or [
-        v
-        for v in fmu.variables.values()
-        if v.causality in ("local", "output") and v.variability in ("continuous", "discrete")
+def _run(
+    simulation: Simulation,
+    start: Mapping[str, float],
+    inputs: Mapping[str, Input],
+    names: Sequence[str],
+) -> Array:
+    """Return what a run gives, (steps + 1, names)."""
+    result = simulation.run(start, inputs)
+    return np.array([result[name] for name in names], dtype=float).T
+
+
+def _states(component: str, fmu: Fmu) -> list[Variable]:
+    """Return the states of an FMU: those it names, else what else has a start value and changes.
+
+    Raises
+    ------
+    LinearisationError
+        When it names one that cannot be set.
+    """
+    named = fmu.description.derivatives or fmu.description.derivative_of
+    if not named:
+        return [
+            v
+            for v in fmu.variables.values()
+            if v.causality in ("local", "output")
+            and v.variability in ("continuous", "discrete")
+            and _is_settable(v)
+        ]
+    lost = [
+        f"the state of {rate}" if state is None else state
+        for rate, state in named.items()
+        if state is None or not _is_settable(fmu.variables[state])
     ]
-    return [v for v in found if v.is_plain and v.initial == "exact"]
+    if lost:
+        instead = _INSTEAD
+        if "model_exchange" in fmu.interfaces:
+            instead = f"linearise its Model Exchange by leaving out step=, or {_MEASURE}"
+        raise LinearisationError(
+            f"{component} ({fmu.path.name}): a step cannot start from a given value of"
+            f" {', '.join(lost)}, expected a scalar of 64 bits with initial=exact; {instead}"
+        )
+    return [fmu.variables[state] for state in dict.fromkeys(named.values()) if state is not None]
+
+
+def _is_settable(variable: Variable) -> bool:
+    return variable.is_plain and variable.initial == "exact"
 
 
 def alone(fmu: Fmu, parameters: Mapping[str, object]) -> System:

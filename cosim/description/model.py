@@ -37,6 +37,7 @@ class Description:
     variables : by name, in the order of the file
     aliases : other name -> name, in FMI 3.0
     derivatives : of continuous states: name -> name of the state, None where it is not said
+    derivative_of : name -> name of what it is the derivative of, whether a state is or not
     n_states, n_indicators : numbers of continuous states and of event indicators
     clocks : the input clocks
     outside : variables that start outside their own range
@@ -53,6 +54,7 @@ class Description:
     aliases: Mapping[str, str]
     outputs: tuple[Unknown, ...]
     derivatives: Mapping[str, str | None]
+    derivative_of: Mapping[str, str]
     n_states: int
     n_indicators: int
     clocks: tuple[Clock, ...]

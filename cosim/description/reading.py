@@ -74,6 +74,7 @@ def read_description(root: Any) -> Description:
         aliases=aliases,
         outputs=tuple(unknowns["outputs"]),
         derivatives={rate: states.get(rate) for rate in rates},
+        derivative_of=states,
         n_states=sum(by_name[rate].size for rate in rates),
         n_indicators=_indicators(root)
         if version == 2
