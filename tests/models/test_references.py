@@ -21,4 +21,5 @@ def test_reference_is_up_to_date(name):
     fresh = pd.DataFrame(script[name](script["start_values"](name)))
     kept = pd.read_csv(Path(models.__file__).parent / name / "reference.csv")
     assert list(kept) == list(fresh)
-    np.testing.assert_allclose(kept, fresh, rtol=1e-12, atol=1e-13)
+    # Matrix exponentials of two processors were seen to differ by 1e-11.
+    np.testing.assert_allclose(kept, fresh, rtol=1e-10, atol=1e-12)

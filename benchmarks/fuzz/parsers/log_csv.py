@@ -8,7 +8,8 @@ from random import Random
 
 from benchmarks.fuzz.tokens import by_tokens
 from stickslip.errors import StickslipError
-from stickslip.recording import check_recording, read_recording
+from stickslip.log_learning import read_and_check
+from stickslip.recording import Description, raise_errors
 
 EXPECTED = (StickslipError,)
 _WORDS = (
@@ -20,17 +21,17 @@ _WORDS = (
 
 def _rows(mark: str, end: str = "\n", point: str = ".") -> str:
     rows = (
-        mark.join(f"{number:.9g}" for number in (k * 1e-3, math.sin(k / 9), math.cos(k / 9)))
+        mark.join(f"{number:.9g}" for number in (k * 1e-2, math.sin(k / 9), math.cos(k / 9)))
         for k in range(60)
     )
     return end.join(rows).replace(".", point) + end
 
 
 def corpus() -> list[bytes]:
-    dated = "".join(f"2026-01-31T10:00:00.{k:03d},{k * k},{-k}\n" for k in range(30))
+    dated = "".join(f"2026-01-31T10:00:00.{k:03d},{k * k / 8e3},{-k / 8}\n" for k in range(30))
     return [
         f"t,x,F\n{_rows(',')}".encode(),
-        f"Zeit;Position;Strom\r\ns;mm;A\r\n{_rows(';', chr(13) + chr(10), ',')}".encode("latin-1"),
+        f"Zeit;Position;Kraft\r\ns;mm;N\r\n{_rows(';', chr(13) + chr(10), ',')}".encode("latin-1"),
         f"# a log\n# of a drive\ntime [ms]\tposition [deg]\ttorque [Nm]\n{_rows(chr(9))}".encode(),
         f"time position force\n{_rows('  ')}".encode("utf-16"),
         f"timestamp,position,force\n{dated}".encode(),
@@ -41,8 +42,7 @@ def corpus() -> list[bytes]:
 def parse(data: bytes, folder: Path) -> None:
     file = folder / "log.csv"
     file.write_bytes(data)
-    reading = read_recording(file)
-    check_recording(reading.recording, reading.controller, reading.force_limit)
+    raise_errors(file, read_and_check(file, Description())[1])
 
 
 def mutate(rng: Random, data: bytes) -> bytes:

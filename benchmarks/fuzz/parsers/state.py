@@ -19,7 +19,7 @@ EXPECTED = (cosim.SimulationError,)
 
 def corpus() -> list[bytes]:
     row, memory = np.arange(3.0), {"a/times": np.zeros(2), "/x": np.ones(4)}
-    saved = Checkpoint("identity", 5, row, {"a": b"state"}, {"a.k": 2.0}, memory)
+    saved = Checkpoint({"step": "0.1"}, 5, row, {"a": b"state"}, {"a.k": 2.0}, memory)
     with TemporaryDirectory() as folder:
         return [saved.write(Path(folder) / "state").read_bytes()]
 
