@@ -214,7 +214,9 @@ class Prepared:
             names,
             "gives other results in the same run with another new instance",
             what,
-            "it cannot be seen whether a reset works, so each run has new instances",
+            "it cannot be seen whether a reset works, so each run has new instances; if the FMU"
+            " keeps something in static variables, each run needs a process of its own"
+            " (isolation='process', and close() after each run)",
         )
 
     def _declare(self, names: Sequence[str], fault: str, what: str, consequence: str) -> None:

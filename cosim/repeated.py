@@ -7,6 +7,7 @@ a reset and gave the same. After any other run the next one has new instances.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -41,6 +42,7 @@ class Repeated(Stepping):
         self._traces: set[_Trace] = set()  # of the runs since all instances were new
         self._set: dict[str, Value] = {}  # by them, the last value of each
         self._failed = False  # the last of them
+        self._first: tuple[object, bytes] | None = None  # settings and result of the first run
         self._deterministic = self._watched = True
         super().__init__(spec, room)
         self._proven = np.zeros_like(self._moved)
@@ -56,6 +58,7 @@ class Repeated(Stepping):
         go: Callable[[bool], Result],
         *,
         repeats: bool,
+        same_as: object = None,
     ) -> Result:
         """Run with instances that are new, or as good as new.
 
@@ -65,6 +68,8 @@ class Repeated(Stepping):
         external : (n_steps + 1, number of exposed inputs)
         go : goes through a run that has begun, for the user or as a repetition
         repeats : whether the run may be repeated, which takes its time once more
+        same_as : equal for runs that are the same where ``values`` and ``external`` are; None
+            where that is not known
         """
         again, before = bool(self._traces), self._set
         unset: set[_Trace] = set()
@@ -84,7 +89,17 @@ class Repeated(Stepping):
         if again and repeats and self._deterministic and not left <= self._removed:
             earlier = {**before, **values} if unset else {}
             self._repeat(values, earlier, external, go, result, left)
+            if same_as is not None and self._deterministic:
+                self._compare_with_first((same_as, values, _digest(external)), result)
+        elif self._first is None and same_as is not None:
+            self._first = (same_as, dict(values), _digest(external)), _digest_of(result)
         return result
+
+    def _compare_with_first(self, settings: object, result: Result) -> None:
+        """Say so where the first instances of all gave something else in the same run."""
+        if self._first and self._first[0] == settings and self._first[1] != _digest_of(result):
+            self._deterministic = False
+            self._declare_erratic(self.order, "this run is not the first one again")
 
     def _renew_for(self, values: Mapping[str, Value], *, everything: bool) -> None:
         """Make sure that no used instance is left but those that a reset serves."""
@@ -151,9 +166,13 @@ class Repeated(Stepping):
         traces = self._traces
         self._renew_for(values, everything=True)
         self._begin(values, external, apart=True)
-        renewed = go(True)
-        self._traces, self._failed = traces, False
-        self._conclude(after_reset, failed, able, same=_same(renewed, result))
+        try:
+            same = _same(go(True), result)
+            self._failed = False
+        except SimulationError:
+            same = False
+        self._traces = traces
+        self._conclude(after_reset, failed, able, same=same)
 
     def _conclude(
         self,
@@ -195,6 +214,18 @@ class Repeated(Stepping):
                     values = f"{after_reset[row, column]:.9g} instead of {new[row, column]:.9g}"
                     return [name], f"{signal} is {values} at t = {t:.9g} s"
         return None
+
+
+def _digest(*arrays: Array) -> bytes:
+    found = hashlib.blake2b()
+    for array in arrays:
+        found.update(array.tobytes())
+    return found.digest()
+
+
+def _digest_of(result: Result) -> bytes:
+    sums = np.array([*result.sum_of_squares.values()])
+    return _digest(result.time, result.values, sums)
 
 
 def _same(one: Result, other: Result) -> bool:

@@ -16,7 +16,7 @@ from cosim.errors import ExperimentError, SimulationError
 from cosim.repeated import RESUMED, Repeated
 from cosim.result import Result
 from cosim.scenario import Scenario
-from cosim.signals import Input
+from cosim.signals import Input, Table
 from cosim.state import StateAccess
 
 
@@ -77,6 +77,8 @@ class Simulation(Repeated):
         """
         values = self._values(parameters or {})
         last = self._place(until)
+        jumps = any(isinstance(signal, Table) for signal in (inputs or {}).values())
+        same_as = None if scenario or jumps else last
 
         def attempt() -> Result:
             external = self._feed(values, inputs or {}, scenario)
@@ -84,7 +86,8 @@ class Simulation(Repeated):
             def go(repeated: bool) -> Result:
                 return self._step(0, last, real_time, None if repeated else progress)
 
-            return self._repeatable(values, external, go, repeats=real_time is None)
+            repeats = real_time is None
+            return self._repeatable(values, external, go, repeats=repeats, same_as=same_as)
 
         with self._exclusive:
             return self._carefully(attempt)

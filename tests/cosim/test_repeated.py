@@ -260,6 +260,25 @@ def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, ver
     )
 
 
+@pytest.mark.parametrize("isolation", [None, "process"])
+def test_static_variables_are_told(write, version, isolation, caplog):
+    """From the second instance on all are alike, and unlike the first."""
+    system = alone(write("a", version, SOUND, noise="(instances > 1)"))
+    with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:
+        for _ in range(4):
+            simulation.run()
+    (record,) = caplog.records
+    assert "each run needs a process of its own" in record.getMessage()
+    if isolation:
+        with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:
+            results = []
+            for _ in range(3):
+                results.append(simulation.run().values)
+                simulation.close()
+        for values in results:
+            np.testing.assert_array_equal(values, results[0])
+
+
 def test_one_instance_per_process(write, version, caplog):
     flags = 'canBeInstantiatedOnlyOncePerProcess="true"'
     system = alone(write("a", version, RESETS["does nothing"], flags=flags))
