@@ -22,6 +22,7 @@ from cosim.signals import Input, Table, sample_ends, sample_inputs
 from cosim.span import slack
 from cosim.tuning import in_order, split, tune
 from cosim.variables import Value
+from toolchain import check_interruption
 
 _log = logging.getLogger(__name__)
 
@@ -163,6 +164,7 @@ class Stepping(Prepared):
         self._run.halt = halt
         outcome = kernel.PAUSED
         while outcome == kernel.PAUSED:  # once a second, so that Ctrl-C is served
+            check_interruption()
             outcome = self._kernel.advance(self._run)
         if outcome == kernel.FAILED:
             self._ready = False

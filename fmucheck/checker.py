@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 from fmucheck.archive.reading import read_archive, unpack
@@ -13,6 +12,7 @@ from fmucheck.fmu import Fmu
 from fmucheck.rules import stage
 from fmucheck.running.parent import TIMEOUT, findings_of_runs
 from fmucheck.xml import read_document
+from toolchain import temporary_folder
 
 _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {
@@ -44,8 +44,8 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
     report = Report(Path(path))
     report.path.stat()
     archive = read_archive(report.path)
-    with tempfile.TemporaryDirectory(prefix="fmucheck-") as folder:
-        content = Path(folder, "fmu")
+    with temporary_folder("fmucheck-") as folder:
+        content = folder / "fmu"
         content.mkdir()
         members: frozenset[str] = frozenset()
         if archive.fault is None and not archive.is_bomb:

@@ -6,21 +6,24 @@ A worker that dies takes no result with it: its candidates are evaluated again, 
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
+from types import TracebackType
 from typing import ParamSpec, TypeVar
 
 from ga.cluster import cluster
 from ga.errors import SettingsError
 from ga.interrupts import without_interrupts
 from ga.judging import Evaluate, Packed
+from toolchain import Threads, held
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -52,7 +55,7 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
         if workers == 1:
             yield None
             return
-        with ThreadPoolExecutor(workers) as threads:
+        with Threads(workers) as threads:
             yield threads
     elif where == "processes":
         with Processes(workers) as processes:
@@ -70,16 +73,19 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 class Processes(Executor):
     """A pool of processes that is made anew when one of them dies.
 
-    Its processes leave Ctrl-C to their parent, and end with it however it ends.
+    Its processes leave Ctrl-C to their parent, and end with it however it ends. When its block
+    fails they are told to end by SIGTERM.
     """
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
-        self._pool = self._made()
+        self._others = set(multiprocessing.active_children())
+        with held(), without_interrupts():
+            self._pool = self._made()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run a function in one of the processes."""
-        with without_interrupts():  # a process may be started
+        with held(), without_interrupts():  # a process may be started
             try:
                 return self._pool.submit(fn, *args, **kwargs)
             except BrokenProcessPool:
@@ -93,7 +99,21 @@ class Processes(Executor):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes."""
-        self._pool.shutdown(wait, cancel_futures=cancel_futures)
+        with held():
+            self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """End the processes, at once where the block has failed."""
+        with held():
+            if error is not None:
+                for process in set(multiprocessing.active_children()) - self._others:
+                    process.terminate()
+            self.shutdown(cancel_futures=error is not None)
 
     def _made(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(

@@ -15,8 +15,15 @@ def without_interrupts() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
-    resource_tracker.ensure_running()  # which would let Ctrl-C in again when it is started
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    with _blocked(signal.SIGINT, signal.SIGHUP):
+        resource_tracker.ensure_running()  # which would let Ctrl-C in again when it is started
+    with _blocked(signal.SIGINT):
+        yield
+
+
+@contextmanager
+def _blocked(*signals: signal.Signals) -> Iterator[None]:
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     try:
         yield
     finally:

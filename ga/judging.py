@@ -8,11 +8,13 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ga.arrays import Array
 from ga.errors import CandidateFailed
+from toolchain import cancel_all, result_of
 
 Evaluate = Callable[[Array], float]
 """values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
@@ -80,8 +82,7 @@ class Judge:
             self._wait([place.task for place in places if place is not None])
             judged = [place.outcome() for place in places if place is not None]
         except BaseException:
-            for place in sent:
-                place.task.future.cancel()
+            cancel_all(place.task.future for place in sent)
             raise
         self._last = places  # Dask would be told of those let go first, and 10 ms later of the next
         return [
@@ -91,8 +92,9 @@ class Judge:
 
     def dismiss(self) -> None:
         """Call off what was begun and is not wanted any more."""
-        for task in dict.fromkeys(place.task for place in self._begun.values()):
-            task.future.cancel()
+        cancel_all(
+            task.future for task in dict.fromkeys(place.task for place in self._begun.values())
+        )
         self._begun = {}
 
     def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:
@@ -130,20 +132,27 @@ class Judge:
 class _Task:
     """Some candidates at a worker."""
 
-    def __init__(self, future: Future[list[Outcome]]) -> None:
+    def __init__(self, future: Any) -> None:
         self.future = future
 
     @cached_property
     def outcomes(self) -> list[Outcome] | None:
         """What the worker sends, as soon as it does; None if it died."""
         try:
-            return self.future.result()
+            return self._received()
         except BrokenExecutor:
             return None
         except Exception as error:
             if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
                 return None
             raise
+
+    def _received(self) -> list[Outcome]:
+        future = self.future
+        if isinstance(future, Future):
+            return result_of(future)
+        outcomes: list[Outcome] = future.result()  # one of Dask
+        return outcomes
 
 
 @dataclass(frozen=True)

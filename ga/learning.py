@@ -13,6 +13,7 @@ from ga.errors import Interrupted, NothingLearned, StateError
 from ga.generation import Candidate
 from ga.judging import Evaluate, Judge
 from ga.optimiser import Optimiser
+from toolchain import held
 
 AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
@@ -102,13 +103,14 @@ def _run(
         while (stopped := algorithm.stopped) is None:
             begins = algorithm.generation == 0
             outcomes = judge.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
-            algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
-            if algorithm.best.cost == float("inf"):
-                raise NothingLearned(
-                    f"all {algorithm.evaluations} candidates failed, the start values among them; "
-                    f"the first because: {outcomes[0][1] or 'its cost is infinite'}"
-                )
-            on_generation(algorithm)
+            with held():  # the checkpoint has what the optimiser was told
+                algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
+                if algorithm.best.cost == float("inf"):
+                    raise NothingLearned(
+                        f"all {algorithm.evaluations} candidates failed, the start values among "
+                        f"them; the first because: {outcomes[0][1] or 'its cost is infinite'}"
+                    )
+                on_generation(algorithm)
     finally:
         judge.dismiss()
     return stopped

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from importlib.metadata import version
 from typing import Any, NoReturn
@@ -35,26 +37,45 @@ _LONGEST = 2000  # characters of a message, which may hold what a stranger wrote
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C."""
+    """Run a command; return the exit status: 0, 1 for an error, 2 for usage, 130 for Ctrl-C.
+
+    A SIGTERM or SIGHUP ends a command as Ctrl-C does, with 143 and 129.
+    """
     toolchain.open_standard_streams()  # those that cron or a service has closed
     given = sys.argv[1:] if arguments is None else arguments
-    try:
-        return _run(_parser(given).parse_args(given))
-    except KeyboardInterrupt as interruption:
-        print(f"stickslip: {str(interruption) or 'interrupted'}", file=sys.stderr)
-        return 130
+    options = _parser(given).parse_args(given)
+    with toolchain.interruptible():
+        try:
+            return _run(options)
+        except KeyboardInterrupt as interruption:
+            with suppress(OSError):  # the terminal may be gone
+                print(f"stickslip: {str(interruption) or 'interrupted'}", file=sys.stderr)
+            try:
+                sys.stdout.flush()
+            except OSError:
+                _drop_output()
+            return 128 + (toolchain.interrupted_by() or signal.SIGINT)
 
 
 def _run(options: argparse.Namespace) -> int:
+    try:
+        return _status(options)
+    except Exception:
+        toolchain.check_interruption()  # then the error is only what became of it
+        raise
+
+
+def _status(options: argparse.Namespace) -> int:
     try:
         # One thread, so that results do not depend on how many the linear algebra would take.
         with threadpool_limits(limits=1, user_api="blas"):
             status: int | None = options.run(options)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 1
     except EXPECTED as error:
+        toolchain.check_interruption()  # which may be the cause
         if options.debug:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
@@ -65,6 +86,11 @@ def _run(options: argparse.Namespace) -> int:
         print("stickslip: more memory is needed than there is; give it less", file=sys.stderr)
         return 1
     return status or 0
+
+
+def _drop_output() -> None:
+    """Let what is printed from now on go nowhere, so that no error follows at the exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class _Parser(argparse.ArgumentParser):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -23,6 +21,7 @@ from stickslip.loop import build_fmus
 from stickslip.parameters import LUGRE, at_share
 from stickslip.recording import Reading
 from stickslip.setup import LOOP, VALIDATION, Datasheet
+from toolchain import temporary_folder
 
 
 @dataclass(frozen=True)
@@ -69,9 +68,9 @@ def try_compensator(reading: Reading, estimation: Estimation) -> LogTrial | None
         if estimation.known[name].visible != "not visible"
     }
     learned = estimation.compensator
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        build_fmus(Path(folder), {})
-        trial = Trial(Path(folder), loop, learned, learned, v_cmd, datasheet=sheet)
+    with temporary_folder() as folder:
+        build_fmus(folder, {})
+        trial = Trial(folder, loop, learned, learned, v_cmd, datasheet=sheet)
         worth = try_out(trial, rotary=reading.recording.motion == "rotary")
         written = replace(trial, compensator=at_share(learned, worth.share))
         found = tuple(str(finding) for finding in inspect(written, errors))

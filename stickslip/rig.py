@@ -5,7 +5,6 @@ Identification and learning get a rig, never the drive's parameters or its true 
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from stickslip.loop import Feed, build_fmus, paper_loop, servo_loop
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
 from stickslip.setup import LOOP, Datasheet
+from toolchain import temporary_folder
 
 MEASURED = ("drive.x_enc", "drive.F_m")
 
@@ -103,7 +103,6 @@ class Rig:
 @contextmanager
 def rig_of(truth: Mapping[str, float]) -> Iterator[Rig]:
     """Build a drive with these parameters on its test bench; its files go with the block."""
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        fmus = Path(folder)
+    with temporary_folder() as fmus:
         build_fmus(fmus, truth)
         yield Rig(fmus, Datasheet(), LOOP.T_s)

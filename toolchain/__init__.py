@@ -13,6 +13,7 @@ The ground floor of the house: it knows C files and platforms, nothing of FMI or
 from toolchain.binaries import binaries, standard_functions
 from toolchain.binary import Interface, interface
 from toolchain.cache import cache_directory
+from toolchain.child import child_process
 from toolchain.compiler import shared_library
 from toolchain.errors import (
     CompilationFailed,
@@ -23,10 +24,18 @@ from toolchain.errors import (
     WrongExports,
 )
 from toolchain.frame import MAX_MEMBERS, check_frame
+from toolchain.interruption import (
+    check_interruption,
+    held,
+    interrupted_by,
+    interruptible,
+    temporary_folder,
+)
 from toolchain.lock import is_at, lock
 from toolchain.platforms import PLATFORMS, Platform, host_platform
 from toolchain.reading import MOST_TEXT, digest, open_plain, parse_json, parse_toml, read_whole
 from toolchain.streams import open_standard_streams
+from toolchain.threads import Threads, cancel_all, result_of, wait_first
 from toolchain.universal import universal
 from toolchain.whole import refuse_odd, sync_folder, write_whole
 
@@ -40,14 +49,21 @@ __all__ = [
     "Interface",
     "NotALibrary",
     "Platform",
+    "Threads",
     "ToolchainError",
     "WrongExports",
     "binaries",
     "cache_directory",
+    "cancel_all",
     "check_frame",
+    "check_interruption",
+    "child_process",
     "digest",
+    "held",
     "host_platform",
     "interface",
+    "interrupted_by",
+    "interruptible",
     "is_at",
     "lock",
     "open_plain",
@@ -56,9 +72,12 @@ __all__ = [
     "parse_toml",
     "read_whole",
     "refuse_odd",
+    "result_of",
     "shared_library",
     "standard_functions",
     "sync_folder",
+    "temporary_folder",
     "universal",
+    "wait_first",
     "write_whole",
 ]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from toolchain.platforms import Platform
+from toolchain.threads import Threads
 from toolchain.universal import universal
 
 
@@ -31,8 +31,8 @@ def binaries(
     """
     targets = list(platforms)
     parts: dict[str, list[bytes]] = {}
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for platform, library in zip(targets, pool.map(build, targets), strict=True):
+    with Threads(os.cpu_count()) as pool:
+        for platform, library in zip(targets, pool.each(build, targets), strict=True):
             folder = platform.fmi2 if fmi == 2 else platform.tuple
             parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
     return {path: universal(libraries) for path, libraries in parts.items()}

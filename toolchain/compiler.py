@@ -7,15 +7,17 @@ import importlib.util
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from toolchain.binary import interface
 from toolchain.cache import cache_directory
+from toolchain.child import child_process
 from toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
+from toolchain.interruption import check_interruption, temporary_folder
 from toolchain.platforms import Platform, host_platform
 from toolchain.whole import write_whole
 
@@ -25,6 +27,7 @@ _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden"
 # macOS exports these from every library.
 _OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
 _STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
+_LOOK = 0.1  # s between two looks for an interruption
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
 
@@ -141,16 +144,25 @@ def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> b
         "ZIG_GLOBAL_CACHE_DIR": str(zig),
         "ZIG_LOCAL_CACHE_DIR": str(zig),
     }
-    with tempfile.TemporaryDirectory(prefix="stickslip-build-") as folder:
+    with temporary_folder("stickslip-build-") as folder:
         for path, text in files.items():
-            file = Path(folder, path)
+            file = folder / path
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
-        Path(folder, "system").mkdir(exist_ok=True)
-        done = subprocess.run(
-            [*command, "-o", output], cwd=folder, env=environment, capture_output=True, text=True
-        )
-        if done.returncode != 0:
-            said = done.stderr.strip() or f"nothing, and ended with status {done.returncode}"
+        (folder / "system").mkdir(exist_ok=True)
+        status, printed = _run([*command, "-o", output], folder, environment)
+        if status != 0:
+            said = printed.strip() or f"nothing, and ended with status {status}"
             raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
-        return Path(folder, output).read_bytes()
+        return (folder / output).read_bytes()
+
+
+def _run(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:
+    """Run the compiler; return its status and what it printed. An interruption ends it."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with child_process(command, cwd=folder, env=environment, **pipes) as process:
+        while True:
+            check_interruption()
+            with suppress(subprocess.TimeoutExpired):
+                _, printed = process.communicate(timeout=_LOOK)
+                return process.returncode, printed.decode(errors="replace")

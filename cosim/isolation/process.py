@@ -24,6 +24,7 @@ from cosim.isolation.parcel import pack
 from cosim.isolation.settings import Isolation
 from cosim.isolation.shared import Made
 from cosim.isolation.verdict import Death, crashed
+from toolchain import check_interruption, held
 
 if TYPE_CHECKING:
     from cosim.specification import Specification
@@ -80,16 +81,17 @@ class Process:
         self.shared = made.shared
         token = secrets.token_bytes(TOKEN_SIZE)
         try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", str(_START), made.name, str(made.size), token.hex()],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                bufsize=0,
-                pass_fds=made.files,
-                start_new_session=True,
-                env=_environment(),
-            )
+            with held():
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", str(_START), made.name, str(made.size), token.hex()],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE,
+                    bufsize=0,
+                    pass_fds=made.files,
+                    start_new_session=True,
+                    env=_environment(),
+                )
         finally:
             made.close_files()
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
@@ -173,6 +175,7 @@ class Process:
             try:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
+                check_interruption()
                 if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
                 now = self._mark()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path as File
 
 from cosim.errors import CosimError, SspError
 from cosim.names import component_of
@@ -14,6 +12,7 @@ from cosim.ssp.package import Package
 from cosim.ssp.read import read_package
 from cosim.system import System
 from cosim.variables import Value
+from toolchain import temporary_folder
 
 
 def verify(members: Members, structure: str, system: System) -> None:
@@ -25,8 +24,7 @@ def verify(members: Members, structure: str, system: System) -> None:
         When they do not, and where; for example when a binding still names a component that was
         removed.
     """
-    with tempfile.TemporaryDirectory() as name:
-        folder = File(name)
+    with temporary_folder() as folder:
         for member, data in members.items():
             file = folder / member
             file.parent.mkdir(parents=True, exist_ok=True)

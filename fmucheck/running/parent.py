@@ -7,7 +7,6 @@ import json
 import os
 import pickle
 import platform
-import signal
 import subprocess
 import sys
 import time
@@ -22,6 +21,7 @@ from fmucheck.finding import Finding
 from fmucheck.fmu import Fmu
 from fmucheck.running.child import Job
 from fmucheck.running.loading import GATES
+from toolchain import check_interruption, child_process
 
 Claim = tuple[str, str]
 
@@ -148,22 +148,20 @@ class _Child:
         job.write_bytes(pickle.dumps(self.job))
         report.write_text("")
         command = [sys.executable, "-m", "fmucheck.running", str(job), str(report)]
-        with output.open("wb") as stream:
-            process = subprocess.Popen(
+        with (
+            output.open("wb") as stream,
+            child_process(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=stream,
                 cwd=room,
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
-                start_new_session=True,
-            )
-            try:
-                reason = self._wait(process, report, output, timeout)
-            finally:
-                _end(process)
-        with output.open("rb") as stream:
-            self.text = stream.read(2000).decode("utf-8", "replace")
+            ) as process,
+        ):
+            reason = self._wait(process, report, output, timeout)
+        with output.open("rb") as printed:
+            self.text = printed.read(2000).decode("utf-8", "replace")
         interface, during, done = self._read(report)
         status = process.returncode if reason == "exit" else None
         if done and status == 0:
@@ -186,6 +184,7 @@ class _Child:
             size = report.stat().st_size
             if size > told:
                 told, since = size, time.monotonic()
+            check_interruption()
             if time.monotonic() - since > timeout:
                 return "hang"
             if output.stat().st_size > MOST_TEXT or size > _MOST_REPORT:
@@ -212,13 +211,3 @@ class _Child:
                 self.results[interface] = told["results"]
             done = done or "end" in told
         return interface, during, done
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a child with all that it started."""
-    if sys.platform == "win32":
-        process.kill()
-    else:
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    process.wait()

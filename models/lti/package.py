@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from models.lti.description import has_derivatives, model_of, readme
 from models.lti.experiment import proposed
 from models.lti.exponential import exponential
 from models.lti.system import Array, LinearSystem, linear_system
-from toolchain import Platform
+from toolchain import Platform, temporary_folder
 
 _HERE = Path(__file__).parent
 _LARGEST = 128  # states in continuous time: three matrices of that size lie on the stack
@@ -74,12 +73,12 @@ def export_lti(
     stop = own_stop if stop is None else stop
     if not (0.0 < step < float("inf") and 0.0 < stop < float("inf")):
         raise LtiError(f"{system.name}: step is {step} s and stop {stop} s; expected above 0")
-    with tempfile.TemporaryDirectory(prefix="stickslip-lti-") as sources:
+    with temporary_folder("stickslip-lti-") as sources:
         source = _HERE / ("discrete.c" if system.dt else "continuous.c")
-        Path(sources, "model.c").write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
-        Path(sources, "matrices.h").write_text(_matrices(system, step, held), encoding="utf-8")
-        Path(sources, "README.md").write_text(readme(system), encoding="utf-8")
-        model = model_of(system, step, stop, Path(sources))
+        (sources / "model.c").write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
+        (sources / "matrices.h").write_text(_matrices(system, step, held), encoding="utf-8")
+        (sources / "README.md").write_text(readme(system), encoding="utf-8")
+        model = model_of(system, step, stop, sources)
         return pack_fmu(model, folder, fmi=fmi, platforms=platforms)
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
+from toolchain import Threads
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
@@ -41,8 +41,8 @@ def run(options: argparse.Namespace) -> None:
         name, version = job
         return models.build_fmu(name, folders[version], fmi=version, platforms=platforms)
 
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for path in pool.map(build, itertools.product(names, versions)):
+    with Threads(os.cpu_count()) as pool:
+        for path in pool.each(build, itertools.product(names, versions)):
             print(path)
             if options.cross_check:
                 models.write_cross_check(path.stem, path.parent)

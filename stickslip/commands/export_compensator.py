@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,7 @@ from stickslip.learned_loop import (
 )
 from stickslip.loop import build_fmus
 from stickslip.parameters import at_share
+from toolchain import temporary_folder
 
 MOST_SAMPLES = 10_000_000
 """Of a validation command."""
@@ -94,11 +94,11 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
             f"most {MOST_SAMPLES} samples"
         )
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        build_fmus(Path(folder), {})
+    with temporary_folder() as folder:
+        build_fmus(folder, {})
         sheet = read_datasheet(path)
         friction = read_friction(path)
-        trial = Trial(Path(folder), loop, friction, compensator, v_cmd, feed, sheet)
+        trial = Trial(folder, loop, friction, compensator, v_cmd, feed, sheet)
         worth = try_out(trial, rotary=read_document(path).get("motion") == "rotary")
         written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
         for finding in inspect(written, read_standard_errors(path)):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from pathlib import Path
 
 from stickslip.commands.assignments import add_set_option, drive_changes
@@ -28,6 +27,7 @@ from stickslip.reproduction import Options, drive_truth, reproduce
 from stickslip.result_folder import reserved
 from stickslip.results import FILES, write_results
 from stickslip.validation import Validation
+from toolchain import temporary_folder
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -91,12 +91,12 @@ def run(options: argparse.Namespace) -> None:
     compute, files = MODES[options.mode]
     with (
         reserved(options.out, files),
-        tempfile.TemporaryDirectory(prefix="stickslip-") as fmus,
+        temporary_folder() as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
         execution = execution_of(options, options.out / "learning.checkpoint.json")
         with keeping(execution, options):
-            validation = compute(chosen, Path(fmus), progress, execution, options.out)
+            validation = compute(chosen, fmus, progress, execution, options.out)
             forget(execution, options)
     print_table4(validation.table())
     print(f"all results in {options.out}; begin with report.html")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import models
+from toolchain import temporary_folder
 
 MODELS = ("compensator", "drive", "velocity_controller")
 
@@ -18,7 +18,7 @@ def candidate_fmus() -> Iterator[Path]:
 
     They know nothing of the drive that made a recording, not even which of its extras are on.
     """
-    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+    with temporary_folder() as folder:
         for name in MODELS:
-            models.build_fmu(name, Path(folder))
-        yield Path(folder)
+            models.build_fmu(name, folder)
+        yield folder

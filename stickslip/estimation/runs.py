@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import cosim
 from cosim.signals import Input
 from stickslip.estimation.closing import Closing
+from toolchain import Threads
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -25,7 +25,7 @@ class Runs(Closing):
 
     def __init__(self, specification: cosim.Specification, workers: int = 1) -> None:
         self._specification = specification
-        self._threads = ThreadPoolExecutor(workers) if workers > 1 else None
+        self._threads = Threads(workers) if workers > 1 else None
         self._all = [specification.prepare()]
         self._idle = self._all.copy()
 
@@ -43,7 +43,7 @@ class Runs(Closing):
 
     def each(self, function: Callable[[T], R], items: Iterable[T]) -> list[R]:
         """Apply a function that runs this system to every item, several at a time."""
-        return list((self._threads.map if self._threads else map)(function, items))
+        return self._threads.each(function, items) if self._threads else list(map(function, items))
 
     def close(self) -> None:
         """Free the FMUs."""

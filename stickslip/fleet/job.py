@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import signal
+import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import parent_process
-from types import FrameType
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -24,6 +24,7 @@ from stickslip.record_mode import gains_of, record_drive
 from stickslip.recording import Description, check_recording, load_description
 from stickslip.rig import rig_of
 from stickslip.setup import LOOP, Datasheet
+from toolchain import interrupted_by, interruptible
 
 OnStage = Callable[[str], object]
 
@@ -48,10 +49,10 @@ def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Out
     The result does not depend on where this runs: sums of products are formed by one thread here,
     because their last digits depend on how many share the work.
     """
-    _leave_when_told()
     threadpool_limits(limits=1, user_api="blas")
     try:
-        document = _document(drive, seed, on_stage or _ignore)
+        with _ended_by_signals():
+            document = _document(drive, seed, on_stage or _ignore)
     except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
         return Outcome(reason=_reason(drive, error))
     return Outcome(learned=json.dumps(document))
@@ -96,14 +97,17 @@ def _reason(drive: Drive, error: Exception) -> str:
     return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
 
 
-def _leave_when_told() -> None:
-    """In a process that was made for such jobs, let SIGTERM unwind them, so nothing is left."""
-    if parent_process() is not None and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _leave)
-
-
-def _leave(number: int, _: FrameType | None) -> None:
-    raise SystemExit(128 + number)
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """In a process that was made for such jobs, let signals end it once its folders are gone."""
+    if parent_process() is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    with interruptible():
+        try:
+            yield
+        except KeyboardInterrupt:
+            os._exit(128 + (interrupted_by() or 0))
 
 
 def _ignore(_: str) -> None:

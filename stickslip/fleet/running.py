@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Future
 from typing import Protocol
 
 from threadpoolctl import threadpool_limits
@@ -24,6 +14,7 @@ import ga
 from stickslip.errors import StickslipError
 from stickslip.fleet.drive import Drive
 from stickslip.fleet.job import OnStage, Outcome
+from toolchain import Threads, cancel_all, result_of, wait_first
 
 ALONE = 2
 """How often a drive whose worker died is tried alone."""
@@ -66,13 +57,13 @@ def run_jobs(
     StickslipError
         When the cluster is gone.
     """
-    with threadpool_limits(limits=1, user_api="blas"), _opened(where, workers) as executor:
+    with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
         if executor is None:
             for drive in drives:
                 on_done(drive, job(drive, seed))
             return
         stop = threading.Event()
-        told = (_stopper(stop),) if isinstance(executor, ThreadPoolExecutor) else ()
+        told = (_stopper(stop),) if isinstance(executor, Threads) else ()
         at_once = len(drives) if hasattr(executor, "parts") else workers
 
         def submit(drive: Drive) -> Future[Outcome]:
@@ -103,15 +94,14 @@ def _together(
             while waiting and len(running) < at_once:
                 drive = waiting.popleft()
                 running[submit(drive)] = drive
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
+            for future in wait_first(running):
                 drive, outcome = running.pop(future), _received(future)
                 if outcome is None:
                     suspects.append(drive)
                 else:
                     on_done(drive, outcome)
     finally:
-        for future in running:
-            future.cancel()
+        cancel_all(running)
     return suspects
 
 
@@ -121,7 +111,7 @@ def _alone(submit: Callable[[Drive], Future[Outcome]], drive: Drive) -> Outcome:
         try:
             outcome = _received(future)
         finally:
-            future.cancel()
+            cancel_all([future])
         if outcome is not None:
             return outcome
     return Outcome(reason=DIED)
@@ -130,7 +120,7 @@ def _alone(submit: Callable[[Drive], Future[Outcome]], drive: Drive) -> Outcome:
 def _received(future: Future[Outcome]) -> Outcome | None:
     """Return what a worker sent, or None if it died."""
     try:
-        return future.result()
+        return result_of(future)
     except BrokenExecutor:
         return None
     except Exception as error:
@@ -145,17 +135,3 @@ def _stopper(stop: threading.Event) -> OnStage:
             raise _Stop("interrupted")
 
     return check
-
-
-@contextmanager
-def _opened(where: str, workers: int) -> Iterator[Executor | None]:
-    """Open an executor; when the block fails, tell the processes made for it to leave."""
-    before = set(multiprocessing.active_children())
-    with ga.executor(where, workers) as executor:
-        try:
-            yield executor
-        except BaseException:
-            if where == "processes":
-                for process in set(multiprocessing.active_children()) - before:
-                    process.terminate()
-            raise

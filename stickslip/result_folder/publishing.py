@@ -28,7 +28,7 @@ from stickslip.errors import ResultsError
 from stickslip.result_folder.claim import OURS, WRITING, claimed
 from stickslip.result_folder.manifest import MANIFEST, Manifest, hash_of
 from stickslip.result_folder.ownership import refuse_foreign, refuse_places, unchanged
-from toolchain import sync_folder, write_whole
+from toolchain import held, sync_folder, write_whole
 
 READY = f"{OURS}ready"
 REMOVED = "was removed while results were written; run again"
@@ -85,12 +85,13 @@ def staged(
             if not token.exists():
                 raise ResultsError(f"{folder}: {REMOVED}")
             token.unlink()
-            _commit(desk, folder, command, without)
+            with held():  # an interruption in its midst would leave files of both sets
+                _commit(desk, folder, command, without)
+                _move_in(folder)
         except OSError as error:
             raise _of(error, desk, folder) from error
         finally:
             shutil.rmtree(desk, ignore_errors=True)
-        _move_in(folder)
 
 
 def complete(folder: Path) -> None:
@@ -104,7 +105,7 @@ def complete(folder: Path) -> None:
         When a file cannot be moved.
     """
     if os.path.lexists(folder / READY):
-        with claimed(folder):
+        with claimed(folder), held():
             _move_in(folder)
 
 

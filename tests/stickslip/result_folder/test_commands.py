@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import models
 from stickslip.cli import main
 
 ROOT = Path(__file__).parents[3]
@@ -55,6 +56,48 @@ def test_ctrl_c_leaves_no_process_and_no_folder(tmp_path):
     assert said.count("\n") == 1
     assert {path.name for path in out.iterdir()} == {"learning.checkpoint.json"}
     assert not list(temporary.iterdir())
+    assert not _marked(f"MARK={mark}".encode())
+
+
+COMMANDS = {
+    "simulate": (["simulate", "FMU", "--step", "1e-7", "--stop", "10", "--last"], "child"),
+    "check": (["check", "FMU", "FMU", "FMU", "FMU"], "fmucheck-*"),
+    "build": (["build", "drive", "--out", "OUT"], "stickslip-build-*"),
+    "identify": (["identify", "--out", "OUT"], "stickslip-*/drive.fmu"),
+}
+"""Commands, and what there is in the temporary folder, or as a process, when they are at work."""
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp_path):
+    temporary, out = tmp_path / "tmp", tmp_path / "out"
+    temporary.mkdir()
+    arguments, at_work = COMMANDS[command]
+    names = {"OUT": str(out)}
+    if "FMU" in arguments:
+        names["FMU"] = str(models.build_fmu("compensator", tmp_path))
+    mark = f"signals-{os.getpid()}"
+    settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
+    if command == "build":  # else there is nothing to compile
+        settings["STICKSLIP_CACHE"] = str(tmp_path / "cache")
+    with subprocess.Popen(
+        [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
+        env=os.environ | settings,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        there = {"child": lambda: len(_marked(f"MARK={mark}".encode())) > 1}
+        ready = there.get(at_work, lambda: any(temporary.glob(at_work)))
+        while not ready() and process.poll() is None:
+            time.sleep(0.002)
+        process.send_signal(number)
+        said = process.communicate(timeout=30)[1]
+    assert (process.returncode, said) == (128 + number, "stickslip: interrupted\n")
+    assert not list(temporary.iterdir())
+    assert not out.exists() or not list(out.rglob("*"))
     assert not _marked(f"MARK={mark}".encode())
 
 
