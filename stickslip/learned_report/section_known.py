@@ -63,6 +63,7 @@ def _verdict(estimation: Estimation) -> Html:
         paragraph(join(said, " ")),
         element("div", join(tiles, "\n"), class_="tiles"),
         paragraph(f"Judged by the {estimation.judge}: {estimation.reason}."),
+        *(paragraph(f"{str(fault).capitalize()}.") for fault in estimation.faults),
         class_="verdict",
     )
 
