@@ -13,6 +13,9 @@ _lock = threading.Lock()
 lines: dict[Path, str] = {}
 """What is known in this process: binary -> the line that was logged."""
 
+crashed: set[Path] = set()
+"""Binaries that crashed or hung when they were used again: each isolated run has a new child."""
+
 
 def declare(binaries: Iterable[Path], line: str) -> None:
     """Note that FMUs need new instances; log why, unless that was known of all of them."""

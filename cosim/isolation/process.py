@@ -63,6 +63,7 @@ class Process:
     Attributes
     ----------
     repeats : whether it repeats the run that it was asked for, to see what a reset does
+    runs : that it has done
     """
 
     def __init__(
@@ -71,7 +72,7 @@ class Process:
         self._system, self._order, self._limits = specification.system, order, limits
         self._parent = os.getpid()
         self._printed, self._tail = 0, b""
-        self.repeats = False
+        self.repeats, self.runs = False, 0
         self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
         parcel = pack(

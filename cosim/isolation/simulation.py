@@ -61,6 +61,7 @@ class IsolatedSimulation(Simulation):
         self.pace = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
+        self._used_again = False  # whether a child has done a second run
         self._exclusive = Exclusive(spec.system.name, outlives_fork=False)
         self._living()
 
@@ -171,6 +172,9 @@ class IsolatedSimulation(Simulation):
             "progress": progress is not None,
         }
         with self._exclusive:
+            binaries = {fmu.binary for fmu in self.spec.system.components.values()}
+            if self._process and self._process.runs and binaries & resets.crashed:
+                self._give_up()
             process = self._living()
             try:
                 reply = self._ask(how, arguments, progress, slack)
@@ -178,6 +182,8 @@ class IsolatedSimulation(Simulation):
                 if not self._ended_by_reuse(process, crash):
                     raise
                 reply = self._ask(how, arguments, progress, slack)
+            self._used_again |= process is self._process and process.runs > 0
+            self._living().runs += 1
             self._effort = reply["effort"]
             if real_time and reply["pace"]:
                 looks, overruns, worst = reply["pace"]
@@ -185,12 +191,18 @@ class IsolatedSimulation(Simulation):
             return self._result_of(reply)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
-        """Whether a child with new instances would not have come to this end."""
-        mark = process.shared.mark
+        """Whether a new child would not have come to this end."""
+        mark, components = process.shared.mark, self.spec.system.components
+        name = called(mark, self.order)
+        names = [name] if name else self.order
         if process.repeats:
-            name = called(mark, self.order)
-            self._declare_unresettable([name] if name else self.order, str(crash))
-        return process.repeats or mark.call.endswith((b"Reset", b"FreeInstance"))
+            self._declare_unresettable(names, str(crash))
+        binaries = {components[name].binary for name in names}
+        second = process.runs > 0 and not self._used_again
+        reused = process.repeats or second or mark.call.endswith((b"Reset", b"FreeInstance"))
+        if reused:
+            resets.crashed.update(binaries)
+        return reused
 
     def _result_of(self, reply: Reply) -> Result:
         """Take a result out of the memory that both see, before the next run overwrites it."""

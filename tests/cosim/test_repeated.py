@@ -36,6 +36,7 @@ RUNS = [{"a.k": 2.0}, {"a.k": 2.0}, {"a.k": 5.0}, {}, {"a.k": 2.0}]
 def nothing_known(monkeypatch):
     """What is known of FMUs is known for good; here each test begins without."""
     monkeypatch.setattr(resets, "lines", {})
+    monkeypatch.setattr(resets, "crashed", set())
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -297,6 +298,18 @@ def test_a_crash_on_reset_costs_no_run(write, version, caplog):
             same(simulation.run(), expected)
     (line,) = lines(caplog)
     assert f"fmi{version}Reset died of SIGSEGV" in line
+
+
+@pytest.mark.parametrize("reset", [SOUND, "*(volatile int *)8 = 1;"])
+def test_what_crashes_a_used_process_has_a_new_one_for_each_run(write, version, reset):
+    """No second instance can be made, and perhaps the first cannot be reset."""
+    crash = "(instances > 1 ? *(volatile int *)8 : 0)"
+    system = alone(write("a", version, reset, noise=crash))
+    expected = fresh(system)
+    for _ in range(2):
+        with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
+            for _ in range(3):
+                same(simulation.run(), expected)
 
 
 def test_the_time_limit_is_that_of_one_run(write, version):
