@@ -19,11 +19,11 @@ from stickslip.commands.execution import (
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.worth import print_worth
-from stickslip.errors import RecordingError, UsageError
+from stickslip.errors import UsageError
 from stickslip.estimation import Estimation, JudgeName, Search
 from stickslip.log_learning import FILES, LogLearning, learn_from_log, read_and_check, write_learned
 from stickslip.parameters import unit_of
-from stickslip.recording import Description, Finding
+from stickslip.recording import Description, Finding, raise_errors
 from stickslip.result_folder import reserved
 
 JUDGES: dict[str, JudgeName] = {
@@ -78,9 +78,7 @@ def run(options: argparse.Namespace) -> None:
     if options.check:
         findings = read_and_check(options.log, description)[1]
         _print_findings(findings)
-        if errors := sum(finding.severity == "error" for finding in findings):
-            some = "1 error" if errors == 1 else f"{errors} errors"
-            raise RecordingError(f"{options.log}: {some}, nothing can be learned from it")
+        raise_errors(options.log, findings)
         return
     with reserved(options.out, FILES):
         _learn(options, description)

@@ -199,7 +199,7 @@ def test_a_current_in_other_files(check, file):
     status, out, err = check(names={"force": "iq"}, only=only, file=file)
     assert status == 1
     assert "current by its name" in errors(out)[0]
-    assert "1 error" in err
+    assert errors(out)[0] in err
 
 
 def test_whole_numbers_are_counts_until_a_unit_is_stated(check):
@@ -230,7 +230,8 @@ def test_all_errors_are_printed_and_learn_says_the_first(check, tmp_path, capsys
     status, out, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
     assert status == 1
     assert len(errors(out)) >= 4
-    assert f"{len(errors(out))} errors" in err
+    assert err.count("\n") == 1
+    assert errors(out)[0] in err
     assert main(["learn", "--log", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")]) == 1
     said = capsys.readouterr()
     assert said.err.count("error: ") == 1
