@@ -112,7 +112,7 @@ class Checkpoint:
         if version != FORMAT:
             raise ValueError(
                 f"it is of format {version}, this version of cosim reads {FORMAT}; run again from"
-                " the start and save anew"
+                " the start and save again"
             )
         identity = {str(k): str(v) for k, v in json.loads(str(arrays["identity"])).items()}
         states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
