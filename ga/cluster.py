@@ -162,6 +162,8 @@ def _knock(address: str) -> None:
     try:
         peer = loop.run_sync(identity, callback_timeout=limit)
         fault = "" if "workers" in peer else f"there is a {peer.get('type')}"
+    except TimeoutError:  # with a message or without
+        fault = f"timed out after {limit:g} s"
     except (OSError, ValueError, TypeError) as error:  # as Dask says that an address is none
         fault = str(error)
     if fault:
