@@ -180,11 +180,10 @@ class Process:
                 if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
                 now = self._mark()
-                moved, seen = now != seen, now
-                if moved:
-                    still = _Clock()
+                if now != seen:
+                    still, seen = _Clock(), now
                 over = self._clock.passed() >= limit
-                if still.passed() >= patience or (over and not moved):
+                if still.passed() >= patience or (over and still.passed() > 0.5 * limit):
                     self._die(self._hung(min(patience, limit)))
                 if over:
                     self._die(self._too_long(limit))
