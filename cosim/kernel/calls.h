@@ -38,8 +38,7 @@ __attribute__((cold, noinline, unused)) static bool refuse(Run *run, const Compo
 
 /* Statuses from OK to fatal are the same numbers in both versions. What leads on is kept apart from
  * what does not: where both come back to the loop, it is slower by some percent. */
-INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
-    restore_sums();
+INLINE bool answered(Run *run, const Component *c, const char *call, int status) {
     if (UNLIKELY((unsigned)status > fmi2Warning)) {
         return refuse(run, c, call, status);
     }
@@ -47,6 +46,17 @@ INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
         note_warning(c->log, call, run->t);
     }
     return true;
+}
+
+INLINE bool plain(bool done) {
+    restore_sums();
+    return done;
+}
+
+/* The same, with the arithmetic plain again. */
+INLINE bool passed(Run *run, const Component *c, const char *call, int status) {
+    restore_sums();
+    return answered(run, c, call, status);
 }
 
 #define CALL_OF(run, c, version, name)                                                             \
@@ -59,11 +69,11 @@ INLINE bool set(Run *run, const Component *c, int version, const uint32_t *refer
     if (LIKELY(version == 2)) {
         MARK(c, "fmi2SetReal");
         const fmi2Status status = c->call.fmi2.SetReal(c->instance, references, n, values);
-        return passed(run, c, "fmi2SetReal", (int)status);
+        return answered(run, c, "fmi2SetReal", (int)status);
     }
     MARK(c, "fmi3SetFloat64");
     const fmi3Status status = c->call.fmi3.SetFloat64(c->instance, references, n, values, n);
-    return passed(run, c, "fmi3SetFloat64", (int)status);
+    return answered(run, c, "fmi3SetFloat64", (int)status);
 }
 
 INLINE bool get(Run *run, const Component *c, int version, const uint32_t *references, size_t n,
@@ -130,7 +140,8 @@ INLINE const double *gather(const Component *c, const double *row) {
     return c->gathered;
 }
 
-/* Of a component that has some. */
+/* Of a component that has some. Its next call makes the arithmetic plain again; before a call of
+ * another component, plain() has to. */
 INLINE bool set_some_inputs(Run *run, const Component *c, int version, const double *row) {
     const double *values =
         LIKELY(c->inputs == SIDE_BY_SIDE) ? row + c->input_offset : gather(c, row);
@@ -138,7 +149,7 @@ INLINE bool set_some_inputs(Run *run, const Component *c, int version, const dou
 }
 
 INLINE bool set_inputs(Run *run, const Component *c, const double *row) {
-    return UNLIKELY(c->inputs == NONE) || set_some_inputs(run, c, c->version, row);
+    return UNLIKELY(c->inputs == NONE) || plain(set_some_inputs(run, c, c->version, row));
 }
 
 /* Of a component that has some. */

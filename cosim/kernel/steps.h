@@ -28,6 +28,7 @@ INLINE bool step_at_once(Run *run, const Component *c, const double *now, double
     for (int i = 0; i < n; i++) {
         TRY(set_some_inputs(run, c + i, version, now));
     }
+    plain(true);
 #pragma clang loop unroll(full)
     for (int i = 0; i < n; i++) {
         TRY(do_step(run, c + i, version));

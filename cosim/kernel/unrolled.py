@@ -40,6 +40,7 @@ def unroll(run: kernel.Run) -> str | None:
         components = [(i, run.components[i]) for i in group]
         lists += [line for i, c in components for line in _references(i, c)]
         calls += [_set(i, c) for i, c in components if c.n_inputs]
+        calls += ["plain(true)"] * run.jacobi  # else the step that follows makes it so
         calls += [f"do_step(run, c + {i}, {c.version})" for i, c in components]
         calls += [_get(i, c) for i, c in components if c.n_outputs]
     sums = "".join(_add(i, run.sums[i]) for i in range(run.n_sums))
