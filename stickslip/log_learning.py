@@ -57,6 +57,14 @@ class LogLearning:
         share = self.trial.worth.share if self.trial else 1.0
         return at_share(self.estimation.compensator, share)
 
+    def with_whole_force(self) -> LogLearning:
+        """Return the same with the compensator at its whole force, whatever that does."""
+        if self.trial is None:
+            return self
+        worth = self.trial.worth
+        whole = replace(self.trial, worth=replace(worth, share=1.0, rows=worth.full))
+        return replace(self, trial=whole)
+
     @property
     def refusal(self) -> str:
         """Why the compensator should not be written; empty where nothing speaks against it."""
@@ -154,11 +162,12 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         When a file cannot be written.
     """
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
+    if force:
+        learned = learned.with_whole_force()
     with staged(folder, command, without=["compensator.fmu"]) as desk:
         write_whole(desk / "learned.json", json.dumps(learned_document(learned), indent=2) + "\n")
         if force or not learned.refusal:
-            start = learned.estimation.compensator if force else learned.compensator
-            models.build_fmu("compensator", desk, start=start)
+            models.build_fmu("compensator", desk, start=learned.compensator)
         further = [section_worth.write(learned.trial.worth)] if learned.trial else []
         write_estimation_report(learned.estimation, learned.findings, desk, further)
 
@@ -168,6 +177,7 @@ def learned_document(learned: LogLearning) -> dict[str, Any]:
     trial = learned.trial
     loop = trial.loop if trial and trial.known else None
     document = estimation_document(learned.estimation, loop, learned.seed)
+    document["refusal"] = learned.refusal
     if trial:
         document |= trial_document(trial.worth, trial.command, trial.datasheet)
     return document

@@ -80,8 +80,11 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     Raises
     ------
     HarmfulError
-        When it makes the loop worse at every share, and is not forced.
+        When it makes the loop worse at every share, or learning refused it, and is not forced.
     """
+    document = read_document(path)
+    if (refusal := document.get("refusal")) and not force:
+        raise HarmfulError(f"{path}: learn refused it: {refusal}; --force exports all the same")
     loop = read_loop(path)
     if loop is None:
         _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
@@ -99,7 +102,7 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
         sheet = read_datasheet(path)
         friction = read_friction(path)
         trial = Trial(folder, loop, friction, compensator, v_cmd, feed, sheet)
-        worth = try_out(trial, rotary=read_document(path).get("motion") == "rotary")
+        worth = try_out(trial, rotary=document.get("motion") == "rotary")
         written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
         for finding in inspect(written, read_standard_errors(path)):
             _warn(str(finding))

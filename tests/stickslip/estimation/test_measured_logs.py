@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import cosim
+from stickslip.cli import main
 from stickslip.commands.learn import print_estimation
 from stickslip.guards import Worth
 from stickslip.learned import read_learned
@@ -76,6 +77,15 @@ def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
     assert (tmp_path / "compensator.fmu").exists()
 
 
+def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
+    worth = replace(emps.trial.worth, share=0.8)
+    write_learned(replace(emps, trial=replace(emps.trial, worth=worth)), tmp_path, force=True)
+    whole = emps.estimation.compensator
+    assert read_learned(tmp_path / "learned.json") == pytest.approx(whole)
+    start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
+    assert start == pytest.approx(whole["F_c"])
+
+
 @pytest.mark.parametrize(("spoils", "written"), [("values", False), ("intervals", True)])
 def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
     fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
@@ -83,6 +93,10 @@ def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, wr
     assert spoiled.refusal == ("" if written else "rows are lost: 2 %; log without gaps")
     write_learned(spoiled, tmp_path)
     assert (tmp_path / "compensator.fmu").exists() == written
+    parameters, out = str(tmp_path / "learned.json"), str(tmp_path / "out")
+    export = ["export", "compensator", "--parameters", parameters, "--out", out]
+    assert main(export) == (0 if written else 1)
+    assert main([*export, "--force"]) == 0
 
 
 def test_the_hysteresis_of_a_tribometer():
