@@ -13,8 +13,9 @@ import numpy as np
 
 import cosim
 import ga
+from cosim.control import VelocityLoop
 from stickslip.execution import Execution
-from stickslip.identification import Identification
+from stickslip.identification import Estimate
 from stickslip.loop import Feed
 from stickslip.measurement import Array, smoothed
 from stickslip.parameters import LUGRE, UNITS
@@ -47,13 +48,16 @@ class Study:
 
     Attributes
     ----------
+    loop : the velocity loop of the drive, and its nominal loop
+    start : the five parameters by name, with the standard errors of their identification, SI units
     v_cmd : (n,) training command [m/s], one value a sample
     algorithm : one of ``ga.ALGORITHMS``
     settings : of the genetic algorithm, instead of those that ``algorithm`` names
     """
 
     rig: Rig
-    identification: Identification
+    loop: VelocityLoop
+    start: Mapping[str, Estimate]
     v_cmd: Array
     feed: Feed = "nominal"
     algorithm: str = "default"
@@ -70,7 +74,7 @@ class Study:
     def cost(self) -> ga.SimulatedCost:
         """Return what judges one candidate on the drive."""
         judge = VelocityCost(self.rig.T_s)
-        return self.rig.judge(self.v_cmd, self.identification.loop, judge, self.feed)
+        return self.rig.judge(self.v_cmd, self.loop, judge, self.feed)
 
 
 def learn(
@@ -107,16 +111,16 @@ def learn(
 def optimiser(study: Study) -> ga.Optimiser:
     """Return what searches the five genes."""
     settings = study.settings or ga.PRESETS.get(study.algorithm)
-    problem = ga.Problem(genes(study.identification), repair(settings))
+    problem = ga.Problem(genes(study.start), repair(settings))
     if study.settings is not None:
         return ga.GeneticAlgorithm(problem.genes, study.settings, study.seed, problem.repair)
     return ga.optimiser(study.algorithm, problem, seed=study.seed)
 
 
-def genes(identification: Identification) -> list[ga.Gene]:
+def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
     """Return the five genes: identified values to start from, and the bounds of the paper."""
     low, high = BOUNDS
-    values = {name: identification.estimates[name].value for name in LUGRE}
+    values = {name: start[name].value for name in LUGRE}
     return [
         ga.Gene(name, low * value, high * value, value, UNITS[name])
         for name, value in values.items()

@@ -71,7 +71,7 @@ def refine(study: Study, start: Mapping[str, float], *, fit: bool = True) -> Ref
     bench = _Bench(study)
     values, gap = dict(start), bench.typical_gap(start)
     limit = (1.0 + MARGIN) * (gap @ gap)
-    identified = {name: study.identification.estimates[name].value for name in LUGRE}
+    identified = {name: study.start[name].value for name in LUGRE}
     accepted = False
     # Where the winner lies too far off for the linear step, identification lies nearer.
     for origin in (values, identified) if fit else ():
@@ -116,11 +116,11 @@ class _Fit:
 
 
 def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
-    prior = study.identification.estimates
+    prior = study.start
     expected = np.log([prior[name].value for name in LUGRE])
     doubt = np.array([max(prior[name].standard_error / prior[name].value, FLOOR) for name in LUGRE])
     scale = np.sqrt(gap @ gap / len(gap) * correlation_length(gap))
-    system = feedforward(study.rig.fmus, study.identification.loop, {}, study.feed)
+    system = feedforward(study.rig.fmus, study.loop, {}, study.feed)
     numerator, denominator = _transfer(study)
     with system.prepare(
         step=study.rig.T_s,
@@ -164,6 +164,6 @@ def _errors(jacobian: Array) -> dict[str, float]:
 
 def _transfer(study: Study) -> tuple[Array, Array]:
     """Return numerator and denominator from feedforward force [N] to velocity [m/s]."""
-    loop = study.identification.loop.compliance
+    loop = study.loop.compliance
     numerator, denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
     return numerator[0], denominator

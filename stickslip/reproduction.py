@@ -112,7 +112,8 @@ def reproduce(
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = Study(
         rig,
-        identification,
+        identification.loop,
+        identification.estimates,
         TRAINING.sample(rig.samples(TRAINING.duration)),
         feed=options.feed,
         algorithm=options.preset,

@@ -14,16 +14,18 @@ from stickslip.setup import TRAINING
 @pytest.fixture
 def study(reproduction, make_rig):
     rig = make_rig()
-    return Study(rig, reproduction.identification, TRAINING.sample(rig.samples(TRAINING.duration)))
+    found = reproduction.identification
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    return Study(rig, found.loop, found.estimates, v_cmd)
 
 
 def start(study):
-    return {name: study.identification.estimates[name].value for name in LUGRE}
+    return {name: study.start[name].value for name in LUGRE}
 
 
 def test_it_corrects_what_the_training_run_shows(study):
-    wrong = replace(study.identification.friction, F_c=Estimate(PAPER["F_c"] * 1.05, 0.3))
-    study = replace(study, identification=replace(study.identification, friction=wrong))
+    wrong = Estimate(PAPER["F_c"] * 1.05, 0.3)
+    study = replace(study, start={**study.start, "F_c": wrong})
     found = refine(study, start(study))
     assert found.accepted
     assert found.values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.005)
@@ -31,7 +33,7 @@ def test_it_corrects_what_the_training_run_shows(study):
 
 def test_it_leaves_what_the_training_run_hardly_shows_to_identification(study):
     found = refine(study, start(study))
-    prior = study.identification.estimates["F_s"]
+    prior = study.start["F_s"]
     assert found.alone["F_s"] > 5 * found.alone["F_c"]
     assert found.values["F_s"] == pytest.approx(prior.value, rel=0.03)
 

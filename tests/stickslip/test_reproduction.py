@@ -1,6 +1,5 @@
 """The paper's claims, on the FMUs."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,12 +76,12 @@ def test_with_exact_parameters_the_loop_is_the_nominal_loop(
 
 
 def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, make_rig):
-    rig = make_rig()
+    rig, found = make_rig(), reproduction.identification
     settings = ga.Settings(**{**vars(ga.PAPER), "generations": 8})
     v_cmd = TRAINING.sample(rig.samples(2.0))
 
     def run(workers):
-        study = Study(rig, reproduction.identification, v_cmd, settings=settings, seed=3)
+        study = Study(rig, found.loop, found.estimates, v_cmd, settings=settings, seed=3)
         return learn(study, execution=Execution(workers)).convergence()
 
     serial, parallel = run(workers=1), run(workers=2)
@@ -94,12 +93,12 @@ def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, ma
 def test_the_genetic_algorithm_learns_from_a_poor_start(reproduction, make_rig):
     """Twice the friction and half the stiffness to begin with; the drive alone corrects it."""
     rig, found = make_rig(), reproduction.identification
-    poor = replace(
-        found,
-        friction=replace(found.friction, F_c=Estimate(12.0, 6.0), F_s=Estimate(18.0, 9.0)),
-        presliding=replace(found.presliding, sigma_0=Estimate(2e5, 1e5)),
-    )
-    study = Study(rig, poor, TRAINING.sample(rig.samples(TRAINING.duration)), seed=1)
+    poor = found.estimates | {
+        "F_c": Estimate(12.0, 6.0),
+        "F_s": Estimate(18.0, 9.0),
+        "sigma_0": Estimate(2e5, 1e5),
+    }
+    study = Study(rig, found.loop, poor, TRAINING.sample(rig.samples(TRAINING.duration)), seed=1)
     algorithm = learn(study)
     best = dict(zip(algorithm.names, algorithm.best.values, strict=True))
     assert algorithm.best.cost < 1e-2 * algorithm.history.cost[0]
