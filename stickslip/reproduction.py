@@ -17,6 +17,7 @@ import cosim
 import ga
 import models
 from stickslip.execution import Execution
+from stickslip.extras import Extras
 from stickslip.identification import Identification, identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
@@ -67,6 +68,7 @@ class Reproduction:
     ----------
     truth : every parameter of the drive FMU
     system : the loop of Fig. 2a with the learned compensator
+    extras : the same on the drive with all effects on, if that was asked for
     """
 
     options: Options
@@ -76,6 +78,7 @@ class Reproduction:
     learned: Refinement
     validation: Validation
     system: cosim.System
+    extras: Extras | None = None
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""

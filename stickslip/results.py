@@ -21,7 +21,8 @@ from stickslip.setup import VALIDATION
 from toolchain import write_whole
 
 FILES = (
-    *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
+    *("table2.csv", "table4.csv", "table4_all_extras.csv", "fitness.csv"),
+    *("learned.json", "compensator.fmu", "loop.ssp"),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -40,6 +41,9 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     with staged(folder, command_of(reproduction.options)) as desk:
         write_table(reproduction.table2(), desk / "table2.csv")
         write_table(reproduction.validation.table(), desk / "table4.csv")
+        if reproduction.extras and reproduction.extras.validation:
+            extras = reproduction.extras.validation.table()
+            write_table(extras, desk / "table4_all_extras.csv")
         write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
         write_json(learned_document(reproduction), desk / "learned.json")
         models.build_fmu("compensator", desk, start=reproduction.learned.values)

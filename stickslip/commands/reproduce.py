@@ -26,6 +26,7 @@ from stickslip.record_results import write_record_results
 from stickslip.reproduction import Options, drive_truth, reproduce
 from stickslip.result_folder import reserved
 from stickslip.results import FILES, write_results
+from stickslip.studies import with_studies
 from stickslip.validation import Validation
 from toolchain import temporary_folder
 
@@ -57,6 +58,7 @@ def _drive(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Validation:
     reproduction = reproduce(options, fmus, progress, execution)
+    reproduction = with_studies(reproduction, fmus, progress, execution)
     progress.stage("writing the report")
     write_results(reproduction, out)
     return reproduction.validation

@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import models
-from stickslip.report.markup import Html, element, join, paragraph, symbol
+from stickslip.report.headline import headline
+from stickslip.report.markup import Html, element, join, paragraph
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import number, percent, unit
-from stickslip.report.shown import parameter, parameter_estimate, parameter_unit, parameter_value
+from stickslip.report.shown import (
+    METRICS,
+    parameter,
+    parameter_estimate,
+    parameter_unit,
+    parameter_value,
+)
 from stickslip.reproduction import Reproduction
 
-METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}
 EFFECTS = {
     "current_loop": "lag of the current loop",
     "dac": "steps of the force command",
@@ -39,7 +45,8 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         "drive’s commands and measurements only; its true parameters and its true velocity serve "
         "to judge the result.",
     )
-    return join([done, _drive(reproduction), _verdict(reproduction)], "\n")
+    parts = [done, _drive(reproduction), _verdict(reproduction), headline(reproduction)]
+    return join(parts, "\n")
 
 
 def _refined(reproduction: Reproduction) -> str:
@@ -78,6 +85,7 @@ def _verdict(reproduction: Reproduction) -> Html:
         (row["velocity"], row["region"], row["metric"]): row for row in table.to_dict("records")
     }
     keys = [key[1:] for key in shown if key[0] == "measured"]
+    extras = _extras(reproduction)
     tiles, above = [], 0
     for region, metric in keys:
         measured, true = (shown[velocity, region, metric] for velocity in ("measured", "true"))
@@ -89,6 +97,7 @@ def _verdict(reproduction: Reproduction) -> Html:
                 element("span", percent(measured["reduction"]), class_="value"),
                 element("span", "simulated drive", class_="beside"),
                 element("span", f"true velocity {percent(true['reduction'])}", class_="beside"),
+                *extras.get((region, metric), ()),
                 element(
                     "span",
                     f"real stage (paper) {percent(measured['paper_reduction'], 0)}",
@@ -111,6 +120,20 @@ def _verdict(reproduction: Reproduction) -> Html:
         _coulomb(reproduction),
         class_="verdict",
     )
+
+
+def _extras(reproduction: Reproduction) -> dict[tuple[str, str], list[Html]]:
+    """Return a line of each tile, where the drive with all extras was learned."""
+    extras = reproduction.extras
+    if extras is None or extras.validation is None:
+        return {}
+    return {
+        (row["region"], row["metric"]): [
+            element("span", f"all extras on {percent(row['reduction'])}", class_="beside")
+        ]
+        for row in extras.validation.table().to_dict("records")
+        if row["velocity"] == "measured"
+    }
 
 
 def _coulomb(reproduction: Reproduction) -> Html:

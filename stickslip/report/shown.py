@@ -9,6 +9,8 @@ from stickslip.report.picture import Picture
 from stickslip.report.quantity import SCALES, SYMBOLS, number, unit, with_error
 from stickslip.report.style import COLUMN
 
+METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}
+
 
 def figure(picture: Picture, alternative: str, caption: str) -> Html:
     """Return a picture on its white card with a caption.

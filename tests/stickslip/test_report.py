@@ -13,6 +13,7 @@ import pytest
 import cosim
 import ga
 from cosim.control import design_velocity_loop
+from stickslip.extras import Extras
 from stickslip.identification import Estimate, FrictionMap, Identification, Inertia, Presliding
 from stickslip.loop import FEEDS
 from stickslip.parameters import LUGRE, PAPER
@@ -70,7 +71,7 @@ def algorithm(preset):
     return learning
 
 
-def validation():
+def validation(left=0.6e-3):
     t = np.arange(0.0, 4.2, LOOP.T_s)
     v_cmd = VALIDATION.sample(t)
 
@@ -79,10 +80,10 @@ def validation():
         v = {"measured": v_cmd - lost, "true": v_cmd - 1.1 * lost}
         return Run(t, v_cmd, v, v_cmd, np.zeros_like(t), np.zeros_like(t))
 
-    return Validation(run(1.2e-3), run(0.6e-3), {"start": 0.1, "reverse": 2.05})
+    return Validation(run(1.2e-3), run(left), {"start": 0.1, "reverse": 2.05})
 
 
-def made(preset="default", feed="nominal", *, accepted=True):
+def made(preset="default", feed="nominal", *, accepted=True, extras=None, truth=CHANGED):
     learned = Refinement(
         {name: estimate(name, 0.002) for name in LUGRE},
         dict.fromkeys(LUGRE, 0.05),
@@ -90,16 +91,23 @@ def made(preset="default", feed="nominal", *, accepted=True):
         accepted=accepted,
         runs=20,
     )
-    options = Options(truth=CHANGED, seed=17, preset=preset, feed=feed)
+    options = Options(truth=truth, seed=17, preset=preset, feed=feed)
     return Reproduction(
         options,
-        drive_truth(CHANGED),
+        drive_truth(truth),
         identification(),
         algorithm(preset),
         learned,
         validation(),
         cosim.System("loop"),
+        extras,
     )
+
+
+def rendered(reproduction):
+    """Return the page with blank figures, its cells parted by bars."""
+    page = render_page(reproduction, dict.fromkeys(FIGURES, Picture(b"", b"", 89.0)))
+    return re.sub(r"\s", " ", re.sub(r"\s*(<[^>]*>\s*)+", "|", page))  # no-break spaces, too
 
 
 @pytest.fixture(scope="module")
@@ -230,9 +238,31 @@ def test_simulated_and_real_are_told_apart_wherever_they_stand_side_by_side(page
     assert len(re.findall(r"\|real stage \(paper\) \d+ %\|", cells)) == 4
     for figures in ("0.98|0.76|22 %", "0.86|0.48|44 %", "1.76|0.72|59 %", "1.62|0.44|73 %"):
         assert f"|real stage (paper)|{figures}|" in cells
-    assert len(re.findall(r"\|simulated drive, (?:measured|true)\|", cells)) == 8
+    assert len(re.findall(r"\|simulated drive, (?:measured|true)\b", cells)) == 8
     for name in ("fig2_loops", "fig6_tracking"):
         assert "imulated drive" in (folder / f"{name}.svg").read_text(encoding="utf-8")
+
+
+def test_agreement_that_was_searched_for_is_no_merit():
+    cells = rendered(made(truth={}))
+    row = "|real stage (paper)|0.98|0.86|1.76|1.62|simulated drive, calibrated to this row|"
+    assert row in cells
+    assert "no evidence" in cells
+    assert not re.search(r"within \d+(\.\d+)? %", cells)
+    assert "calibrated to this row" not in rendered(made())  # another drive than the calibrated one
+
+
+def test_all_extras_on_are_rows_of_the_headline():
+    extras = Extras(validation(left=0.3e-3))
+    cells = rendered(made(extras=extras))
+    table = extras.validation.table().query("velocity == 'measured'")
+    assert cells.index("|simulated drive, all extras on|") < cells.index("|The loop|")
+    for column in ("without", "with"):
+        errors = "|".join(f"{value:.2f}" for value in table[column])
+        assert f"|simulated drive, all extras on|{errors}|" in cells
+    assert len(re.findall(r"\|all extras on \d+\.\d %\|", cells)) == 4
+    assert "all extras on" not in rendered(made())
+    assert "could not be learned: it sticks." in rendered(made(extras=Extras(None, "it sticks")))
 
 
 def test_page_tells_the_options(outline):

@@ -1,6 +1,5 @@
 """The paper's claims, on the FMUs."""
 
-
 import numpy as np
 import pytest
 
