@@ -17,7 +17,7 @@ from cosim.control import VelocityLoop
 from stickslip.execution import Execution
 from stickslip.identification import Estimate
 from stickslip.loop import Feed
-from stickslip.measurement import Array, smoothed
+from stickslip.measurement import CUTOFF, Array, smoothed
 from stickslip.parameters import LUGRE, UNITS
 from stickslip.rig import Rig
 
@@ -27,9 +27,16 @@ CONSTRAINT = ga.AtLeast("F_s", "F_c")
 
 @dataclass(frozen=True)
 class VelocityCost:
-    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive."""
+    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive.
+
+    Attributes
+    ----------
+    T_s : sample period [s]
+    cutoff : of the low-pass of v - v_r [Hz], None for none
+    """
 
     T_s: float
+    cutoff: float | None = CUTOFF
 
     def __call__(self, result: cosim.Result) -> float:
         """Judge the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
@@ -39,7 +46,8 @@ class VelocityCost:
     def gap(self, result: cosim.Result) -> Array:
         """Return v - v_r (n,) [m/s]."""
         v = np.gradient(result["drive.x_enc"], self.T_s)
-        return smoothed(v - result["nominal.v_r"], self.T_s)
+        gap = v - result["nominal.v_r"]
+        return gap if self.cutoff is None else smoothed(gap, self.T_s, self.cutoff)
 
 
 @dataclass(frozen=True)

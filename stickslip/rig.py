@@ -72,6 +72,9 @@ class Rig:
         loop: VelocityLoop,
         cost: Callable[[cosim.Result], float],
         feed: Feed = "nominal",
+        fixed: Mapping[str, float] | None = None,
+        *,
+        compensated: bool = True,
     ) -> SimulatedCost:
         """Return what runs a compensator on the drive and judges it: Fig. 3.
 
@@ -79,9 +82,11 @@ class Rig:
         ----------
         v_cmd : (n,) training command, one value a sample [m/s]
         cost : judges the recorded ``drive.x_enc`` and ``nominal.v_r``
+        fixed : parameters of the compensator that no candidate has
+        compensated : whether the compensator's force reaches the drive
         """
         specification = cosim.Specification(
-            paper_loop(self.fmus, loop, {}, feed),
+            paper_loop(self.fmus, loop, (fixed or {}) if compensated else None, feed),
             step=self.T_s,
             stop=(len(v_cmd) - 1) * self.T_s,
             record=("drive.x_enc", "nominal.v_r"),

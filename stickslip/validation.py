@@ -23,6 +23,8 @@ PAPER_TABLE4 = {
 }
 """Table 4, without and with compensation; it prints no unit, and mm/s is the reading that fits."""
 
+METRICS = ("E_max", "E_rms")
+
 RECORD = ("drive.x_enc", "drive.v", "drive.F_f", "nominal.v_r", "compensator.F_mean")
 
 
@@ -33,6 +35,7 @@ class Run:
     Attributes
     ----------
     t, v_cmd : (n,) [s], [m/s]
+    x_enc : position (n,) [m] that the encoder shows
     v : velocity (n,) [m/s] by what shows it, ``measured`` or ``true``
     v_r : response of the nominal loop (n,) [m/s]
     F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
@@ -40,6 +43,7 @@ class Run:
 
     t: Array
     v_cmd: Array
+    x_enc: Array
     v: dict[str, Array]
     v_r: Array
     F_f: Array
@@ -63,7 +67,7 @@ class Validation:
                     tracking_errors(run.t, run.v_cmd - run.v[velocity], instant)
                     for run in (self.without, self.compensated)
                 ]
-                for metric in ("E_max", "E_rms"):
+                for metric in METRICS:
                     without, compensated = (1e3 * error[metric] for error in errors)
                     paper = PAPER_TABLE4[region, metric]
                     rows.append(
@@ -82,17 +86,19 @@ class Validation:
         return pd.DataFrame(rows)
 
 
-def tracking_errors(t: Array, error: Array, instant: float) -> dict[str, float]:
-    """Return (8a) and (8b) of an error (n,) over the region that follows an instant [s].
+def tracking_errors(
+    t: Array, error: Array, instant: float, region: tuple[float, float] = REGION
+) -> dict[str, float]:
+    """Return (8a) and (8b) of an error (n,), from when to when (s) after an instant [s].
 
     The unit is that of the error.
     """
-    begin, end = (instant + edge for edge in REGION)
+    begin, end = (instant + edge for edge in region)
     half = 0.5 * (t[1] - t[0])
-    region = error[(t >= begin - half) & (t <= end + half)]
+    part = error[(t >= begin - half) & (t <= end + half)]
     return {
-        "E_max": float(np.abs(region).max()),
-        "E_rms": float(np.sqrt(np.mean(region**2))),
+        "E_max": float(np.abs(part).max()),
+        "E_rms": float(np.sqrt(np.mean(part**2))),
     }
 
 
@@ -147,6 +153,7 @@ def run_command(
     return Run(
         result.time,
         v_cmd,
+        result["drive.x_enc"],
         velocity,
         result["nominal.v_r"],
         result["drive.F_f"],
