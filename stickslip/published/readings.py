@@ -231,8 +231,11 @@ def threshold_reading(published: Published, threshold: float = PAPER_COST) -> di
     }
 
 
-def _shown(velocity: str) -> Velocity:
-    return lambda run: run.v[velocity]
+def _shown(name: str) -> Velocity:
+    def velocity(run: Run) -> Array:
+        return run.v[name]
+
+    return velocity
 
 
 def _encoder(T_s: float, cutoff: float | None) -> Velocity:
