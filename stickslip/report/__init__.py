@@ -13,6 +13,8 @@ from pathlib import Path
 
 from stickslip.report import (
     fig2,
+    fig3,
+    fig4,
     fig5,
     fig6,
     identification_friction,
@@ -28,6 +30,8 @@ __all__ = ["FIGURES", "FILES", "write_report"]
 
 FIGURES: dict[str, Drawing] = {
     "fig2_loops": fig2.draw,
+    "fig3_scheme": fig3.draw,
+    "fig4_flow": fig4.draw,
     "fig5_fitness": fig5.draw,
     "fig6_tracking": fig6.draw,
     "identification_inertia": identification_inertia.draw,

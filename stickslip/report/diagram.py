@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
 from stickslip.report.style import GREY, INK, LINE, PALE, SMALL
 
@@ -56,15 +56,19 @@ class Sheet:
         self.axes.set_ylim(0.0, height)
 
     def block(self, block: Block, label: str, note: str = "", fill: str = "white") -> Block:
-        """Draw a block with a label and, below it, a note in small print."""
+        """Draw a block with a label and, below it, a note of one line or more in small print."""
         corner = (block.left[0], block.bottom)
         self.axes.add_patch(
             Rectangle(corner, block.width, block.height, facecolor=fill, edgecolor=INK, lw=LINE)
         )
-        lift = 2.1 if note else 0.0
-        self.text((block.x, block.y + lift), label)
-        if note:
-            self.text((block.x, block.y - 2.7), note, small=True)
+        self._labelled(block, label, note)
+        return block
+
+    def decision(self, block: Block, label: str, note: str = "") -> Block:
+        """Draw a rhombus as wide and as high as a block, with a label and a note."""
+        corners = [(block.x, block.top), block.right, (block.x, block.bottom), block.left]
+        self.axes.add_patch(Polygon(corners, facecolor="white", edgecolor=INK, lw=LINE))
+        self._labelled(block, label, note)
         return block
 
     def group(self, corner: Point, width: float, height: float, label: str) -> None:
@@ -101,6 +105,13 @@ class Sheet:
                 joinstyle="miter",
             )
         )
+
+    def _labelled(self, block: Block, label: str, note: str) -> None:
+        further = note.count("\n")
+        lift = 2.1 + 1.7 * further if note else 0.0
+        self.text((block.x, block.y + lift), label)
+        if note:
+            self.text((block.x, block.y - 2.7 + 0.1 * further), note, small=True)
 
     def text(self, at: Point, said: str, *, small: bool = False, align: str = "center") -> None:
         """Write a text with its middle (or its left end) at a point."""

@@ -34,6 +34,7 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
     return element(
         "section",
         element("h2", "Learning"),
+        _scheme(pictures),
         _course(reproduction),
         figure(
             pictures["fig5_fitness"],
@@ -55,6 +56,29 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
         _table2(reproduction),
         _remarks(reproduction),
     )
+
+
+def _scheme(pictures: Mapping[str, Picture]) -> Html:
+    scheme = figure(
+        pictures["fig3_scheme"],
+        "Block diagram: the genetic algorithm sets the compensator’s parameters so that the drive’s "
+        "velocity is that of the nominal loop",
+        join(
+            [
+                "Fig. 3. The learning scheme. The drive runs once for each candidate; its velocity ",
+                symbol("v"),
+                " is compared with ",
+                symbol("v", "r"),
+                " of the nominal loop, which has no friction.",
+            ]
+        ),
+    )
+    flow = figure(
+        pictures["fig4_flow"],
+        "Flow chart of the four steps of the learning",
+        "Fig. 4. The steps of the learning, with the settings of this run.",
+    )
+    return join([scheme, flow], "\n")
 
 
 def _course(reproduction: Reproduction) -> Html:

@@ -1,6 +1,7 @@
 """The report: its files, its page, and that both show what was computed."""
 
 import base64
+import itertools
 import re
 from concurrent.futures import ThreadPoolExecutor
 from html.parser import HTMLParser
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import cosim
 import ga
@@ -23,6 +25,7 @@ from stickslip.report.page import page as render_page
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import number, percent, with_error
 from stickslip.report.shown import parameter_estimate, parameter_value
+from stickslip.report.style import house_style
 from stickslip.reproduction import Options, Reproduction, drive_truth
 from stickslip.rig import Log
 from stickslip.setup import LOOP, VALIDATION, Datasheet
@@ -286,9 +289,60 @@ def test_page_of_every_outcome_is_well_formed(preset, accepted):
     assert f"preset “{preset}”" in outline.text
 
 
-def test_fig_2_shows_what_feeds_the_compensator():
-    drawn = {Picture.of(FIGURES["fig2_loops"], made(feed=feed)).svg for feed in FEEDS}
+@pytest.mark.parametrize("name", ["fig2_loops", "fig3_scheme"])
+def test_the_loops_show_what_drives_the_compensator(name):
+    drawn = {Picture.of(FIGURES[name], made(feed=feed)).svg for feed in FEEDS}
     assert len(drawn) == len(FEEDS)
+
+
+def words_of(name, reproduction):
+    """Return the texts of a figure."""
+    with house_style():
+        figure = FIGURES[name](reproduction)
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
+
+
+def test_fig_3_is_the_learning_scheme_of_the_paper():
+    said = " ".join(words_of("fig3_scheme", made()))
+    for part in ("Nominal velocity loop", "Friction compensator", "Velocity loop", "Genetic"):
+        assert part in said
+    for symbol in (
+        "v_{cmd}",
+        "v_r",
+        "v - v_r",
+        "F_{ff}",
+        "F_s",
+        "F_c",
+        "v_s",
+        "sigma_0",
+        "sigma_1",
+    ):
+        assert symbol in said
+
+
+def test_fig_4_has_the_numbers_of_the_run():
+    settings = ga.Settings(population=14, generations=23, elite_rate=0.5, threshold=2e-3)
+    run = made()
+    run.algorithm.settings = settings
+    run.algorithm.limits = ga.Limits(generations=23, target=2e-3)
+    said = "\n".join(words_of("fig4_flow", run))
+    assert re.findall(r"Step (\d)\.", said) == ["1", "2", "3", "4"]
+    for number_ in ("23 generations done", "ε = 0.002", "elite of 7 in 14", "7 new candidates"):
+        assert number_ in said
+    assert "not set" in "\n".join(words_of("fig4_flow", made("paper")))
+
+
+@pytest.mark.parametrize("name", ["fig3_scheme", "fig4_flow"])
+@pytest.mark.parametrize("preset", ga.ALGORITHMS)
+def test_no_text_of_a_drawing_leaves_its_sheet_or_meets_another(name, preset):
+    with house_style():
+        figure = FIGURES[name](made(preset))
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        boxes = [t.get_window_extent(renderer) for axes in figure.axes for t in axes.texts]
+    assert all(figure.bbox.x0 <= b.x0 and b.x1 <= figure.bbox.x1 for b in boxes)
+    assert all(figure.bbox.y0 <= b.y0 and b.y1 <= figure.bbox.y1 for b in boxes)
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.overlaps(other)
 
 
 @pytest.mark.parametrize(

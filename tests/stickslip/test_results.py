@@ -18,7 +18,7 @@ FILES = {
     *("compensator.fmu", "loop.ssp"),
     *(
         f"{name}.{ending}"
-        for name in ("fig2_loops", "fig5_fitness", "fig6_tracking")
+        for name in ("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking")
         for ending in ("png", "svg")
     ),
 }
