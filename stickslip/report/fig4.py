@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from matplotlib.figure import Figure
 
 import ga
@@ -41,7 +43,7 @@ def draw(reproduction: Reproduction) -> Figure:
 
     for upper, lower in ((first, fitness), (fitness, ended), (ended, learned)):
         sheet.arrow((upper.x, upper.bottom), (lower.x, lower.top))
-    for lower, upper in zip(blocks, blocks[1:], strict=False):
+    for lower, upper in pairwise(blocks):
         sheet.arrow((lower.x, lower.top), (upper.x, upper.bottom))
     turn = 94.0
     sheet.arrow(ended.right, (turn, ended.y), (turn, blocks[0].y), blocks[0].left)

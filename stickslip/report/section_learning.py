@@ -61,11 +61,12 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
 def _scheme(pictures: Mapping[str, Picture]) -> Html:
     scheme = figure(
         pictures["fig3_scheme"],
-        "Block diagram: the genetic algorithm sets the compensator’s parameters so that the drive’s "
-        "velocity is that of the nominal loop",
+        "Block diagram: the genetic algorithm sets the compensator’s parameters so that the "
+        "drive’s velocity is that of the nominal loop",
         join(
             [
-                "Fig. 3. The learning scheme. The drive runs once for each candidate; its velocity ",
+                "Fig. 3. The learning scheme. The drive runs once for each candidate; its "
+                "velocity ",
                 symbol("v"),
                 " is compared with ",
                 symbol("v", "r"),

@@ -81,7 +81,8 @@ def validation(left=0.6e-3):
     def run(size):
         lost = size * np.sin(40.0 * t) ** 2
         v = {"measured": v_cmd - lost, "true": v_cmd - 1.1 * lost}
-        return Run(t, v_cmd, v, v_cmd, np.zeros_like(t), np.zeros_like(t))
+        zero = np.zeros_like(t)
+        return Run(t, v_cmd, zero, v, v_cmd, zero, zero)
 
     return Validation(run(1.2e-3), run(left), {"start": 0.1, "reverse": 2.05})
 
