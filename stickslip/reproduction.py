@@ -37,12 +37,14 @@ class Options:
     truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
     preset : how to learn, a name in ``ga.ALGORITHMS``
     feed : what drives the compensator
+    published_seeds : how many seeds learn as published
     """
 
     truth: Mapping[str, float] = field(default_factory=dict)
     seed: int = 0
     preset: str = "default"
     feed: Feed = "nominal"
+    published_seeds: int = 20
 
     @property
     def refined(self) -> bool:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from stickslip.commands.assignments import add_set_option, drive_changes
@@ -16,24 +18,35 @@ from stickslip.commands.execution import (
 )
 from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
+from stickslip.commands.published import print_published
 from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
 from stickslip.execution import Execution
-from stickslip.loop import FEEDS
+from stickslip.identification import identify
+from stickslip.loop import FEEDS, build_fmus
+from stickslip.published import study_as_published
+from stickslip.published_results import FILES as PUBLISHED_FILES
+from stickslip.published_results import write_published_results
 from stickslip.record_mode import reproduce_from_recording
 from stickslip.record_results import FILES as RECORD_FILES
 from stickslip.record_results import write_record_results
 from stickslip.reproduction import Options, drive_truth, reproduce
 from stickslip.result_folder import reserved
 from stickslip.results import FILES, write_results
+from stickslip.rig import Rig
+from stickslip.setup import LOOP, Datasheet
 from stickslip.studies import with_studies
-from stickslip.validation import Validation
 from toolchain import temporary_folder
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, default=Path("results/paper"), metavar="DIR")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="results/paper by default, with --as-published results/as_published",
+    )
     parser.add_argument(
         "--mode",
         choices=["drive", "record"],
@@ -42,6 +55,20 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "from one recording of 20 s",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the algorithm")
+    parser.add_argument(
+        "--as-published",
+        action="store_true",
+        help="only the paper's learning as published, from coarse starts over several seeds, and "
+        "under other readings of what the paper leaves open",
+    )
+    parser.add_argument(
+        "--seeds",
+        type=int,
+        default=20,
+        dest="published_seeds",
+        metavar="N",
+        help="how many seeds learn as published, 20 by default",
+    )
     add_algorithm_option(parser, "--preset")
     add_execution_options(parser)
     parser.add_argument(
@@ -54,51 +81,104 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
+Show = Callable[[], None]
+"""Prints what was computed."""
+
+
 def _drive(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
-) -> Validation:
+) -> Show:
     reproduction = reproduce(options, fmus, progress, execution)
     reproduction = with_studies(reproduction, fmus, progress, execution)
     progress.stage("writing the report")
     write_results(reproduction, out)
-    return reproduction.validation
+    return partial(print_table4, reproduction.validation.table())
 
 
 def _record(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
-) -> Validation:
+) -> Show:
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
     print_estimation(reproduction.estimation)
     print()
     progress.stage("writing the report")
     write_record_results(reproduction, out)
-    return reproduction.validation
+    return partial(print_table4, reproduction.validation.table())
 
 
-MODES = {"drive": (_drive, FILES), "record": (_record, RECORD_FILES)}
-"""By name: what computes and writes, and the names of the files."""
+def _published(
+    options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
+) -> Show:
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    study = study_as_published(
+        rig,
+        identification,
+        range(options.seed, options.seed + options.published_seeds),
+        reading_seeds=max(1, options.published_seeds // 4),
+        feed=options.feed,
+        workers=execution.workers,
+        on_stage=progress.stage,
+    )
+    progress.stage("writing the report")
+    write_published_results(study, options, drive_truth(options.truth), out)
+    return partial(print_published, study.published)
+
+
+MODES = {
+    "drive": (_drive, FILES, "results/paper"),
+    "record": (_record, RECORD_FILES, "results/paper"),
+    "published": (_published, PUBLISHED_FILES, "results/as_published"),
+}
+"""By name: what computes and writes, the names of the files, and the folder by default."""
 
 
 def run(options: argparse.Namespace) -> None:
     """Reproduce, write the results and print the main figures."""
     if options.seed < 0:
         raise UsageError(f"--seed must be at least 0, got {options.seed}")
+    if options.published_seeds < 1:
+        raise UsageError(f"--seeds must be at least 1, got {options.published_seeds}")
+    mode = "published" if options.as_published else options.mode
+    if options.as_published:
+        _refuse(options)
     chosen = Options(
         truth=drive_changes(options.set),
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
+        published_seeds=options.published_seeds,
     )
     drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
-    compute, files = MODES[options.mode]
+    compute, files, usual = MODES[mode]
+    out = options.out or Path(usual)
     with (
-        reserved(options.out, files),
+        reserved(out, files),
         temporary_folder() as fmus,
         TerminalProgress(sys.stderr) as progress,
     ):
-        execution = execution_of(options, options.out / "learning.checkpoint.json")
+        execution = execution_of(options, out / "learning.checkpoint.json")
         with keeping(execution, options):
-            validation = compute(chosen, fmus, progress, execution, options.out)
+            show = compute(chosen, fmus, progress, execution, out)
             forget(execution, options)
-    print_table4(validation.table())
-    print(f"all results in {options.out}; begin with report.html")
+    show()
+    print(f"all results in {out}; begin with report.html")
+
+
+def _refuse(options: argparse.Namespace) -> None:
+    """Refuse options that have no meaning for ``--as-published``."""
+    chosen = {
+        "--mode record": options.mode != "drive",
+        f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
+        "--resume": options.resume,
+        "--checkpoint": options.checkpoint is not None,
+        "--pool or --cluster": options.where != "threads",
+    }
+    for option, given in chosen.items():
+        if given:
+            raise UsageError(
+                f"--as-published learns with the paper's algorithm in threads of this process and "
+                f"without a checkpoint; leave out {option}"
+            )

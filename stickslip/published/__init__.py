@@ -1,13 +1,11 @@
-"""The paper's learning as published: coarse starts, Table 3, several seeds, and no later step."""
+"""The paper's learning as published: coarse starts, Table 3, several seeds, and no later step.
 
-from stickslip.published.readings import READINGS, LearningReading, evaluation_readings
-from stickslip.published.study import Published, SeedRun, learn_as_published
+    study = study_as_published(rig, identification, seeds=range(20), reading_seeds=5, workers=2)
 
-__all__ = [
-    "READINGS",
-    "LearningReading",
-    "Published",
-    "SeedRun",
-    "evaluation_readings",
-    "learn_as_published",
-]
+``study.py`` learns, ``readings.py`` knows what the paper leaves open, ``whole.py`` does both.
+"""
+
+from stickslip.published.study import Published, learn_as_published
+from stickslip.published.whole import WholeStudy, study_as_published
+
+__all__ = ["Published", "WholeStudy", "learn_as_published", "study_as_published"]

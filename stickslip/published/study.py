@@ -146,7 +146,6 @@ def learn_as_published(
     seeds: Sequence[int],
     method: Method | None = None,
     workers: int = 1,
-    on_seed: Callable[[int], object] = lambda _: None,
 ) -> Published:
     """Learn from the coarse start of each seed; the result does not depend on ``workers``.
 
@@ -154,7 +153,6 @@ def learn_as_published(
     ----------
     identified : what the three experiments found, SI units
     workers : seeds side by side
-    on_seed : called with the number of seeds that are done
     """
     method = method or Method()
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
@@ -163,7 +161,6 @@ def learn_as_published(
     criterion = VelocityCost(rig.T_s, method.cutoff)
     own = {"delta": method.delta}
     cancelled = threading.Event()
-    done = 0
 
     def still_wanted(_: ga.Optimiser) -> None:
         if cancelled.is_set():
@@ -175,7 +172,6 @@ def learn_as_published(
     with rig.judge(v_cmd, loop, criterion, method.feed, own) as cost, Threads(workers) as threads:
 
         def learn(seed: int) -> SeedRun:
-            nonlocal done
             start = coarsened(identified, draw_factors(seed, method.width))
             algorithm = ga.GeneticAlgorithm(genes(start), method.settings, seed, method.repair)
             once = _Once(cost)
@@ -183,8 +179,6 @@ def learn_as_published(
             values = {name: start[name].value for name in LUGRE}
             learned = parameters(algorithm.best.values)
             runs = validated(values), validated(learned)
-            done += 1
-            on_seed(done)
             return SeedRun(seed, values, learned, algorithm, len(once.costs), *runs)
 
         try:

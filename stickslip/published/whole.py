@@ -1,0 +1,78 @@
+"""The whole study of the paper's learning: all seeds as published, and under other readings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import pandas as pd
+
+from stickslip.identification import Identification
+from stickslip.loop import Feed
+from stickslip.published.readings import (
+    READINGS,
+    evaluation_readings,
+    learning_row,
+    threshold_reading,
+)
+from stickslip.published.study import Method, Published, learn_as_published
+from stickslip.rig import Rig
+
+
+@dataclass(frozen=True)
+class WholeStudy:
+    """What came out.
+
+    Attributes
+    ----------
+    published : our reading, all seeds
+    readings : a row for each other reading that learns in another way, see ``learning_row``
+    """
+
+    published: Published
+    readings: pd.DataFrame
+
+    @property
+    def evaluations(self) -> pd.DataFrame:
+        """The readings that evaluate the same runs in another way, see ``evaluation_readings``."""
+        return evaluation_readings(self.published)
+
+    @property
+    def threshold(self) -> dict[str, float]:
+        """What a threshold in Step 3 changes, see ``threshold_reading``."""
+        return threshold_reading(self.published)
+
+
+def study_as_published(
+    rig: Rig,
+    identification: Identification,
+    seeds: Sequence[int],
+    *,
+    reading_seeds: int,
+    feed: Feed = "nominal",
+    workers: int = 1,
+    on_stage: Callable[[str], object] = lambda _: None,
+) -> WholeStudy:
+    """Learn as published from coarse starts, and again under each other reading.
+
+    Parameters
+    ----------
+    seeds : of our reading
+    reading_seeds : how many of them, the first, learn under each other reading
+    feed : what drives the compensator
+    """
+
+    def learned(method: Method, chosen: Sequence[int], said: str) -> Published:
+        on_stage(f"learning as published, {len(chosen)} seeds{said}")
+        loop, found = identification.loop, identification.estimates
+        return learn_as_published(rig, loop, found, chosen, method, workers)
+
+    ours = learned(Method(feed=feed), seeds, "")
+    rows = []
+    for reading in READINGS if reading_seeds else ():
+        method = reading.method
+        if method.feed == Method.feed:
+            method = replace(method, feed=feed)
+        other = learned(method, seeds[:reading_seeds], f"; {reading.place}: {reading.other}")
+        rows.append(learning_row(reading, ours, other))
+    return WholeStudy(ours, pd.DataFrame(rows))
