@@ -102,6 +102,49 @@ def record_drive(rig: Rig) -> tuple[Recording, VelocityLoop]:
     return recording, loop
 
 
+@dataclass(frozen=True)
+class Learned:
+    """What one recording of a drive gives.
+
+    Attributes
+    ----------
+    recording_loop : in which the drive was recorded
+    plain : the paper's loop, designed on what was learned
+    loop : the same with velocity filter and feedforward of inertia
+    """
+
+    recording: Recording
+    recording_loop: VelocityLoop
+    estimation: Estimation
+    plain: VelocityLoop
+    loop: VelocityLoop
+
+
+def learn_from_recording(
+    rig: Rig, options: Options, progress: Progress, execution: Execution | None = None
+) -> Learned:
+    """Record a drive once, learn from the recording and design the loops.
+
+    Raises
+    ------
+    stickslip.errors.IdentificationError, cosim.control.ControlError
+        When the drive does not show what is looked for, or its loop cannot be designed.
+    """
+    progress.stage("recording the drive")
+    recording, recording_loop = record_drive(rig)
+    with candidate_fmus() as candidates:
+        how = Search(options.preset, execution=execution or Execution())
+        gains = gains_of(recording_loop)
+        task = Task(candidates, recording, gains, search=how, seed=options.seed)
+        estimation = learn(task, progress.stage, progress.generation)
+    known = estimation.known
+    axis = rig.datasheet.axis(known["m"].value, max(known["b"].value, 0.0))
+    plain = design_velocity_loop(axis, LOOP)
+    F_c = estimation.compensator["F_c"]
+    loop = with_inertia(with_velocity_filter(plain, rig.datasheet, F_c))
+    return Learned(recording, recording_loop, estimation, plain, loop)
+
+
 def reproduce_from_recording(
     options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
 ) -> RecordReproduction:
@@ -117,28 +160,18 @@ def reproduce_from_recording(
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
-    progress.stage("recording the drive")
-    recording, recording_loop = record_drive(rig)
-    with candidate_fmus() as candidates:
-        how = Search(options.preset, execution=execution or Execution())
-        gains = gains_of(recording_loop)
-        task = Task(candidates, recording, gains, search=how, seed=options.seed)
-        estimation = learn(task, progress.stage, progress.generation)
+    learned = learn_from_recording(rig, options, progress, execution)
     progress.stage("validating")
-    compensator, known = estimation.compensator, estimation.known
-    axis = rig.datasheet.axis(known["m"].value, max(known["b"].value, 0.0))
-    plain = design_velocity_loop(axis, LOOP)
-    loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
-    validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain)
+    compensator, plain, loop = learned.estimation.compensator, learned.plain, learned.loop
     return RecordReproduction(
         options,
         truth,
-        recording_loop,
-        check_recording(recording),
-        estimation,
+        learned.recording_loop,
+        check_recording(learned.recording),
+        learned.estimation,
         plain,
         loop,
-        validation,
+        validate(rig, loop, compensator, VALIDATION, options.feed, plain),
         attribute(rig, plain, compensator, VALIDATION, options.feed),
         paper_loop(fmus, loop, compensator, options.feed),
     )
