@@ -20,6 +20,7 @@ from stickslip.learned_loop import (
 )
 from stickslip.parameters import LUGRE, UNITS, at_share, unit_of
 from stickslip.reproduction import Reproduction
+from stickslip.second_opinion import SecondOpinion
 from stickslip.setup import VALIDATION, Datasheet
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
@@ -39,6 +40,8 @@ def learned_document(reproduction: Reproduction) -> dict[str, Any]:
         },
         "cost": {"value": learned.cost, "unit": "m2/s2"},
         "best_cost_of_generations": {"value": reproduction.algorithm.best.cost, "unit": "m2/s2"},
+        "cost_of_identified": {"value": reproduction.cost_of_identified, "unit": "m2/s2"},
+        "cost_without_compensation": {"value": reproduction.cost_without, "unit": "m2/s2"},
         "evaluations": reproduction.algorithm.evaluations,
         "further_runs": learned.runs,
         "seed": options.seed,
@@ -46,7 +49,26 @@ def learned_document(reproduction: Reproduction) -> dict[str, Any]:
         "feed": options.feed,
         "loop": loop_document(reproduction.identification.loop),
         "validation": validation_document(VALIDATION),
+        "second_opinion": _opinion_document(reproduction.opinion),
         "versions": versions(),
+    }
+
+
+def _opinion_document(opinion: SecondOpinion | None) -> dict[str, Any] | None:
+    """Return what another tool computed of the same compensator, None where it was not asked."""
+    if opinion is None:
+        return None
+    return {
+        "tool": opinion.tool,
+        "output": "F_mean",
+        "runs": {
+            name: {
+                "samples": comparison.samples,
+                "different": comparison.different,
+                "largest_difference": {"value": comparison.largest, "unit": "N"},
+            }
+            for name, comparison in opinion.comparisons.items()
+        },
     }
 
 

@@ -84,6 +84,13 @@ class Study:
         judge = VelocityCost(self.rig.T_s)
         return self.rig.judge(self.v_cmd, self.loop, judge, self.feed)
 
+    def cost_without(self) -> float:
+        """Return the cost of the training run without compensation [m^2/s^2]."""
+        judge = VelocityCost(self.rig.T_s)
+        any_values = np.array([self.start[name].value for name in LUGRE])
+        with self.rig.judge(self.v_cmd, self.loop, judge, self.feed, compensated=False) as cost:
+            return cost(any_values)
+
 
 def learn(
     study: Study,

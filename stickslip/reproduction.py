@@ -23,6 +23,7 @@ from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
 from stickslip.refinement import Refinement, refine
 from stickslip.rig import Rig
+from stickslip.second_opinion import SecondOpinion
 from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
 from stickslip.tables import table2
 from stickslip.validation import Validation, validate
@@ -70,7 +71,9 @@ class Reproduction:
     ----------
     truth : every parameter of the drive FMU
     system : the loop of Fig. 2a with the learned compensator
+    cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
+    opinion : what FMPy makes of the compensator, once its FMU is written
     """
 
     options: Options
@@ -80,7 +83,14 @@ class Reproduction:
     learned: Refinement
     validation: Validation
     system: cosim.System
+    cost_without: float
     extras: Extras | None = None
+    opinion: SecondOpinion | None = None
+
+    @property
+    def cost_of_identified(self) -> float:
+        """Cost of the training run with the parameters that learning began with [m^2/s^2]."""
+        return float(self.algorithm.history["cost"].iloc[0])
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
@@ -132,4 +142,13 @@ def reproduce(
     loop = identification.loop
     validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
     system = paper_loop(fmus, loop, learned.values, options.feed)
-    return Reproduction(options, truth, identification, algorithm, learned, validation, system)
+    return Reproduction(
+        options,
+        truth,
+        identification,
+        algorithm,
+        learned,
+        validation,
+        system,
+        study.cost_without(),
+    )

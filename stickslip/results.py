@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,8 @@ from stickslip.report import FILES as REPORT
 from stickslip.report import write_report
 from stickslip.reproduction import Options, Reproduction
 from stickslip.result_folder import staged
-from stickslip.setup import VALIDATION
+from stickslip.second_opinion import SecondOpinion, second_opinion
+from stickslip.setup import TRAINING, VALIDATION
 from toolchain import write_whole
 
 FILES = (
@@ -45,10 +47,22 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             extras = reproduction.extras.validation.table()
             write_table(extras, desk / "table4_all_extras.csv")
         write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
+        fmu = models.build_fmu("compensator", desk, start=reproduction.learned.values)
+        reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(learned_document(reproduction), desk / "learned.json")
-        models.build_fmu("compensator", desk, start=reproduction.learned.values)
         write_loop(reproduction.system, reproduction.identification.loop, desk / "loop.ssp")
         write_report(reproduction, desk)
+
+
+def opinion_of(reproduction: Reproduction, fmu: Path) -> SecondOpinion:
+    """Return what FMPy makes of the compensator over the training and the validation command."""
+    loop = reproduction.identification.loop
+    t = np.arange(round(TRAINING.duration / loop.T_s) + 1) * loop.T_s
+    commands = {
+        "training": TRAINING.sample(np.asarray(t)),
+        "validation": reproduction.validation.compensated.v_cmd,
+    }
+    return second_opinion(fmu, reproduction.system, loop, commands)
 
 
 def command_of(options: Options, **more: object) -> dict[str, object]:

@@ -8,18 +8,22 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ga
-from stickslip.report.style import COLUMN, GREY, INK, THICK, WITH, WITHOUT, new_figure
+from stickslip.report.style import COLUMN, GREY, INK, LINE, SMALL, THICK, WITH, WITHOUT, new_figure
 from stickslip.reproduction import Reproduction
 
 
 def draw(reproduction: Reproduction) -> Figure:
-    """Draw best and mean cost, with the identified and the final parameters marked."""
+    """Draw best and mean cost, and those without compensation, identified and in the end."""
     final = reproduction.learned.cost, _final(reproduction)
-    return draw_course(reproduction.algorithm, r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]", final)
+    without = reproduction.cost_without
+    return draw_course(reproduction.algorithm, r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]", final, without)
 
 
 def draw_course(
-    algorithm: ga.Optimiser, cost: str, final: tuple[float, str] | None = None
+    algorithm: ga.Optimiser,
+    cost: str,
+    final: tuple[float, str] | None = None,
+    without: float | None = None,
 ) -> Figure:
     """Draw best and mean cost of an algorithm.
 
@@ -27,6 +31,7 @@ def draw_course(
     ----------
     cost : what it is, with its unit
     final : a cost after the last generation, and what it is of
+    without : cost without compensation
     """
     line = algorithm.convergence()
     generation = line["generation"].to_numpy(dtype=float)
@@ -48,6 +53,18 @@ def draw_course(
     axes.plot(generation[0], identified, "o", mfc="white", label="identified parameters", **marks)
     if final is not None:
         axes.plot(generation[-1], final[0], "D", mfc=GREY, label=final[1], **marks)
+    if without is not None:
+        axes.axhline(without, color=GREY, lw=LINE)
+        axes.annotate(
+            f"without compensation: {without:.2g}",
+            (1.0, without),
+            (-2.0, -3.0),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            fontsize=SMALL,
+        )
     axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
     axes.set_xlabel("Generation [1]")
     axes.set_ylabel(f"Cost {cost}")

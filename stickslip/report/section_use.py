@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stickslip.report.fmu_table import fmu
 from stickslip.report.markup import Html, element, join, paragraph
 from stickslip.report.picture import Picture
 from stickslip.report.versions import made_with
@@ -19,6 +20,8 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         "learned.json": "the learned parameters with units, cost, seed and versions",
         "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
     }
+    if reproduction.extras and reproduction.extras.validation:
+        files["table4_all_extras.csv"] = "Table 4 of the drive with all extras on"
     items = [element("li", element("code", name), ": ", what) for name, what in files.items()]
     commands = "\n".join(
         (
@@ -34,5 +37,6 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         element("ul", join(items, "\n")),
         paragraph("Run the loop, run it with another parameter, and check the FMU:"),
         element("pre", element("code", commands)),
+        *((fmu(reproduction.opinion),) if reproduction.opinion else ()),
         made_with(),
     )

@@ -28,6 +28,7 @@ from stickslip.report.shown import parameter_estimate, parameter_value
 from stickslip.report.style import house_style
 from stickslip.reproduction import Options, Reproduction, drive_truth
 from stickslip.rig import Log
+from stickslip.second_opinion import Comparison, FmuVariable, SecondOpinion
 from stickslip.setup import LOOP, VALIDATION, Datasheet
 from stickslip.validation import Run, Validation
 
@@ -87,7 +88,9 @@ def validation(left=0.6e-3):
     return Validation(run(1.2e-3), run(left), {"start": 0.1, "reverse": 2.05})
 
 
-def made(preset="default", feed="nominal", *, accepted=True, extras=None, truth=CHANGED):
+def made(
+    preset="default", feed="nominal", *, accepted=True, extras=None, truth=CHANGED, opinion=None
+):
     learned = Refinement(
         {name: estimate(name, 0.002) for name in LUGRE},
         dict.fromkeys(LUGRE, 0.05),
@@ -104,7 +107,9 @@ def made(preset="default", feed="nominal", *, accepted=True, extras=None, truth=
         learned,
         validation(),
         cosim.System("loop"),
+        0.0221,
         extras,
+        opinion,
     )
 
 
@@ -267,6 +272,29 @@ def test_all_extras_on_are_rows_of_the_headline():
     assert len(re.findall(r"\|all extras on \d+\.\d %\|", cells)) == 4
     assert "all extras on" not in rendered(made())
     assert "could not be learned: it sticks." in rendered(made(extras=Extras(None, "it sticks")))
+
+
+def test_page_shows_what_training_costs_without_compensation(reproduction):
+    cells = rendered(reproduction)
+    rms = number(1e3 * np.sqrt(0.0221 / 20001), 3)
+    assert f"|without compensation|0.0221|{rms}|100.00 %|" in cells
+    assert f"|identified parameters|{number(reproduction.cost_of_identified, 3)}|" in cells
+    assert "without compensation: 0.022" in words_of("fig5_fitness", reproduction)
+
+
+@pytest.mark.parametrize(
+    ("different", "largest", "said"),
+    [(0, 0.0, "All 101 samples"), (7, 2e-3, "7 of 101 samples of its force differ")],
+)
+def test_page_shows_what_fmpy_makes_of_the_compensator(different, largest, said):
+    variable = FmuVariable("F_c", "parameter", "N", "5.5", "Coulomb friction")
+    runs = {"training": Comparison(101, different, largest)}
+    opinion = SecondOpinion("FMPy 1.2", {"FMI version": "2.0"}, (variable,), runs)
+    cells = rendered(made(opinion=opinion))
+    assert said in cells
+    assert f"|training|101|{different}|{number(largest, 3)}|" in cells
+    assert "|F_c|parameter|5.5|N|Coulomb friction|" in cells
+    assert "|FMI version|2.0|" in cells
 
 
 def test_page_tells_the_options(outline):

@@ -7,11 +7,15 @@ import fmpy
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 import cosim
 from stickslip.cli import main
 from stickslip.default_input import packed_input
 from stickslip.parameters import LUGRE
+from stickslip.rig import Rig
+from stickslip.setup import TRAINING, Datasheet
+from stickslip.validation import run_command
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),
@@ -53,6 +57,32 @@ def test_the_compensator_starts_with_what_was_learned(results):
     description = fmpy.read_model_description(results / "compensator.fmu")
     start = {v.name: float(v.start) for v in description.modelVariables if v.name in LUGRE}
     assert start == {name: learned[name]["value"] for name in LUGRE}
+
+
+def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results):
+    opinion = json.loads((results / "learned.json").read_text())["second_opinion"]
+    assert opinion["runs"].keys() == {"training", "validation"}
+    assert opinion["runs"]["training"]["samples"] == 20001
+    for run in opinion["runs"].values():
+        assert run["different"] == 0
+        assert run["largest_difference"] == {"value": 0.0, "unit": "N"}
+
+
+def test_the_cost_without_compensation_is_that_of_the_training_run(results, reproduction):
+    """By an independent sum over a run without compensator."""
+    loop = reproduction.identification.loop
+    rig = Rig(reproduction.system.components["drive"].path.parent, Datasheet(), loop.T_s)
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    run = run_command(rig, loop, None, v_cmd)
+    gap = sosfiltfilt(
+        butter(2, 117.0, fs=1.0 / loop.T_s, output="sos"),
+        np.gradient(run.x_enc, loop.T_s) - run.v_r,
+    )
+    learned = json.loads((results / "learned.json").read_text())
+    without = learned["cost_without_compensation"]
+    assert without["unit"] == "m2/s2"
+    assert without["value"] == pytest.approx(float(gap @ gap), rel=1e-9)
+    assert learned["cost_of_identified"]["value"] < 1e-2 * without["value"]
 
 
 def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_path, capsys):

@@ -1,0 +1,62 @@
+"""FMPy steps the compensator over what it met in the loop, and gets the same bits, or says so."""
+
+import fmpy
+import numpy as np
+import pytest
+
+import models
+from cosim.control import design_velocity_loop
+from stickslip.loop import FEEDS, build_fmus, paper_loop
+from stickslip.parameters import LUGRE, PAPER
+from stickslip.second_opinion import second_opinion
+from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
+
+T = np.arange(1401) * LOOP.T_s
+COMMANDS = {
+    "training": TRAINING.sample(T),
+    "trapezoid": VALIDATION.sample(T),
+    "not at rest": 0.02 + 0.01 * np.sin(40 * T),
+}
+TUNED = {name: 1.07 * PAPER[name] for name in LUGRE}
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    build_fmus(folder, {})
+    return folder
+
+
+def opinion(fmus, folder, own, feed="nominal", fmi=2):
+    """Return FMPy's opinion of a compensator with ``own`` start values, the loop having TUNED."""
+    loop = design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
+    fmu = models.build_fmu("compensator", folder, start=own, fmi=fmi)
+    return second_opinion(fmu, paper_loop(fmus, loop, TUNED, feed), loop, COMMANDS)
+
+
+@pytest.mark.parametrize("feed", FEEDS)
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_computes_the_same_bits(fmus, tmp_path, feed, fmi):
+    found = opinion(fmus, tmp_path, TUNED, feed, fmi)
+    assert found.tool == f"FMPy {fmpy.__version__}"
+    assert found.comparisons.keys() == COMMANDS.keys()
+    for comparison in found.comparisons.values():
+        assert (comparison.samples, comparison.different, comparison.largest) == (len(T), 0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["F_c", "sigma_0"])
+def test_another_parameter_in_the_last_digits_is_seen(fmus, tmp_path, name):
+    other = {**TUNED, name: TUNED[name] * (1 + 1e-12)}
+    for comparison in opinion(fmus, tmp_path, other).comparisons.values():
+        assert comparison.different > 100
+        assert 0.0 < comparison.largest < 1e-9
+
+
+def test_the_description_is_that_of_the_fmu(fmus, tmp_path):
+    found = opinion(fmus, tmp_path, TUNED)
+    assert found.description["name"] == "compensator"
+    assert found.description["FMI version"] == "2.0"
+    shown = {v.name: v for v in found.variables}
+    assert {name: float(shown[name].start) for name in LUGRE} == TUNED
+    assert (shown["F_mean"].causality, shown["F_mean"].unit) == ("output", "N")
+    assert shown["F_mean"].start == ""
