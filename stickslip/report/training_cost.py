@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 
+from stickslip.published.study import PAPER_COST
 from stickslip.report.markup import Html, element, join, paragraph, symbol, table
 from stickslip.report.quantity import number, percent
 from stickslip.reproduction import Reproduction
 from stickslip.setup import TRAINING
-
-PAPER_COST = 1.7e-3
-"""Where Fig. 5 of the paper ends, without a unit."""
 
 
 def training_cost(reproduction: Reproduction) -> Html:
