@@ -61,12 +61,13 @@ def identify(
     known = {
         "m": inertia.m.value,
         "b": max(friction.b.value, 0.0),
-        "F_s": friction.F_s.value,
-        "F_c": friction.F_c.value,
+        "F_s": friction.place * friction.F_s.value,
+        "F_c": friction.place * friction.F_c.value,
         "v_s": friction.v_s.value,
     }
     on_stage("presliding")
-    weaker = min(friction.breakaway) / (0.5 * sum(friction.breakaway))
-    presliding = measure_presliding(rig, known, weaker * min(known["F_s"], 1.2 * known["F_c"]))
+    mean = 0.5 * sum(friction.breakaway)
+    weaker = min(friction.breakaway) / mean
+    presliding = measure_presliding(rig, known, weaker * min(mean, 1.2 * known["F_c"]))
     loop = design_velocity_loop(rig.datasheet.axis(known["m"], known["b"]), specification)
     return Identification(inertia, friction, presliding, loop)

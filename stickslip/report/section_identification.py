@@ -49,9 +49,12 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
         figure(
             pictures["identification_friction"],
             "Friction force over velocity in both directions, with the fitted Stribeck curve",
-            "Stage 2. Mean force at constant velocities, with standard errors (mostly smaller than "
-            f"the marks), and the break-away force: {forward} N forward and {back} N back at a "
-            f"ramp of {number(friction.ramp_rate, 2)} N/s. A faster ramp breaks away later.",
+            "Stage 2. Mean force at constant velocities, forth and back over the same positions, "
+            "with standard errors (mostly smaller than the marks), and the break-away force: "
+            f"{forward} N forward and {back} N back at a ramp of {number(friction.ramp_rate, 2)} "
+            "N/s. A faster ramp breaks away later. Encoder steps make the velocity fluctuate by "
+            f"{number(1e3 * friction.fluctuation, 2)} mm/s, which lowers the mean force of the "
+            "slowest points; the curve is without it.",
         ),
         figure(
             pictures["identification_presliding"],

@@ -49,10 +49,12 @@ def identification():
         estimate("F_c"),
         estimate("F_s"),
         estimate("v_s"),
+        5e-5,
         velocity,
         6.1 * np.sign(velocity),
         np.full_like(velocity, 0.01),
         (8.9, 8.7),
+        1.0,
         1.5,
     )
     t = np.arange(0.0, 1.6, LOOP.T_s)
