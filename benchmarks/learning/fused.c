@@ -5,9 +5,7 @@
 #include <stddef.h>
 
 #include "friction/lugre.c"
-#define Jacobian MassJacobian
 #include "friction/sliding_mass.c"
-#undef Jacobian
 
 #define JOIN(a, b) a##_##b
 #define NAMED(a, b) JOIN(a, b)

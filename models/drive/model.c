@@ -1,5 +1,7 @@
 #include "model.h"
 
+#include <stddef.h>
+
 #include "friction/sliding_mass.h"
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
@@ -19,8 +21,6 @@ static double roughness(double x, double v, const void *context) {
 
 static double ripple(double x, const void *context) {
     const Parameters *p = context;
-    if (p->ripple == 0.0)
-        return 0.0;
     return p->ripple_amplitude * elementary_sin(TWO_PI * x / p->ripple_period);
 }
 
@@ -39,11 +39,11 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     SlidingMass mass = {
-        .m = p->m,
+        .per_m = 1.0 / p->m,
         .b = p->b,
         .contact = LUGRE_OF(p),
-        .ripple = ripple,
-        .roughness = roughness,
+        .ripple = p->ripple != 0.0 ? ripple : NULL,
+        .roughness = p->asymmetric != 0.0 || p->position_dependent != 0.0 ? roughness : NULL,
         .context = p,
     };
     Motion motion = {x->x, x->v, x->z};
@@ -53,8 +53,9 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
         /* F(t) = target + gap e^(-t / tau_i). A constant force for a part of the step and then the
          * target have the same impulse and move the mass as far. */
         const double gap = w->F_motor - target;
-        const double left = elementary_exp(-h / p->tau_i);
-        const double mean = elementary_phi(h / p->tau_i);
+        const double y = h / p->tau_i;
+        const double mean = elementary_phi(y);
+        const double left = 1.0 - y * mean; /* e^-y */
         lagging = 2.0 * p->tau_i * (1.0 - left / mean);
         mass.u = target + gap * mean * h / lagging;
         if (!sliding_mass_step(lagging, &motion, &mass, &w->dt))

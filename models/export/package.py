@@ -15,6 +15,7 @@ from models.export.documentation import index
 from models.export.headers import table_header
 from models.export.reference import cross_check, layered_standard
 from models.export.sources import (
+    COMPILER_OPTIONS,
     MODELS,
     FmiVersion,
     build_description,
@@ -150,7 +151,7 @@ def _binaries(
             name,
             files,
             platform=platform,
-            flags=["-Wno-unused-parameter"],
+            flags=["-Wno-unused-parameter", *COMPILER_OPTIONS.split()],
             standalone=True,
             exports=functions,
         )

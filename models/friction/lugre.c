@@ -1,12 +1,13 @@
 #include "friction/lugre.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "numerics/elementary.h"
 
 /* (|v| / v_s)^delta */
 static double stribeck_exponent(double v, const LuGre *p) {
-    const double ratio = (v < 0.0 ? -v : v) / p->v_s;
+    const double ratio = (v < 0.0 ? -v : v) * p->per_v_s;
     if (p->delta == 1.0)
         return ratio;
     if (p->delta == 2.0)
@@ -21,7 +22,9 @@ static double forgetting_rate(double v, const LuGre *p) {
 
 double lugre_g(double v, const LuGre *p, double *slope) {
     const double exponent = stribeck_exponent(v, p);
-    const double stribeck = (p->F_s - p->F_c) * elementary_exp(-exponent);
+    /* Beyond 40 g is F_c to the last bit: 9 e^-40 < 2^-54. */
+    const bool faded = exponent > 40.0 && p->F_s < 10.0 * p->F_c;
+    const double stribeck = faded ? 0.0 : (p->F_s - p->F_c) * elementary_exp(-exponent);
     if (slope != NULL)
         *slope = -stribeck * p->delta * exponent;
     return p->F_c + stribeck;

@@ -10,14 +10,15 @@
 typedef struct {
     double F_s;     /* [N]     stick force */
     double F_c;     /* [N]     Coulomb force */
-    double v_s;     /* [m/s]   Stribeck velocity */
+    double per_v_s; /* [s/m]   1 / v_s, the Stribeck velocity */
     double sigma_0; /* [N/m]   bristle stiffness */
     double sigma_1; /* [N s/m] bristle damping */
     double delta;   /* [1]     exponent of (4) */
 } LuGre;
 
 /* The contact of a model whose parameters carry these names. */
-#define LUGRE_OF(p) ((LuGre){(p)->F_s, (p)->F_c, (p)->v_s, (p)->sigma_0, (p)->sigma_1, (p)->delta})
+#define LUGRE_OF(p)                                                                                \
+    ((LuGre){(p)->F_s, (p)->F_c, 1.0 / (p)->v_s, (p)->sigma_0, (p)->sigma_1, (p)->delta})
 
 /* (4) [N]. If slope is not NULL it receives |v| dg/d|v| [N]. */
 double lugre_g(double v, const LuGre *p, double *slope);

@@ -1,8 +1,7 @@
 #include "friction/sliding_mass.h"
 
 #include <stddef.h>
-
-#include "numerics/elementary.h"
+#include <stdint.h>
 
 /* Local error allowed per sub-step, relative to the motion itself and absolute. */
 static const double RELATIVE = 1e-6;
@@ -17,54 +16,61 @@ typedef struct {
 } Rate;
 typedef struct {
     double vv, vz, zv, zz;
-} Jacobian;
+} Matrix;
 
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 static Rate rate(double v, double z, double u, double scale, const SlidingMass *s,
-                 Jacobian *jacobian) {
+                 Matrix *jacobian) {
     const LuGre *p = &s->contact;
     double slope;
     const double g = scale * lugre_g(v, p, &slope);
-    const double speed = absolute(v);
-    const double dz = v - p->sigma_0 * speed / g * z;
+    const double per_reach = p->sigma_0 / g; /* [1/m] */
+    const double forgetting = per_reach * absolute(v);
+    const double dz = v - forgetting * z;
     if (jacobian) {
         const double sign = v < 0.0 ? -1.0 : 1.0;
-        jacobian->zv = 1.0 - p->sigma_0 * z * sign * (g - scale * slope) / (g * g);
-        jacobian->zz = -p->sigma_0 * speed / g;
-        jacobian->vv = -(s->b + p->sigma_1 * jacobian->zv) / s->m;
-        jacobian->vz = -(p->sigma_0 + p->sigma_1 * jacobian->zz) / s->m;
+        jacobian->zv = 1.0 - per_reach * z * sign * (1.0 - scale * slope / g);
+        jacobian->zz = -forgetting;
+        jacobian->vv = -(s->b + p->sigma_1 * jacobian->zv) * s->per_m;
+        jacobian->vz = -(p->sigma_0 + p->sigma_1 * jacobian->zz) * s->per_m;
     }
-    return (Rate){(u - s->b * v - p->sigma_0 * z - p->sigma_1 * dz) / s->m, dz};
+    return (Rate){(u - s->b * v - p->sigma_0 * z - p->sigma_1 * dz) * s->per_m, dz};
 }
 
-/* One stage of the method: solve (2/h I - J) k = r; x follows v. */
-static Motion stage(double h, const Jacobian *J, double rx, double rv, double rz) {
-    const double a = 2.0 / h - J->vv, d = 2.0 / h - J->zz;
-    const double determinant = a * d - J->vz * J->zv;
+/* (c I - J)^-1 */
+static Matrix resolvent(double c, const Matrix *J) {
+    const double vv = c - J->vv, zz = c - J->zz;
+    const double scale = 1.0 / (vv * zz - J->vz * J->zv);
+    return (Matrix){zz * scale, J->vz * scale, J->zv * scale, vv * scale};
+}
+
+/* One stage of the method: solve (2/h I - J) k = r by the inverse W; x follows v. */
+static Motion stage(double h, const Matrix *W, double rx, double rv, double rz) {
     Motion k;
-    k.v = (rv * d + J->vz * rz) / determinant;
-    k.z = (a * rz + J->zv * rv) / determinant;
-    k.x = (rx + k.v) * h / 2.0;
+    k.v = W->vv * rv + W->vz * rz;
+    k.z = W->zv * rv + W->zz * rz;
+    k.x = (rx + k.v) * (0.5 * h);
     return k;
 }
 
 /* Trial step of Rodas3 from y; returns the scaled error of the embedded method. */
 static double try_step(double h, const Motion *y, double u, double scale, const SlidingMass *s,
                        Motion *next) {
-    Jacobian J;
+    const double c1 = 1.0 / h, c4 = 4.0 * c1, w = 8.0 / 3.0;
+    Matrix J;
     Rate f = rate(y->v, y->z, u, scale, s, &J);
-    const Motion a = stage(h, &J, y->v, f.dv, f.dz);
-    const Motion b = stage(h, &J, y->v + 4.0 / h * a.x, f.dv + 4.0 / h * a.v, f.dz + 4.0 / h * a.z);
+    const Matrix W = resolvent(2.0 * c1, &J);
+    const Motion a = stage(h, &W, y->v, f.dv, f.dz);
+    const Motion b = stage(h, &W, y->v + c4 * a.x, f.dv + c4 * a.v, f.dz + c4 * a.z);
     const double v3 = y->v + 2.0 * a.v, z3 = y->z + 2.0 * a.z;
     f = rate(v3, z3, u, scale, s, NULL);
     const Motion c =
-        stage(h, &J, v3 + (a.x - b.x) / h, f.dv + (a.v - b.v) / h, f.dz + (a.z - b.z) / h);
+        stage(h, &W, v3 + c1 * (a.x - b.x), f.dv + c1 * (a.v - b.v), f.dz + c1 * (a.z - b.z));
     const double v4 = v3 + c.v, z4 = z3 + c.z;
     f = rate(v4, z4, u, scale, s, NULL);
-    const double w = 8.0 / 3.0;
-    const Motion d = stage(h, &J, v4 + (a.x - b.x - w * c.x) / h, f.dv + (a.v - b.v - w * c.v) / h,
-                           f.dz + (a.z - b.z - w * c.z) / h);
+    const Motion d = stage(h, &W, v4 + c1 * (a.x - b.x - w * c.x),
+                           f.dv + c1 * (a.v - b.v - w * c.v), f.dz + c1 * (a.z - b.z - w * c.z));
     *next = (Motion){y->x + 2.0 * a.x + c.x + d.x, v4 + d.v, z4 + d.z};
     const double error_v = absolute(d.v) / (ABSOLUTE_V + RELATIVE * absolute(next->v));
     const double error_z = s->contact.sigma_0 * absolute(d.z) /
@@ -72,11 +78,21 @@ static double try_step(double h, const Motion *y, double u, double scale, const 
     return error_v > error_z ? error_v : error_z;
 }
 
-/* Factor on the sub-step that would bring the error to 0.5 of what is allowed. */
+/* Factor on the sub-step that would bring the error to 0.5 of what is allowed, within 0.3 %:
+ * 0.8 / error^(1/3). Minus a third of the bits of a number is close to this root, which one step of
+ * Newton's method improves. */
 static double step_factor(double error) {
     if (error < 0.004)
         return 5.0;
-    return error > 100.0 ? 0.15 : 0.8 * elementary_exp(elementary_log(error) / -3.0);
+    if (error > 100.0)
+        return 0.15;
+    union {
+        double value;
+        uint64_t bits;
+    } root = {error};
+    root.bits = 0x553EF0FF289DD796u - root.bits / 3;
+    const double r = root.value;
+    return 0.8 / 3.0 * r * (4.0 - error * r * r * r);
 }
 
 bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *dt) {

@@ -19,9 +19,9 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    double m; /* [kg]    mass */
-    double b; /* [N s/m] viscous friction */
-    double u; /* [N]     driving force */
+    double per_m; /* [1/kg]  1 / mass */
+    double b;     /* [N s/m] viscous friction */
+    double u;     /* [N]     driving force */
     LuGre contact;
     /* Further driving force [N] near position x; NULL: none. */
     double (*ripple)(double x, const void *context);

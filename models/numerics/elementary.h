@@ -46,22 +46,25 @@ static inline double elementary_exp(double x) {
     return exp_reduced(r) * power_of_two((int)n);
 }
 
-/* 1 - y/(n+1) + y^2/((n+1)(n+2)) - ..., for 0 <= y <= 0.5 */
-static inline double phi_series(double y, int n) {
-    double sum = 0.0;
-    for (int k = 14; k >= 1; k--)
-        sum = (1.0 + sum) * (-y / (double)(n + k));
-    return 1.0 + sum;
+/* 1/2! - y/3! + y^2/4! - ... to y^13 for 0 <= y <= 0.5, summed in pairs. */
+static inline double phi2_series(double y) {
+    const double y2 = y * y, y4 = y2 * y2, y8 = y4 * y4;
+    const double a = (1.0 / 2 - y * (1.0 / 6)) + y2 * (1.0 / 24 - y * (1.0 / 120));
+    const double b = (1.0 / 720 - y * (1.0 / 5040)) + y2 * (1.0 / 40320 - y * (1.0 / 362880));
+    const double c =
+        (1.0 / 3628800 - y * (1.0 / 39916800)) + y2 * (1.0 / 479001600 - y * (1.0 / 6227020800.0));
+    const double d = 1.0 / 87178291200.0 - y * (1.0 / 1307674368000.0);
+    return a + y4 * b + y8 * (c + y4 * d);
 }
 
 /* phi(y) = (1 - e^-y) / y for y >= 0, without cancellation near 0. */
 static inline double elementary_phi(double y) {
-    return y > 0.5 ? (1.0 - elementary_exp(-y)) / y : phi_series(y, 1);
+    return y > 0.5 ? (1.0 - elementary_exp(-y)) / y : 1.0 - y * phi2_series(y);
 }
 
 /* (1 - phi(y)) / y for y >= 0, likewise. */
 static inline double elementary_phi2(double y) {
-    return y > 0.5 ? (1.0 - elementary_phi(y)) / y : 0.5 * phi_series(y, 2);
+    return y > 0.5 ? (1.0 - elementary_phi(y)) / y : phi2_series(y);
 }
 
 /* ln(x) for normal x > 0: 2 artanh((m - 1) / (m + 1)) + e ln 2, with x = m 2^e. */

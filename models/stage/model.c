@@ -7,7 +7,7 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    const SlidingMass mass = {.m = p->m, .b = p->b, .u = u->u, .contact = LUGRE_OF(p)};
+    const SlidingMass mass = {.per_m = 1.0 / p->m, .b = p->b, .u = u->u, .contact = LUGRE_OF(p)};
     Motion motion = {x->x, x->v, x->z};
     if (!sliding_mass_step(h, &motion, &mass, &w->dt))
         return false;

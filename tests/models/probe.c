@@ -26,6 +26,7 @@ MAP(log, elementary_log)
 MAP(sin, elementary_sin)
 MAP(phi, elementary_phi)
 MAP(phi2, elementary_phi2)
+MAP(step_factor, step_factor)
 
 EXPORT void probe_noise(size_t n, double seed, int channel, double y[]);
 void probe_noise(size_t n, double seed, int channel, double y[]) {
@@ -37,7 +38,9 @@ EXPORT double probe_first_sample(double t, double T_s);
 double probe_first_sample(double t, double T_s) { return first_sample(t, T_s); }
 
 /* p: F_s, F_c, v_s, sigma_0, sigma_1, delta */
-static LuGre contact_of(const double p[6]) { return (LuGre){p[0], p[1], p[2], p[3], p[4], p[5]}; }
+static LuGre contact_of(const double p[6]) {
+    return (LuGre){p[0], p[1], 1.0 / p[2], p[3], p[4], p[5]};
+}
 
 EXPORT double probe_lugre(double h, double v, double *z, const double p[6]);
 double probe_lugre(double h, double v, double *z, const double p[6]) {
@@ -55,10 +58,10 @@ double probe_g(double v, const double p[6], double *slope) {
 static void derivative(const double y[3], double u, const SlidingMass *s, double dy[3]) {
     const LuGre *p = &s->contact;
     const double speed = fabs(y[1]);
-    const double g = p->F_c + (p->F_s - p->F_c) * exp(-pow(speed / p->v_s, p->delta));
+    const double g = p->F_c + (p->F_s - p->F_c) * exp(-pow(speed * p->per_v_s, p->delta));
     dy[0] = y[1];
     dy[2] = y[1] - p->sigma_0 * speed / g * y[2];
-    dy[1] = (u - s->b * y[1] - p->sigma_0 * y[2] - p->sigma_1 * dy[2]) / s->m;
+    dy[1] = (u - s->b * y[1] - p->sigma_0 * y[2] - p->sigma_1 * dy[2]) * s->per_m;
 }
 
 static void rk4(double h, double y[3], double u, const SlidingMass *s) {
@@ -84,7 +87,8 @@ void probe_run(int method, int pieces, double h, size_t n, const double u[], con
                const double p[6], const double start[3], double motion[][3]) {
     double y[3] = {start[0], start[1], start[2]}, dt = 0.0;
     for (size_t i = 0; i < n; i++) {
-        const SlidingMass s = {.m = mass[0], .b = mass[1], .u = u[i], .contact = contact_of(p)};
+        const SlidingMass s = {
+            .per_m = 1.0 / mass[0], .b = mass[1], .u = u[i], .contact = contact_of(p)};
         Motion now = {y[0], y[1], y[2]};
         if (method == 0 && !sliding_mass_step(h, &now, &s, &dt))
             now.v = NAN;

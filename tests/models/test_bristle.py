@@ -26,9 +26,9 @@ steps = st.floats(-5.0, -2.0).map(lambda e: 10.0**e)  # 1e-5 .. 1e-2 s
 def g(library: ctypes.CDLL):
     library.probe_g.restype = ctypes.c_double
 
-    def g(v: float, delta: float = 1.0) -> tuple[float, float]:
+    def g(v: float, delta: float = 1.0, contact: dict[str, float] = TABLE_2) -> tuple[float, float]:
         slope = ctypes.c_double()
-        p = (ctypes.c_double * 6)(*TABLE_2.values(), delta)
+        p = (ctypes.c_double * 6)(*contact.values(), delta)
         return library.probe_g(ctypes.c_double(v), p, ctypes.byref(slope)), slope.value
 
     return g
@@ -42,6 +42,15 @@ def equation_4(v: float, p: dict[str, float], delta: float = 1.0) -> float:
 def test_stribeck_curve_is_equation_4(g, delta):
     for v in (1e-7, -1e-5, 5.5697e-4, -2e-3, 0.04):
         assert g(v, delta)[0] == pytest.approx(equation_4(v, TABLE_2, delta), rel=1e-14)
+
+
+@pytest.mark.parametrize("ratio", [1e-3, 1.0, 9.9, 10.0, 1e4, 1e18])
+def test_stribeck_curve_far_above_its_velocity(g, ratio):
+    """e^-40 is nothing beside 1, but not where the stick force is far above Coulomb's."""
+    contact = {**TABLE_2, "F_s": 1e-9 * ratio, "F_c": 1e-9}
+    for exponent in (30.0, 39.9, 40.1, 60.0, 90.0):
+        v = exponent * contact["v_s"]
+        assert g(v, 1.0, contact)[0] == pytest.approx(equation_4(v, contact), rel=3e-14, abs=0)
 
 
 def test_stribeck_curve_runs_from_stick_to_coulomb_force(g):

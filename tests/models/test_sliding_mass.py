@@ -38,6 +38,14 @@ def test_the_method_is_of_third_order(mass_run):
     assert orders == pytest.approx(3.0, abs=0.1)
 
 
+def test_the_sub_step_follows_the_cube_root_of_its_error(c):
+    """The error is of order 3 in the sub-step; between bounds the next one aims at 0.5 of it."""
+    error = np.geomspace(0.004, 100.0, 2001)
+    np.testing.assert_allclose(c("step_factor", error), 0.8 * error ** (-1 / 3), rtol=3e-3)
+    assert (c("step_factor", np.array([0.0, 1e-300, 0.003])) == 5.0).all()
+    assert (c("step_factor", np.array([101.0, 1e300, np.inf])) == 0.15).all()
+
+
 def test_the_method_is_l_stable(mass_run):
     """One sub-step far longer than the fastest time constant ends near the steady state."""
     stiff = {**TABLE_2, "sigma_0": 1e9}
