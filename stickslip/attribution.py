@@ -11,8 +11,9 @@ import cosim
 from cosim.control import VelocityLoop
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.loop import Feed
+from stickslip.motions import trapezoid
 from stickslip.rig import Rig
-from stickslip.validation import run_command, tracking_errors, windows
+from stickslip.validation import run_motion, velocity_errors
 
 
 def attribute(
@@ -33,24 +34,19 @@ def attribute(
     compensator : its parameters by name
     """
     filtered = with_velocity_filter(loop, rig.datasheet, compensator["F_c"])
-    v_cmd = command.sample(rig.samples(command.corners()[-1] + command.begin))
+    motion = trapezoid(command)
     rows = []
     for use_filter, inertia, compensated in itertools.product((False, True), repeat=3):
         chosen = filtered if use_filter else loop
         chosen = with_inertia(chosen) if inertia else chosen
-        run = run_command(rig, chosen, compensator if compensated else None, v_cmd, feed)
-        for velocity, v in run.v.items():
-            rows.append(
-                {
-                    "filter": use_filter,
-                    "inertia": inertia,
-                    "compensator": compensated,
-                    "velocity": velocity,
-                    **{
-                        f"{region} {metric}": 1e3 * value
-                        for region, instant in windows(command).items()
-                        for metric, value in tracking_errors(run.t, run.v_cmd - v, instant).items()
-                    },
-                }
-            )
+        run = run_motion(rig, chosen, compensator if compensated else None, motion, feed)
+        errors = velocity_errors(run, motion.regions)
+        for velocity in run.v:
+            parts = {"filter": use_filter, "inertia": inertia, "compensator": compensated}
+            shown = {
+                f"{region} {metric}": 1e3 * value
+                for (key, region, metric), value in errors.items()
+                if key == velocity
+            }
+            rows.append({**parts, "velocity": velocity, **shown})
     return pd.DataFrame(rows)

@@ -21,6 +21,7 @@ from stickslip.extras import Extras
 from stickslip.identification import Identification, identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
+from stickslip.motion_study import MotionStudy
 from stickslip.refinement import Refinement, refine
 from stickslip.rig import Rig
 from stickslip.second_opinion import SecondOpinion
@@ -74,6 +75,7 @@ class Reproduction:
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
     opinion : what FMPy makes of the compensator, once its FMU is written
+    motions : the motions that are slower and shorter than the trapezoid, once they were run
     """
 
     options: Options
@@ -86,6 +88,7 @@ class Reproduction:
     cost_without: float
     extras: Extras | None = None
     opinion: SecondOpinion | None = None
+    motions: MotionStudy | None = None
 
     @property
     def cost_of_identified(self) -> float:

@@ -23,8 +23,8 @@ from stickslip.setup import TRAINING, VALIDATION
 from toolchain import write_whole
 
 FILES = (
-    *("table2.csv", "table4.csv", "table4_all_extras.csv", "fitness.csv"),
-    *("learned.json", "compensator.fmu", "loop.ssp"),
+    *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
+    *("fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -46,6 +46,9 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         if reproduction.extras and reproduction.extras.validation:
             extras = reproduction.extras.validation.table()
             write_table(extras, desk / "table4_all_extras.csv")
+        if reproduction.motions:
+            write_table(reproduction.motions.evaluation.table(), desk / "motions.csv")
+            write_table(reproduction.motions.sensitivity, desk / "sensitivity.csv")
         write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
         fmu = models.build_fmu("compensator", desk, start=reproduction.learned.values)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))

@@ -1,4 +1,4 @@
-"""What a reproduction is compared with: the same paper on other drives."""
+"""What a reproduction is compared with: the same paper on other drives, and other motions."""
 
 from __future__ import annotations
 
@@ -6,9 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import ga
+from stickslip.evaluation import Entry
 from stickslip.execution import Execution
 from stickslip.extras import Extras, all_effects
+from stickslip.motion_study import LEARNED, UNCOMPENSATED, study_motions
+from stickslip.parameters import LUGRE
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
+from stickslip.rig import Rig
+from stickslip.setup import LOOP, Datasheet
 from toolchain import Fault
 
 
@@ -23,7 +28,27 @@ def with_studies(
     execution : its checkpoint is left as it is
     """
     extras = reproduce_with_extras(reproduction.options, fmus / "extras", progress, execution)
-    return replace(reproduction, extras=extras)
+    progress.stage("slow motions")
+    return with_motions(replace(reproduction, extras=extras), fmus)
+
+
+def with_motions(reproduction: Reproduction, fmus: Path) -> Reproduction:
+    """Return a reproduction with what its compensators do in slow and short motions.
+
+    Parameters
+    ----------
+    fmus : folder of its FMUs
+    """
+    found = reproduction.identification
+    entries = {
+        UNCOMPENSATED: Entry(found.loop),
+        "identified": Entry(found.loop, {name: found.estimates[name].value for name in LUGRE}),
+        LEARNED: Entry(found.loop, reproduction.learned.values),
+    }
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    options, truth = reproduction.options, reproduction.truth
+    motions = study_motions(rig, entries, found.loop, truth, options.feed)
+    return replace(reproduction, motions=motions)
 
 
 def reproduce_with_extras(

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 import cosim
 from cosim.control import VelocityLoop
 from stickslip.loop import Feed, paper_loop
 from stickslip.measurement import Array, measured_velocity
+from stickslip.motions import Motion, Regions, Span, regions_after, trapezoid, windows
 from stickslip.rig import Rig
-from stickslip.setup import REGION
 
 PAPER_TABLE4 = {
     ("start", "E_max"): (0.98, 0.76),
@@ -25,12 +27,15 @@ PAPER_TABLE4 = {
 
 METRICS = ("E_max", "E_rms")
 
-RECORD = ("drive.x_enc", "drive.v", "drive.F_f", "nominal.v_r", "compensator.F_mean")
+RECORD = (
+    *("drive.x_enc", "drive.x", "drive.v", "drive.F_f"),
+    *("nominal.v_r", "compensator.F_mean"),
+)
 
 
 @dataclass(frozen=True)
 class Run:
-    """The trapezoid once.
+    """One motion once.
 
     Attributes
     ----------
@@ -39,6 +44,7 @@ class Run:
     v : velocity (n,) [m/s] by what shows it, ``measured`` or ``true``
     v_r : response of the nominal loop (n,) [m/s]
     F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
+    x : the drive's true position (n,) [m]
     """
 
     t: Array
@@ -48,6 +54,12 @@ class Run:
     v_r: Array
     F_f: Array
     F_ff: Array
+    x: Array
+
+    @property
+    def x_cmd(self) -> Array:
+        """The position (n,) [m] to which the command leads, from where the run begins."""
+        return np.asarray(cumulative_trapezoid(self.v_cmd, self.t, initial=0))
 
 
 @dataclass(frozen=True)
@@ -60,57 +72,64 @@ class Validation:
 
     def table(self) -> pd.DataFrame:
         """Return Table 4 beside the paper's; velocities in mm/s, reductions as fractions (9)."""
+        regions = regions_after(self.instants)
+        without, compensated = (
+            velocity_errors(run, regions) for run in (self.without, self.compensated)
+        )
         rows = []
-        for velocity in ("measured", "true"):
-            for region, instant in self.instants.items():
-                errors = [
-                    tracking_errors(run.t, run.v_cmd - run.v[velocity], instant)
-                    for run in (self.without, self.compensated)
-                ]
-                for metric in METRICS:
-                    without, compensated = (1e3 * error[metric] for error in errors)
-                    paper = PAPER_TABLE4[region, metric]
-                    rows.append(
-                        {
-                            "velocity": velocity,
-                            "region": region,
-                            "metric": metric,
-                            "without": without,
-                            "with": compensated,
-                            "reduction": reduction(without, compensated),
-                            "paper_without": paper[0],
-                            "paper_with": paper[1],
-                            "paper_reduction": reduction(*paper),
-                        }
-                    )
+        for key in without:
+            velocity, region, metric = key
+            paper = PAPER_TABLE4[region, metric]
+            rows.append(
+                {
+                    "velocity": velocity,
+                    "region": region,
+                    "metric": metric,
+                    "without": 1e3 * without[key],
+                    "with": 1e3 * compensated[key],
+                    "reduction": reduction(1e3 * without[key], 1e3 * compensated[key]),
+                    "paper_without": paper[0],
+                    "paper_with": paper[1],
+                    "paper_reduction": reduction(*paper),
+                }
+            )
         return pd.DataFrame(rows)
 
 
-def tracking_errors(
-    t: Array, error: Array, instant: float, region: tuple[float, float] = REGION
-) -> dict[str, float]:
-    """Return (8a) and (8b) of an error (n,), from when to when (s) after an instant [s].
+def velocity_errors(run: Run, regions: Regions) -> dict[tuple[str, str, str], float]:
+    """Return (8a) and (8b) [m/s] by velocity (measured, true), region and metric."""
+    return {
+        (velocity, region, metric): value
+        for velocity, v in run.v.items()
+        for region, spans in regions.items()
+        for metric, value in tracking_errors(run.t, run.v_cmd - v, spans).items()
+    }
+
+
+def tracking_errors(t: Array, error: Array, spans: Iterable[Span]) -> dict[str, float]:
+    """Return (8a) and (8b) of an error (n,) over spans of time [s], their ends included.
 
     The unit is that of the error.
     """
-    begin, end = (instant + edge for edge in region)
-    half = 0.5 * (t[1] - t[0])
-    part = error[(t >= begin - half) & (t <= end + half)]
+    counted = error[covered(t, spans)]
     return {
-        "E_max": float(np.abs(part).max()),
-        "E_rms": float(np.sqrt(np.mean(part**2))),
+        "E_max": float(np.abs(counted).max()),
+        "E_rms": float(np.sqrt(np.mean(counted**2))),
     }
+
+
+def covered(t: Array, spans: Iterable[Span]) -> NDArray[np.bool_]:
+    """Return which of the samples (n,) lie within one of the spans of time [s]."""
+    half = 0.5 * (t[1] - t[0])
+    inside = np.zeros(len(t), dtype=bool)
+    for begin, end in spans:
+        inside |= (t >= begin - half) & (t <= end + half)
+    return inside
 
 
 def reduction(without: float, compensated: float) -> float:
     """Return the error reduction ratio (9)."""
     return (without - compensated) / without
-
-
-def windows(command: cosim.Trapezoid) -> dict[str, float]:
-    """Return the instants [s] at which motion starts and reverses."""
-    corners = command.corners()
-    return {"start": float(corners[0]), "reverse": float(corners[2:4].mean())}
 
 
 def validate(
@@ -128,10 +147,22 @@ def validate(
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
     """
-    v_cmd = command.sample(rig.samples(command.corners()[-1] + command.begin))
-    without = run_command(rig, plain or loop, None, v_cmd, feed)
-    compensated = run_command(rig, loop, compensator, v_cmd, feed)
+    motion = trapezoid(command)
+    without = run_motion(rig, plain or loop, None, motion, feed)
+    compensated = run_motion(rig, loop, compensator, motion, feed)
     return Validation(without, compensated, windows(command))
+
+
+def run_motion(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float] | None,
+    motion: Motion,
+    feed: Feed = "nominal",
+) -> Run:
+    """Run a motion with a compensator or None."""
+    v_cmd = motion.command.sample(rig.samples(motion.duration))
+    return run_command(rig, loop, compensator, v_cmd, feed)
 
 
 def run_command(
@@ -143,9 +174,36 @@ def run_command(
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
     system = paper_loop(rig.fmus, loop, compensator, feed)
-    stop = (len(v_cmd) - 1) * rig.T_s
-    with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
-        result = simulation.run(inputs=loop.commands(v_cmd))
+    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
+        return _run(simulation, rig, loop, {}, v_cmd)
+
+
+def run_compensators(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensators: Iterable[Mapping[str, float]],
+    v_cmd: Array,
+    feed: Feed = "nominal",
+) -> list[Run]:
+    """Do what ``run_command`` does with each of several compensators, and prepare the FMUs once."""
+    system = paper_loop(rig.fmus, loop, {}, feed)
+    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
+        return [_run(simulation, rig, loop, values, v_cmd) for values in compensators]
+
+
+def _stop(rig: Rig, v_cmd: Array) -> float:
+    return (len(v_cmd) - 1) * rig.T_s
+
+
+def _run(
+    simulation: cosim.Simulation,
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float],
+    v_cmd: Array,
+) -> Run:
+    values = {f"compensator.{name}": value for name, value in compensator.items()}
+    result = simulation.run(values, loop.commands(v_cmd))
     velocity = {
         "measured": measured_velocity(result["drive.x_enc"], rig.T_s),
         "true": result["drive.v"],
@@ -158,4 +216,5 @@ def run_command(
         result["nominal.v_r"],
         result["drive.F_f"],
         result["compensator.F_mean"],
+        result["drive.x"],
     )

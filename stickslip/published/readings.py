@@ -15,9 +15,10 @@ import pandas as pd
 import ga
 from stickslip.learning import CONSTRAINT
 from stickslip.measurement import Array, smoothed
+from stickslip.motions import regions_after, windows
 from stickslip.published.study import PAPER_COST, Method, Published
 from stickslip.setup import REGION, VALIDATION
-from stickslip.validation import METRICS, Run, tracking_errors, windows
+from stickslip.validation import METRICS, Run, tracking_errors
 
 Velocity = Callable[[Run], Array]
 
@@ -256,8 +257,8 @@ def _errors(
     found: dict[str, list[float]] = {}
     for run in runs:
         error = 1e3 * (run.v_cmd - velocity(run))
-        for name, instant in windows(VALIDATION).items():
-            for metric, value in tracking_errors(run.t, error, instant, region).items():
+        for name, spans in regions_after(windows(VALIDATION), region).items():
+            for metric, value in tracking_errors(run.t, error, spans).items():
                 found.setdefault(f"{said}_{name}_{metric}", []).append(value)
     return {name: float(np.median(values)) for name, values in found.items()}
 

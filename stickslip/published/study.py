@@ -19,10 +19,11 @@ from stickslip.identification import Estimate
 from stickslip.learning import VelocityCost, genes, parameters
 from stickslip.loop import Feed
 from stickslip.measurement import CUTOFF, Array
+from stickslip.motions import windows
 from stickslip.parameters import LUGRE, UNITS
 from stickslip.rig import Rig
 from stickslip.setup import TRAINING, VALIDATION
-from stickslip.validation import Run, Validation, run_command, windows
+from stickslip.validation import Run, Validation, run_command
 from toolchain import Threads
 
 PAPER_COST = 1.7e-3

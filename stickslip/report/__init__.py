@@ -17,6 +17,7 @@ from stickslip.report import (
     fig4,
     fig5,
     fig6,
+    fig_motions,
     identification_friction,
     identification_inertia,
     identification_presliding,
@@ -34,6 +35,7 @@ FIGURES: dict[str, Drawing] = {
     "fig4_flow": fig4.draw,
     "fig5_fitness": fig5.draw,
     "fig6_tracking": fig6.draw,
+    "motions": fig_motions.draw,
     "identification_inertia": identification_inertia.draw,
     "identification_friction": identification_friction.draw,
     "identification_presliding": identification_presliding.draw,
@@ -44,7 +46,7 @@ FILES = ("report.html", *picture_files(FIGURES))
 
 
 def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:
-    """Write every figure as PNG and SVG, and report.html, which holds the figures itself.
+    """Write the figures as PNG and SVG, and report.html, which holds the figures itself.
 
     Parameters
     ----------
@@ -60,7 +62,12 @@ def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:
     OSError
         When the folder cannot be written.
     """
-    pictures = {name: Picture.of(draw, reproduction) for name, draw in FIGURES.items()}
+    drawn = {
+        name: draw
+        for name, draw in FIGURES.items()
+        if reproduction.motions or draw is not fig_motions.draw
+    }
+    pictures = {name: Picture.of(draw, reproduction) for name, draw in drawn.items()}
     written = []
     for name, picture in pictures.items():
         written.append(write_whole(folder / f"{name}.png", picture.png))

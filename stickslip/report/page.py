@@ -8,6 +8,7 @@ from stickslip.report import (
     section_design,
     section_identification,
     section_learning,
+    section_motions,
     section_result,
     section_use,
     section_validation,
@@ -33,6 +34,7 @@ def page(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> str:
         section_identification,
         section_learning,
         section_validation,
+        section_motions,
         section_use,
     )
     return sheet(TITLE, (section.write(reproduction, pictures) for section in sections))

@@ -20,6 +20,10 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         "learned.json": "the learned parameters with units, cost, seed and versions",
         "table2.csv, table4.csv, fitness.csv": "the tables of this page, unrounded",
     }
+    if reproduction.motions:
+        files["motions.csv, sensitivity.csv"] = (
+            "errors of all motions, and what a wrong parameter costs in each, by region"
+        )
     if reproduction.extras and reproduction.extras.validation:
         files["table4_all_extras.csv"] = "Table 4 of the drive with all extras on"
     items = [element("li", element("code", name), ": ", what) for name, what in files.items()]

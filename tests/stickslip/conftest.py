@@ -14,6 +14,7 @@ from stickslip.reproduction import Options, Reproduction, reproduce
 from stickslip.results import write_results
 from stickslip.rig import Rig, rig_of
 from stickslip.setup import LOOP, Datasheet
+from stickslip.studies import with_motions
 
 
 class Quiet:
@@ -33,7 +34,8 @@ def quiet() -> Quiet:
 
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory, quiet) -> Reproduction:
-    return reproduce(Options(), tmp_path_factory.mktemp("fmus"), quiet)
+    fmus = tmp_path_factory.mktemp("fmus")
+    return with_motions(reproduce(Options(), fmus, quiet), fmus)
 
 
 @pytest.fixture(scope="session")

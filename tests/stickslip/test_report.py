@@ -4,20 +4,25 @@ import base64
 import itertools
 import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import cosim
 import ga
 from cosim.control import design_velocity_loop
+from stickslip.evaluation import Evaluation
 from stickslip.extras import Extras
 from stickslip.identification import Estimate, FrictionMap, Identification, Inertia, Presliding
 from stickslip.loop import FEEDS
+from stickslip.motion_study import WEAK_ENTRIES, MotionStudy, weakened
+from stickslip.motions import MOTIONS
 from stickslip.parameters import LUGRE, PAPER
 from stickslip.refinement import Refinement
 from stickslip.report import FIGURES, write_report
@@ -29,6 +34,7 @@ from stickslip.report.style import house_style
 from stickslip.reproduction import Options, Reproduction, drive_truth
 from stickslip.rig import Log
 from stickslip.second_opinion import Comparison, FmuVariable, SecondOpinion
+from stickslip.sensitivity import wrong_values
 from stickslip.setup import LOOP, VALIDATION, Datasheet
 from stickslip.validation import Run, Validation
 
@@ -77,6 +83,40 @@ def algorithm(preset):
     return learning
 
 
+def run_of(t, v_cmd, v):
+    zero = np.zeros_like(t)
+    x_enc, x = (np.cumsum(v[shown]) * LOOP.T_s for shown in ("measured", "true"))
+    return Run(t, v_cmd, x_enc, v, v_cmd, zero, zero, x)
+
+
+def motion_study():
+    """Return a study whose compensators leave other shares of the command than none does."""
+    left = {"without": 0.5, "identified": 0.2, "learned": 0.1}
+    left |= dict(zip(WEAK_ENTRIES, (0.3, 0.7), strict=True))
+    runs = {}
+    for motion in MOTIONS:
+        t = np.arange(round(motion.duration / LOOP.T_s) + 1) * LOOP.T_s
+        v_cmd = motion.command.sample(t)
+        runs[motion.name] = {
+            name: run_of(
+                t, v_cmd, {"measured": (1 - share) * v_cmd, "true": (1 - 1.1 * share) * v_cmd}
+            )
+            for name, share in left.items()
+        }
+    loop = design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP)
+    evaluation = Evaluation(MOTIONS, runs)
+    return MotionStudy(evaluation, sensitivity_of(evaluation), weakened(loop))
+
+
+def sensitivity_of(evaluation):
+    """Return a table in which the slow motions see all but F_s / 2, the trapezoid nothing."""
+    rows = []
+    for (parameter, change), motion in itertools.product(wrong_values(PAPER), evaluation.motions):
+        seen = motion.name != "trapezoid" and (parameter, change) != ("F_s", "/ 2")
+        rows.append((parameter, change, motion.name, 0.123 if seen else 0.012))
+    return pd.DataFrame(rows, columns=["parameter", "change", "motion", "lost"])
+
+
 def validation(left=0.6e-3):
     t = np.arange(0.0, 4.2, LOOP.T_s)
     v_cmd = VALIDATION.sample(t)
@@ -84,8 +124,7 @@ def validation(left=0.6e-3):
     def run(size):
         lost = size * np.sin(40.0 * t) ** 2
         v = {"measured": v_cmd - lost, "true": v_cmd - 1.1 * lost}
-        zero = np.zeros_like(t)
-        return Run(t, v_cmd, zero, v, v_cmd, zero, zero)
+        return run_of(t, v_cmd, v)
 
     return Validation(run(1.2e-3), run(left), {"start": 0.1, "reverse": 2.05})
 
@@ -112,6 +151,7 @@ def made(
         0.0221,
         extras,
         opinion,
+        motion_study(),
     )
 
 
@@ -240,6 +280,46 @@ def test_page_shows_table_4(reproduction, outline):
         assert f"{row['without']:.3f}" in outline.text
         assert f"{row['with']:.3f}" in outline.text
         assert percent(row["reduction"]) in outline.text
+
+
+def test_page_shows_the_errors_of_the_slow_motions(reproduction, page):
+    cells = re.sub(r"\s*(<[^>]*>\s*)+", "|", page)
+    table = reproduction.motions.evaluation.table()
+    slow = table[table.motion != "trapezoid"]
+    assert len(slow)
+    for row in slow.to_dict("records"):
+        figures = "|".join(f"{row[name]:.3f}" for name in ("without", "identified", "learned"))
+        unit = row["unit"].replace("um", "µm")
+        assert f"|{row['velocity']}|{unit}|{figures}|" in cells
+
+
+def test_without_the_slow_motions_page_and_folder_have_nothing_of_them(reproduction, tmp_path):
+    written = write_report(replace(reproduction, motions=None), tmp_path)
+    assert not [path for path in written if path.stem == "motions"]
+    page = (tmp_path / "report.html").read_text(encoding="utf-8").lower()
+    assert "micrometre" not in page
+    assert "motions.csv" not in page
+
+
+def test_page_says_what_each_motion_sees(outline):
+    assert re.search(
+        "trapezoid alone does not see: Fs = Fc, Fs / 2, .*, σ1 × 2. What", outline.text
+    )
+    assert "What none of the three slow motions sees: Fs / 2." in outline.text
+
+
+def test_page_says_where_compensation_does_not_help(reproduction, outline):
+    assert "makes none of these errors larger" in outline.text
+    assert "creep worse at 0.1 mm/s, 0.3 mm/s, 1 mm/s, 2 mm/s." in outline.text
+    runs = {
+        motion: {**of, "without": of["learned"], "learned": of["without"]}
+        for motion, of in reproduction.motions.evaluation.runs.items()
+    }
+    evaluation = replace(reproduction.motions.evaluation, runs=runs)
+    worse = replace(reproduction, motions=replace(reproduction.motions, evaluation=evaluation))
+    blank = dict.fromkeys(FIGURES, Picture(b"", b"", 89.0))
+    text = Outline(render_page(worse, blank)).text
+    assert "makes these errors larger: Slow reversals, 0.5 mm/s, Emax, measured (500\xa0%)" in text
 
 
 def test_simulated_and_real_are_told_apart_wherever_they_stand_side_by_side(page, folder):

@@ -19,10 +19,13 @@ from stickslip.validation import run_command
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),
-    *("compensator.fmu", "loop.ssp"),
+    *("compensator.fmu", "loop.ssp", "motions.csv", "sensitivity.csv"),
     *(
         f"{name}.{ending}"
-        for name in ("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking")
+        for name in (
+            *("fig2_loops", "fig3_scheme", "fig4_flow", "fig5_fitness", "fig6_tracking"),
+            "motions",
+        )
         for ending in ("png", "svg")
     ),
 }
@@ -48,6 +51,16 @@ def test_tables_have_the_columns_that_others_rely_on(results):
         *("paper_without", "paper_with", "paper_reduction"),
     ]
     assert len(table4) == 8
+    motions = pd.read_csv(results / "motions.csv")
+    assert list(motions.columns[:8]) == [
+        *("motion", "region", "velocity", "metric", "unit"),
+        *("without", "identified", "learned"),
+    ]
+    sensitivity = pd.read_csv(results / "sensitivity.csv")
+    assert list(sensitivity.columns) == [
+        *("parameter", "change", "motion", "region", "metric", "unit"),
+        *("without", "exact", "wrong", "lost"),
+    ]
     fitness = pd.read_csv(results / "fitness.csv")
     assert list(fitness.columns) == ["generation", "evaluations", "best_cost", "mean_cost"]
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip.measurement import CUTOFF, measured_velocity, smoothed
-from stickslip.setup import REGION
+from stickslip.motions import regions_after, trapezoid, windows
+from stickslip.setup import REGION, VALIDATION
 from stickslip.validation import reduction, tracking_errors
 
 T_S = 5e-4
@@ -12,7 +13,7 @@ T_S = 5e-4
 
 def test_a_constant_error_is_its_own_maximum_and_rms():
     t = np.arange(2001) * T_S
-    assert tracking_errors(t, np.full_like(t, -0.3), 0.2) == {
+    assert tracking_errors(t, np.full_like(t, -0.3), [(0.2, 0.3)]) == {
         "E_max": pytest.approx(0.3),
         "E_rms": pytest.approx(0.3),
     }
@@ -22,12 +23,27 @@ def test_errors_count_inside_the_region_only():
     t = np.arange(2001) * T_S
     instant = 0.2
     inside = (t >= instant + REGION[0] - 1e-9) & (t <= instant + REGION[1] + 1e-9)
-    assert tracking_errors(t, np.where(inside, 0.0, 9.0), instant)["E_max"] == 0.0
+    (spans,) = regions_after({"start": instant}).values()
+    assert tracking_errors(t, np.where(inside, 0.0, 9.0), spans)["E_max"] == 0.0
     error = np.zeros_like(t)
     error[np.flatnonzero(inside)[[0, -1]]] = 2.0
-    found = tracking_errors(t, error, instant)
+    found = tracking_errors(t, error, spans)
     assert found["E_max"] == 2.0
     assert found["E_rms"] == pytest.approx(np.sqrt(8.0 / inside.sum()))
+
+
+def test_errors_over_several_spans_are_those_of_all_their_samples():
+    t = np.arange(2001) * T_S
+    error = np.where((t >= 0.1) & (t < 0.5), 1.0, 3.0)
+    found = tracking_errors(t, error, [(0.1, 0.1 + 299 * T_S), (0.6, 0.6 + 99 * T_S)])
+    assert found["E_max"] == 3.0
+    assert found["E_rms"] == pytest.approx(np.sqrt((300 * 1.0 + 100 * 9.0) / 400))
+
+
+def test_the_trapezoid_is_one_of_the_motions():
+    motion = trapezoid(VALIDATION)
+    assert motion.command is VALIDATION
+    assert motion.regions == regions_after(windows(VALIDATION))
 
 
 def test_reduction_is_equation_9():

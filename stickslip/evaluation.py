@@ -1,0 +1,106 @@
+"""Several ways to control a drive, compared on several motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from cosim.control import VelocityLoop
+from stickslip.loop import Feed
+from stickslip.motions import MOTIONS, Motion
+from stickslip.rig import Rig
+from stickslip.validation import Run, covered, run_command, run_compensators, velocity_errors
+
+KEYS = ["motion", "region", "velocity", "metric", "unit"]
+"""The columns of ``Evaluation.table`` before those of the entries."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One way to control the drive.
+
+    Attributes
+    ----------
+    loop : the velocity loop
+    compensator : its parameters by name, None for no compensation
+    """
+
+    loop: VelocityLoop
+    compensator: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All motions with all entries.
+
+    Attributes
+    ----------
+    motions : in the order in which they are shown
+    runs : by name of the motion, then of the entry
+    """
+
+    motions: tuple[Motion, ...]
+    runs: Mapping[str, Mapping[str, Run]]
+
+    def table(self) -> pd.DataFrame:
+        """Return the errors, a row each and a column for each entry.
+
+        The columns before those of the entries: motion, region, velocity (measured, true), metric
+        (E_max, E_rms, E_x), unit (mm/s, for E_x um). E_x is the largest position error; for it
+        ``velocity`` tells whether the position is the measured or the true one.
+        """
+        columns = []
+        for name in next(iter(self.runs.values())):
+            errors = {}
+            for motion in self.motions:
+                errors.update(_errors(self.runs[motion.name][name], motion))
+            columns.append(pd.Series(errors, name=name))
+        return pd.concat(columns, axis=1).rename_axis(index=KEYS).reset_index()
+
+
+def evaluate(
+    rig: Rig,
+    entries: Mapping[str, Entry],
+    feed: Feed = "nominal",
+    motions: Sequence[Motion] = MOTIONS,
+) -> Evaluation:
+    """Run each motion with each entry. This judges; it may see the truth."""
+    runs = {motion.name: _runs(rig, entries, feed, motion) for motion in motions}
+    return Evaluation(tuple(motions), runs)
+
+
+def _runs(rig: Rig, entries: Mapping[str, Entry], feed: Feed, motion: Motion) -> dict[str, Run]:
+    """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
+    v_cmd = motion.command.sample(rig.samples(motion.duration))
+    runs = {
+        name: run_command(rig, entry.loop, None, v_cmd, feed)
+        for name, entry in entries.items()
+        if entry.compensator is None
+    }
+    alike: dict[int, dict[str, Mapping[str, float]]] = {}
+    for name, entry in entries.items():
+        if entry.compensator is not None:
+            alike.setdefault(id(entry.loop), {})[name] = entry.compensator
+    for compensators in alike.values():
+        loop = entries[next(iter(compensators))].loop
+        done = run_compensators(rig, loop, compensators.values(), v_cmd, feed)
+        runs.update(zip(compensators, done, strict=True))
+    return {name: runs[name] for name in entries}
+
+
+def _errors(run: Run, motion: Motion) -> dict[tuple[str, str, str, str, str], float]:
+    """Return the errors by the columns of ``KEYS``, in the unit that is stated."""
+    errors = {
+        (motion.name, region, velocity, metric, "mm/s"): 1e3 * value
+        for (velocity, region, metric), value in velocity_errors(run, motion.regions).items()
+    }
+    if motion.positioned:
+        for shown, x in (("measured", run.x_enc), ("true", run.x)):
+            error = run.x_cmd - (x - x[0])
+            for region, spans in motion.regions.items():
+                largest = np.abs(error[covered(run.t, spans)]).max()
+                errors[motion.name, region, shown, "E_x", "um"] = 1e6 * float(largest)
+    return errors
