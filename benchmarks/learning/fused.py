@@ -11,6 +11,7 @@ import cosim
 import models
 import toolchain
 from models.export.headers import variables_header
+from models.export.sources import COMPILER_OPTIONS
 
 MODELS = {
     "nominal": "nominal_loop",
@@ -61,4 +62,5 @@ def _library() -> Path:
         files[f"{model}/model.h"] = (ROOT / "adapter" / "model.h").read_text()
         files[f"{model}/variables.h"] = variables_header(models.load_model(model))
     files["fused.c"] = files["fused.c"].replace('.c"', '.c.inc"')
-    return toolchain.shared_library("fused", files, flags=["-Wno-unused-parameter", "-Wno-unused"])
+    flags = ["-Wno-unused-parameter", "-Wno-unused", *COMPILER_OPTIONS.split()]  # the FMUs' own
+    return toolchain.shared_library("fused", files, flags=flags)
