@@ -74,6 +74,7 @@ class Reproduction:
     system : the loop of Fig. 2a with the learned compensator
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
+    beforehand : what ``vary_datasheet`` found, if that was asked for
     opinion : what FMPy makes of the compensator, once its FMU is written
     motions : the motions that are slower and shorter than the trapezoid, once they were run
     """
@@ -87,6 +88,7 @@ class Reproduction:
     system: cosim.System
     cost_without: float
     extras: Extras | None = None
+    beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
     motions: MotionStudy | None = None
 

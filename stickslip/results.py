@@ -24,7 +24,7 @@ from toolchain import write_whole
 
 FILES = (
     *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
-    *("fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
+    *("datasheet.csv", "fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -46,6 +46,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         if reproduction.extras and reproduction.extras.validation:
             extras = reproduction.extras.validation.table()
             write_table(extras, desk / "table4_all_extras.csv")
+        if reproduction.beforehand is not None:
+            write_table(reproduction.beforehand, desk / "datasheet.csv")
         if reproduction.motions:
             write_table(reproduction.motions.evaluation.table(), desk / "motions.csv")
             write_table(reproduction.motions.sensitivity, desk / "sensitivity.csv")

@@ -1,4 +1,4 @@
-"""What a reproduction is compared with: the same paper on other drives, and other motions."""
+"""What a reproduction is compared with: another drive, other assumptions about it, other motions."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import ga
+from stickslip.beforehand import vary_datasheet
 from stickslip.evaluation import Entry
 from stickslip.execution import Execution
 from stickslip.extras import Extras, all_effects
@@ -27,9 +28,12 @@ def with_studies(
     fmus : folder of its FMUs
     execution : its checkpoint is left as it is
     """
-    extras = reproduce_with_extras(reproduction.options, fmus / "extras", progress, execution)
+    options = reproduction.options
+    extras = reproduce_with_extras(options, fmus / "extras", progress, execution)
+    progress.stage("varying what is known beforehand")
+    beforehand = vary_datasheet(fmus, options.feed, execution.workers)
     progress.stage("slow motions")
-    return with_motions(replace(reproduction, extras=extras), fmus)
+    return with_motions(replace(reproduction, extras=extras, beforehand=beforehand), fmus)
 
 
 def with_motions(reproduction: Reproduction, fmus: Path) -> Reproduction:

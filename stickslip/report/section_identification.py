@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stickslip.report.known_beforehand import known_beforehand
 from stickslip.report.markup import Html, element, join, paragraph, table
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import MEANINGS, number, percent
@@ -77,4 +78,5 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
             "Identified parameters (value ± standard error)",
             (0, 1, 5),
         ),
+        known_beforehand(reproduction),
     )

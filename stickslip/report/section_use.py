@@ -26,6 +26,8 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         )
     if reproduction.extras and reproduction.extras.validation:
         files["table4_all_extras.csv"] = "Table 4 of the drive with all extras on"
+    if reproduction.beforehand is not None:
+        files["datasheet.csv"] = "what comes out when the data sheet is wrong"
     items = [element("li", element("code", name), ": ", what) for name, what in files.items()]
     commands = "\n".join(
         (

@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 
 from cosim.control import design_velocity_loop
+from stickslip.beforehand import vary_datasheet
+from stickslip.extras import Extras
 from stickslip.loop import build_fmus
 from stickslip.plan import LINEAR, plan
 from stickslip.record_mode import COMMISSIONING
@@ -40,8 +42,13 @@ def reproduction(tmp_path_factory, quiet) -> Reproduction:
 
 @pytest.fixture(scope="session")
 def results(reproduction, tmp_path_factory) -> Path:
+    """Return a folder of results; the drive with all extras, which takes long, is the drive."""
     folder = tmp_path_factory.mktemp("results")
-    write_results(reproduction, folder)
+    fmus = reproduction.system.components["drive"].path.parent
+    varied = vary_datasheet(fmus, reproduction.options.feed, factors={})
+    extras = Extras(reproduction.validation)
+    found = replace(reproduction, extras=extras, beforehand=varied)
+    write_results(with_motions(found, fmus), folder)
     return folder
 
 

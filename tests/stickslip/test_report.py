@@ -4,7 +4,7 @@ import base64
 import itertools
 import re
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import fields, replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -17,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import cosim
 import ga
 from cosim.control import design_velocity_loop
+from stickslip.beforehand import FACTORS
 from stickslip.evaluation import Evaluation
 from stickslip.extras import Extras
 from stickslip.identification import Estimate, FrictionMap, Identification, Inertia, Presliding
@@ -26,6 +27,7 @@ from stickslip.motions import MOTIONS
 from stickslip.parameters import LUGRE, PAPER
 from stickslip.refinement import Refinement
 from stickslip.report import FIGURES, write_report
+from stickslip.report.known_beforehand import KNOWN
 from stickslip.report.page import page as render_page
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import number, percent, with_error
@@ -129,9 +131,7 @@ def validation(left=0.6e-3):
     return Validation(run(1.2e-3), run(left), {"start": 0.1, "reverse": 2.05})
 
 
-def made(
-    preset="default", feed="nominal", *, accepted=True, extras=None, truth=CHANGED, opinion=None
-):
+def made(preset="default", feed="nominal", *, accepted=True, truth=CHANGED, **studies):
     learned = Refinement(
         {name: estimate(name, 0.002) for name in LUGRE},
         dict.fromkeys(LUGRE, 0.05),
@@ -149,9 +149,7 @@ def made(
         validation(),
         cosim.System("loop"),
         0.0221,
-        extras,
-        opinion,
-        motion_study(),
+        **{"motions": motion_study(), **studies},
     )
 
 
@@ -377,6 +375,36 @@ def test_page_shows_what_fmpy_makes_of_the_compensator(different, largest, said)
     assert f"|training|101|{different}|{number(largest, 3)}|" in cells
     assert "|F_c|parameter|5.5|N|Coulomb friction|" in cells
     assert "|FMI version|2.0|" in cells
+
+
+def test_page_shows_table_1_with_its_use():
+    cells = rendered(made())
+    for row in (
+        "Peak force|205|N|limit",
+        "Peak current|9|A|no use",
+        "Electrical resistance|5|Ω|no direct use. L/R = 0.56 ms",
+        "Electrical inductance|2.8|mH|no direct use. That the current follows within 0.1 ms",
+        "Force constant|23|N/A|rms|no use",
+        "Encoder (section 2.1)|0.4|µm|steps",
+    ):
+        assert f"|{row}" in cells
+
+
+def test_page_lists_all_of_the_data_sheet_and_what_it_does_when_it_is_wrong():
+    assert KNOWN.keys() == FACTORS.keys() == {field.name for field in fields(Datasheet)}
+    right = {"m": 5.55, "b": 6.6, "F_c": 6.0, "start_E_max": 0.91, "filtered": 0.876}
+    right |= {"start_E_rms": 0.92, "reverse_E_max": 0.93, "reverse_E_rms": 0.94, "error": ""}
+    wrong = {"quantity": "tau_i", "factor": 3.0, "value": 3e-4, "error": "phase margin 50 " * 20}
+    table = pd.DataFrame([{"quantity": "", "factor": 1.0, "value": None, **right}, wrong])
+    cells = rendered(made(beforehand=table))
+    assert "|moving mass|5.5|5.557|kg|" in cells
+    assert "|all as above|–|5.55|6.6|6|91.0 %, 92.0 %|93.0 %, 94.0 %|87.6 %|" in cells
+    error, *rest = cells.split("|lag of the current loop × 3|")[1].split("|")
+    assert error.startswith("0.3 ms: phase margin 50 phase margin")
+    assert error.endswith(" …")
+    assert len(error) < 80
+    assert rest[:6] == ["–"] * 6
+    assert "told something wrong" not in rendered(made())
 
 
 def test_page_tells_the_options(outline):
