@@ -1,4 +1,4 @@
-"""What a reproduction is compared with: another drive, other assumptions about it, other motions."""
+"""What a reproduction is compared with: other drives, other assumptions, other motions."""
 
 from __future__ import annotations
 
