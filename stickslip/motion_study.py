@@ -14,8 +14,8 @@ from stickslip.parameters import LUGRE
 from stickslip.rig import Rig
 from stickslip.sensitivity import sensitivity
 
-UNCOMPENSATED, LEARNED = "without", "learned"
-"""The entries that a page compares: no compensation, and the learned compensator."""
+UNCOMPENSATED, IDENTIFIED, LEARNED = "without", "identified", "learned"
+"""Names of entries: no compensation, the identified parameters, the learned ones."""
 WEAK = 0.1
 """Bandwidth of the weak loop, as a share of that of the loop."""
 WEAK_ENTRIES = ("weak loop, without", "weak loop, exact")

@@ -10,7 +10,7 @@ from stickslip.beforehand import vary_datasheet
 from stickslip.evaluation import Entry
 from stickslip.execution import Execution
 from stickslip.extras import Extras, all_effects
-from stickslip.motion_study import LEARNED, UNCOMPENSATED, study_motions
+from stickslip.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED, study_motions
 from stickslip.parameters import LUGRE
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
 from stickslip.rig import Rig
@@ -46,7 +46,7 @@ def with_motions(reproduction: Reproduction, fmus: Path) -> Reproduction:
     found = reproduction.identification
     entries = {
         UNCOMPENSATED: Entry(found.loop),
-        "identified": Entry(found.loop, {name: found.estimates[name].value for name in LUGRE}),
+        IDENTIFIED: Entry(found.loop, {name: found.estimates[name].value for name in LUGRE}),
         LEARNED: Entry(found.loop, reproduction.learned.values),
     }
     rig = Rig(fmus, Datasheet(), LOOP.T_s)

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping
 
 import pandas as pd
 
-from stickslip.motion_study import LEARNED, UNCOMPENSATED, WEAK_ENTRIES, MotionStudy
+from stickslip.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED, WEAK_ENTRIES, MotionStudy
 from stickslip.motions import MOTIONS, SLOW_MOTIONS
 from stickslip.report.markup import Html, element, join, paragraph, symbol, table
 from stickslip.report.picture import Picture
@@ -122,6 +122,17 @@ def _limits(slow: pd.DataFrame) -> Html:
         *_list("It leaves more than half of these: ", little),
         "The true velocity holds the loop’s response to each encoder step as well, which no "
         "compensator removes.",
+        *(_against_identified(slow) if IDENTIFIED in slow else ()),
+    )
+
+
+def _against_identified(slow: pd.DataFrame) -> tuple[str, ...]:
+    """Return what learning brought beyond the parameters that it began with."""
+    change = slow[LEARNED] / slow[IDENTIFIED]
+    return (
+        f" Of these {len(slow)} errors, those of the learned compensator are larger than those of "
+        f"the identified one by more than a tenth in {int((change > 1.1).sum())}, and smaller by "
+        f"more than a tenth in {int((change < 0.9).sum())}.",
     )
 
 

@@ -308,6 +308,8 @@ def test_page_says_what_each_motion_sees(outline):
 
 def test_page_says_where_compensation_does_not_help(reproduction, outline):
     assert "makes none of these errors larger" in outline.text
+    assert "Of these 46 errors" in outline.text
+    assert "more than a tenth in 0, and smaller by more than a tenth in 46." in outline.text
     assert "creep worse at 0.1 mm/s, 0.3 mm/s, 1 mm/s, 2 mm/s." in outline.text
     runs = {
         motion: {**of, "without": of["learned"], "learned": of["without"]}
