@@ -59,7 +59,7 @@ KNOWN: Mapping[str, Known] = {
         "ends at it",
     ),
     "tau_i": Known(
-        "lag of the current loop",
+        "current lag",
         1e3,
         "ms",
         "tau_i",
@@ -179,10 +179,10 @@ def _wrong(varied: pd.DataFrame) -> Html:
     units = [join([parameter(name), f" [{parameter_unit(name)}]"]) for name in ("m", "b", "F_c")]
     metrics = join(METRICS.values(), ", ")
     reductions = [join([f"{region.capitalize()}: ", metrics]) for region in REGIONS]
-    head = ("", "Told", *units, *reductions, "Velocity filter")
+    head = ("Told", *units, *reductions, "Velocity filter")
     return join(
         [
-            table(head, rows, "The same drive, told something wrong", (0, 1)),
+            table(head, rows, "The same drive, told something wrong"),
             element(
                 "p",
                 "Identified values, and the reductions of Table 4 (measured) with the identified "
@@ -199,10 +199,12 @@ def _wrong(varied: pd.DataFrame) -> Html:
 
 def _row(case: Mapping[Hashable, Any]) -> tuple[str, ...]:
     known = KNOWN.get(case["quantity"])
-    told = f"{number(known.factor * case['value'])} {known.unit}" if known else "–"
+    said = "all as above"
+    if known:
+        told = f"{number(known.factor * case['value'])} {known.unit}"
+        said = f"{known.said} × {number(case['factor'])} = {told}"
     if case["error"]:
-        told = element("span", f"{told}: {_first_words(case['error'])}", class_="prose")
-    said = f"{known.said} × {number(case['factor'])}" if known else "all as above"
+        said = element("span", f"{said}: {_first_words(case['error'])}", class_="prose")
 
     def cell(show: Callable[[float], str], *keys: str) -> str:
         if any(pd.isna(case[key]) for key in keys):
@@ -211,7 +213,6 @@ def _row(case: Mapping[Hashable, Any]) -> tuple[str, ...]:
 
     return (
         said,
-        told,
         *(cell(lambda found: number(found, 5), name) for name in ("m", "b", "F_c")),
         *(cell(percent, *(f"{region}_{metric}" for metric in METRICS)) for region in REGIONS),
         cell(percent, "filtered"),

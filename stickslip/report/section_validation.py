@@ -15,7 +15,7 @@ from stickslip.reproduction import Reproduction
 from stickslip.setup import REGION, VALIDATION
 from stickslip.validation import Validation
 
-SAID = {"measured": "measured (“Without” is calibrated)", "true": "true"}
+SAID = {"measured": "measured; calibrated", "true": "true"}
 
 
 def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:

@@ -21,7 +21,7 @@ def training_cost(reproduction: Reproduction) -> Html:
         ("identified parameters", reproduction.cost_of_identified),
         ("best candidate", reproduction.algorithm.best.cost),
         (final, reproduction.learned.cost),
-        ("real stage (paper), after 100 generations, as read below", PAPER_COST),
+        ("real stage (paper), as read below", PAPER_COST),
     ]
     rows = [
         (
