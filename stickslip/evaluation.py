@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,9 @@ from stickslip.loop import Feed
 from stickslip.motions import MOTIONS, Motion
 from stickslip.rig import Rig
 from stickslip.validation import Run, covered, run_command, run_compensators, velocity_errors
+
+Key = tuple[str, int]
+"""The name of an entry, and which of its compensators."""
 
 KEYS = ["motion", "region", "velocity", "metric", "unit"]
 """The columns of ``Evaluation.table`` before those of the entries."""
@@ -26,10 +29,12 @@ class Entry:
     ----------
     loop : the velocity loop
     compensator : its parameters by name, None for no compensation
+    others : of further seeds; of the errors with them and with ``compensator`` the median counts
     """
 
     loop: VelocityLoop
     compensator: Mapping[str, float] | None = None
+    others: Sequence[Mapping[str, float]] = ()
 
 
 @dataclass(frozen=True)
@@ -39,11 +44,13 @@ class Evaluation:
     Attributes
     ----------
     motions : in the order in which they are shown
-    runs : by name of the motion, then of the entry
+    runs : by name of the motion, then of the entry; of its ``compensator``
+    others : the runs of ``Entry.others``, likewise
     """
 
     motions: tuple[Motion, ...]
     runs: Mapping[str, Mapping[str, Run]]
+    others: Mapping[str, Mapping[str, Sequence[Run]]] = field(default_factory=dict)
 
     def table(self) -> pd.DataFrame:
         """Return the errors, a row each and a column for each entry.
@@ -56,7 +63,9 @@ class Evaluation:
         for name in next(iter(self.runs.values())):
             errors = {}
             for motion in self.motions:
-                errors.update(_errors(self.runs[motion.name][name], motion))
+                others = self.others.get(motion.name, {}).get(name, ())
+                each = [_errors(run, motion) for run in (self.runs[motion.name][name], *others)]
+                errors.update(pd.DataFrame(each).median().to_dict())
             columns.append(pd.Series(errors, name=name))
         return pd.concat(columns, axis=1).rename_axis(index=KEYS).reset_index()
 
@@ -68,11 +77,25 @@ def evaluate(
     motions: Sequence[Motion] = MOTIONS,
 ) -> Evaluation:
     """Run each motion with each entry. This judges; it may see the truth."""
-    runs = {motion.name: _runs(rig, entries, feed, motion) for motion in motions}
-    return Evaluation(tuple(motions), runs)
+    further = {
+        (name, place): Entry(entry.loop, values)
+        for name, entry in entries.items()
+        for place, values in enumerate(entry.others)
+    }
+    runs: dict[str, Mapping[str, Run]] = {}
+    others: dict[str, Mapping[str, Sequence[Run]]] = {}
+    for motion in motions:
+        done = _runs(
+            rig, {**{(name, -1): e for name, e in entries.items()}, **further}, feed, motion
+        )
+        runs[motion.name] = {name: done[name, -1] for name in entries}
+        others[motion.name] = {
+            name: [done[key] for key in further if key[0] == name] for name in entries
+        }
+    return Evaluation(tuple(motions), runs, others)
 
 
-def _runs(rig: Rig, entries: Mapping[str, Entry], feed: Feed, motion: Motion) -> dict[str, Run]:
+def _runs(rig: Rig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion) -> dict[Key, Run]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
     v_cmd = motion.command.sample(rig.samples(motion.duration))
     runs = {
@@ -80,7 +103,7 @@ def _runs(rig: Rig, entries: Mapping[str, Entry], feed: Feed, motion: Motion) ->
         for name, entry in entries.items()
         if entry.compensator is None
     }
-    alike: dict[int, dict[str, Mapping[str, float]]] = {}
+    alike: dict[int, dict[Key, Mapping[str, float]]] = {}
     for name, entry in entries.items():
         if entry.compensator is not None:
             alike.setdefault(id(entry.loop), {})[name] = entry.compensator

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import pandas as pd
+
 import models
 from stickslip.validation import Validation
 
@@ -19,10 +21,12 @@ class Extras:
     Attributes
     ----------
     validation : None where identification or learning failed
+    table4 : with a column for each step
     reason : why they failed
     """
 
     validation: Validation | None
+    table4: pd.DataFrame | None = None
     reason: str = ""
 
 

@@ -28,11 +28,13 @@ class MotionStudy:
 
     Attributes
     ----------
+    loops : of the entries by name
     evaluation : of the entries, and after them of ``WEAK_ENTRIES``
     sensitivity : what ``stickslip.sensitivity.sensitivity`` returns
     weak : the weak loop
     """
 
+    loops: Mapping[str, VelocityLoop]
     evaluation: Evaluation
     sensitivity: pd.DataFrame
     weak: VelocityLoop
@@ -63,7 +65,8 @@ def study_motions(
     weak = weakened(loop)
     weak_entries = dict(zip(WEAK_ENTRIES, (Entry(weak), Entry(weak, exact)), strict=True))
     evaluation = evaluate(rig, {**entries, **weak_entries}, feed)
-    return MotionStudy(evaluation, sensitivity(rig, loop, exact, feed), weak)
+    loops = {name: entry.loop for name, entry in entries.items()}
+    return MotionStudy(loops, evaluation, sensitivity(rig, loop, exact, feed), weak)
 
 
 def weakened(loop: VelocityLoop) -> VelocityLoop:

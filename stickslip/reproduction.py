@@ -22,10 +22,12 @@ from stickslip.identification import Identification, identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
 from stickslip.motion_study import MotionStudy
+from stickslip.published import WholeStudy
 from stickslip.refinement import Refinement, refine
 from stickslip.rig import Rig
 from stickslip.second_opinion import SecondOpinion
 from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
+from stickslip.steps import with_steps
 from stickslip.tables import table2
 from stickslip.validation import Validation, validate
 
@@ -40,6 +42,7 @@ class Options:
     preset : how to learn, a name in ``ga.ALGORITHMS``
     feed : what drives the compensator
     published_seeds : how many seeds learn as published
+    complete : take all steps: learn as published and from one recording, too
     """
 
     truth: Mapping[str, float] = field(default_factory=dict)
@@ -47,6 +50,7 @@ class Options:
     preset: str = "default"
     feed: Feed = "nominal"
     published_seeds: int = 20
+    complete: bool = False
 
     @property
     def refined(self) -> bool:
@@ -76,7 +80,8 @@ class Reproduction:
     extras : the same on the drive with all effects on, if that was asked for
     beforehand : what ``vary_datasheet`` found, if that was asked for
     opinion : what FMPy makes of the compensator, once its FMU is written
-    motions : the motions that are slower and shorter than the trapezoid, once they were run
+    motions : all motions with each step, once they were run
+    published : the learning as published, where that was asked for
     """
 
     options: Options
@@ -91,6 +96,7 @@ class Reproduction:
     beforehand: pd.DataFrame | None = None
     opinion: SecondOpinion | None = None
     motions: MotionStudy | None = None
+    published: WholeStudy | None = None
 
     @property
     def cost_of_identified(self) -> float:
@@ -100,6 +106,11 @@ class Reproduction:
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
         return table2(self.identification, self.learned, self.truth)
+
+    def table4(self) -> pd.DataFrame:
+        """Return Table 4, with a column for each step once all motions were run."""
+        table = self.validation.table()
+        return with_steps(table, self.motions.evaluation.table()) if self.motions else table
 
 
 def drive_truth(changes: Mapping[str, float]) -> dict[str, float]:

@@ -14,6 +14,7 @@ import models
 from cosim.control import VelocityLoop
 from stickslip.default_input import pack_input
 from stickslip.learned import learned_document
+from stickslip.published.whole import TABLES
 from stickslip.report import FILES as REPORT
 from stickslip.report import write_report
 from stickslip.reproduction import Options, Reproduction
@@ -22,9 +23,12 @@ from stickslip.second_opinion import SecondOpinion, second_opinion
 from stickslip.setup import TRAINING, VALIDATION
 from toolchain import write_whole
 
+PREFIX = "as_published_"
+"""Of the tables of the learning as published."""
 FILES = (
     *("table2.csv", "table4.csv", "table4_all_extras.csv", "motions.csv", "sensitivity.csv"),
     *("datasheet.csv", "fitness.csv", "learned.json", "compensator.fmu", "loop.ssp"),
+    *(f"{PREFIX}{name}.csv" for name in TABLES),
     *REPORT,
 )
 """What ``write_results`` writes."""
@@ -42,10 +46,12 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     """
     with staged(folder, command_of(reproduction.options)) as desk:
         write_table(reproduction.table2(), desk / "table2.csv")
-        write_table(reproduction.validation.table(), desk / "table4.csv")
-        if reproduction.extras and reproduction.extras.validation:
-            extras = reproduction.extras.validation.table()
-            write_table(extras, desk / "table4_all_extras.csv")
+        write_table(reproduction.table4(), desk / "table4.csv")
+        if reproduction.extras and reproduction.extras.table4 is not None:
+            write_table(reproduction.extras.table4, desk / "table4_all_extras.csv")
+        if reproduction.published:
+            for name, table in reproduction.published.tables().items():
+                write_table(table, desk / f"{PREFIX}{name}.csv")
         if reproduction.beforehand is not None:
             write_table(reproduction.beforehand, desk / "datasheet.csv")
         if reproduction.motions:

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import ga
+from cosim.control import VelocityLoop
 from stickslip.beforehand import vary_datasheet
-from stickslip.evaluation import Entry
+from stickslip.evaluation import evaluate
 from stickslip.execution import Execution
 from stickslip.extras import Extras, all_effects
-from stickslip.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED, study_motions
-from stickslip.parameters import LUGRE
+from stickslip.motion_study import study_motions
+from stickslip.published import learn_as_published, study_as_published
+from stickslip.published.study import Method
+from stickslip.record_mode import learn_from_recording
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
 from stickslip.rig import Rig
 from stickslip.setup import LOOP, Datasheet
+from stickslip.steps import TRAPEZOID, steps, with_steps
 from toolchain import Fault
+
+SEEDS_OF_READINGS = 2
+"""How many seeds learn under each other reading of the paper, in a complete reproduction."""
+SHARE_WITH_EXTRAS = 4
+"""One of so many seeds also learns as published on the drive with all effects on."""
 
 
 def with_studies(
-    reproduction: Reproduction, fmus: Path, progress: Progress, execution: Execution
+    reproduction: Reproduction,
+    fmus: Path,
+    progress: Progress,
+    execution: Execution,
 ) -> Reproduction:
     """Return a reproduction with what is compared with it.
 
@@ -28,50 +41,80 @@ def with_studies(
     fmus : folder of its FMUs
     execution : its checkpoint is left as it is
     """
-    options = reproduction.options
-    extras = reproduce_with_extras(options, fmus / "extras", progress, execution)
+    options, found = reproduction.options, reproduction.identification
+    own = replace(execution, checkpoint=None, resume=False)
+    seeds = range(options.seed, options.seed + options.published_seeds)
+    extras = _with_extras(
+        options, fmus / "extras", progress, own, seeds if options.complete else ()
+    )
     progress.stage("varying what is known beforehand")
     beforehand = vary_datasheet(fmus, options.feed, execution.workers)
-    progress.stage("slow motions")
-    return with_motions(replace(reproduction, extras=extras, beforehand=beforehand), fmus)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    study = recorded = None
+    if options.complete:
+        study = study_as_published(
+            rig,
+            found,
+            seeds,
+            reading_seeds=SEEDS_OF_READINGS,
+            feed=options.feed,
+            workers=own.workers,
+            on_stage=progress.stage,
+        )
+        recorded = _recorded(rig, options, progress, own)
+    progress.stage("all motions")
+    published = study.published if study else None
+    entries = steps(found, reproduction.learned.values, published, recorded)
+    motions = study_motions(rig, entries, found.loop, reproduction.truth, options.feed)
+    return replace(
+        reproduction, extras=extras, beforehand=beforehand, published=study, motions=motions
+    )
 
 
-def with_motions(reproduction: Reproduction, fmus: Path) -> Reproduction:
-    """Return a reproduction with what its compensators do in slow and short motions.
+def _recorded(
+    rig: Rig, options: Options, progress: Progress, execution: Execution
+) -> tuple[VelocityLoop, VelocityLoop, dict[str, float]]:
+    """Return both loops and the parameters that one recording of the drive gives."""
+    learned = learn_from_recording(rig, options, progress, execution)
+    return learned.plain, learned.loop, learned.estimation.compensator
+
+
+def _with_extras(
+    options: Options,
+    fmus: Path,
+    progress: Progress,
+    execution: Execution,
+    seeds: Sequence[int],
+) -> Extras:
+    """Take all steps on the drive with all effects on; ``fmus`` is made.
 
     Parameters
     ----------
-    fmus : folder of its FMUs
+    seeds : of the learning as published, of which some are taken; none leaves out this and the
+        learning from one recording
     """
-    found = reproduction.identification
-    entries = {
-        UNCOMPENSATED: Entry(found.loop),
-        IDENTIFIED: Entry(found.loop, {name: found.estimates[name].value for name in LUGRE}),
-        LEARNED: Entry(found.loop, reproduction.learned.values),
-    }
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
-    options, truth = reproduction.options, reproduction.truth
-    motions = study_motions(rig, entries, found.loop, truth, options.feed)
-    return replace(reproduction, motions=motions)
-
-
-def reproduce_with_extras(
-    options: Options, fmus: Path, progress: Progress, execution: Execution
-) -> Extras:
-    """Identify, learn and validate on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
+    options = replace(options, truth={**options.truth, **all_effects()})
+    stages = _Named(progress)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    published = recorded = None
     try:
-        found = reproduce(
-            replace(options, truth={**options.truth, **all_effects()}),
-            fmus,
-            _Named(progress),
-            replace(execution, checkpoint=None, resume=False),
-        )
+        found = reproduce(options, fmus, stages, execution)
+        identified = found.identification
+        if seeds:
+            some = seeds[: max(1, len(seeds) // SHARE_WITH_EXTRAS)]
+            stages.stage(f"learning as published, {len(some)} seeds")
+            method = Method(feed=options.feed)
+            loop, estimates = identified.loop, identified.estimates
+            published = learn_as_published(rig, loop, estimates, some, method, execution.workers)
+            recorded = _recorded(rig, options, stages, execution)
     except ga.Interrupted:  # its message is that of a search without a checkpoint
         raise KeyboardInterrupt from None
     except Fault as fault:
-        return Extras(None, str(fault))
-    return Extras(found.validation)
+        return Extras(None, reason=str(fault))
+    entries = steps(identified, found.learned.values, published, recorded)
+    table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
+    return Extras(found.validation, with_steps(found.validation.table(), table))
 
 
 @dataclass(frozen=True)

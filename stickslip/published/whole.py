@@ -18,6 +18,9 @@ from stickslip.published.readings import (
 from stickslip.published.study import Method, Published, learn_as_published
 from stickslip.rig import Rig
 
+TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation")
+"""The names of the study's tables, as which they are written."""
+
 
 @dataclass(frozen=True)
 class WholeStudy:
@@ -31,6 +34,12 @@ class WholeStudy:
 
     published: Published
     readings: pd.DataFrame
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return all tables by the names of ``TABLES``."""
+        published = self.published
+        found = (published.fitness(), published.table4(), published.learned())
+        return dict(zip(TABLES, (*found, self.readings, self.evaluations), strict=True))
 
     @property
     def evaluations(self) -> pd.DataFrame:

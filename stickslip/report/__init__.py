@@ -12,6 +12,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stickslip.report import (
+    as_published_pictures,
     fig2,
     fig3,
     fig4,
@@ -21,6 +22,7 @@ from stickslip.report import (
     identification_friction,
     identification_inertia,
     identification_presliding,
+    steps_picture,
 )
 from stickslip.report.page import page
 from stickslip.report.picture import Drawing, Picture, picture_files
@@ -35,12 +37,22 @@ FIGURES: dict[str, Drawing] = {
     "fig4_flow": fig4.draw,
     "fig5_fitness": fig5.draw,
     "fig6_tracking": fig6.draw,
+    "steps": steps_picture.draw,
     "motions": fig_motions.draw,
+    "fig5_as_published": as_published_pictures.draw_fitness,
+    "as_published": as_published_pictures.draw_outcomes,
     "identification_inertia": identification_inertia.draw,
     "identification_friction": identification_friction.draw,
     "identification_presliding": identification_presliding.draw,
 }
 """The figures by the name of their files."""
+NEEDS = {
+    "steps": "motions",
+    "motions": "motions",
+    "fig5_as_published": "published",
+    "as_published": "published",
+}
+"""What of a reproduction a figure needs, where it is not always there."""
 FILES = ("report.html", *picture_files(FIGURES))
 """What ``write_report`` writes."""
 
@@ -62,12 +74,11 @@ def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:
     OSError
         When the folder cannot be written.
     """
-    drawn = {
-        name: draw
+    pictures = {
+        name: Picture.of(draw, reproduction)
         for name, draw in FIGURES.items()
-        if reproduction.motions or draw is not fig_motions.draw
+        if getattr(reproduction, NEEDS.get(name, "options")) is not None
     }
-    pictures = {name: Picture.of(draw, reproduction) for name, draw in drawn.items()}
     written = []
     for name, picture in pictures.items():
         written.append(write_whole(folder / f"{name}.png", picture.png))

@@ -23,6 +23,7 @@ from stickslip.report.style import (
     name_panel,
     new_figure,
 )
+from stickslip.reproduction import Reproduction
 from stickslip.validation import METRICS, PAPER_TABLE4
 
 SYMBOLS = {
@@ -36,8 +37,20 @@ _LABELS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
 BAND = "#9dbbd6"
 
 
-def draw_fitness(published: Published) -> Figure:
+def draw_fitness(reproduction: Reproduction) -> Figure:
     """Draw Fig. 5: the best cost of every seed as a band, and where the paper ends."""
+    assert reproduction.published is not None  # noqa: S101 - it is drawn where that was made
+    return draw_band(reproduction.published.published)
+
+
+def draw_outcomes(reproduction: Reproduction) -> Figure:
+    """Draw the learned values and the errors of Table 4 of every seed."""
+    assert reproduction.published is not None  # noqa: S101 - it is drawn where that was made
+    return draw_seeds(reproduction.published.published, reproduction.truth)
+
+
+def draw_band(published: Published) -> Figure:
+    """Draw Fig. 5 of a study."""
     table = published.fitness()
     best = table.pivot_table(index="generation", columns="seed", values="best_cost")
     generation = best.index.to_numpy(dtype=float)
@@ -64,8 +77,8 @@ def draw_fitness(published: Published) -> Figure:
     return figure
 
 
-def draw_outcomes(published: Published, drive: Mapping[str, float]) -> Figure:
-    """Draw the learned values and the errors of Table 4 of every seed.
+def draw_seeds(published: Published, drive: Mapping[str, float]) -> Figure:
+    """Draw the learned values and the errors of a study.
 
     Parameters
     ----------

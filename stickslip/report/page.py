@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stickslip.report import (
+    section_as_published,
     section_design,
     section_identification,
     section_learning,
     section_motions,
     section_result,
+    section_steps,
     section_use,
     section_validation,
 )
@@ -34,6 +36,8 @@ def page(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> str:
         section_identification,
         section_learning,
         section_validation,
+        section_steps,
+        section_as_published,
         section_motions,
         section_use,
     )

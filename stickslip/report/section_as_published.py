@@ -12,14 +12,16 @@ from stickslip.parameters import LUGRE
 from stickslip.published.readings import ERRORS, summary, worse
 from stickslip.published.study import PAPER_COST, Published
 from stickslip.published.whole import WholeStudy
+from stickslip.report.as_published_pictures import draw_band, draw_seeds
 from stickslip.report.markup import Html, element, join, paragraph, symbol, table
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import number, percent
 from stickslip.report.shown import METRICS, figure, parameter, parameter_unit, parameter_value
+from stickslip.reproduction import Reproduction
 from stickslip.setup import LOOP, TRAINING
 from stickslip.validation import PAPER_TABLE4
 
-PICTURES = ("fig5_as_published", "as_published")
+FIG5, OUTCOMES = PICTURES = ("fig5_as_published", "as_published")
 """Names of the pictures that the section shows."""
 
 RMS = ("start_E_rms", "reverse_E_rms")
@@ -31,15 +33,34 @@ _HEADS = {
 }
 
 
-def write(study: WholeStudy, pictures: Mapping[str, Picture]) -> Html:
-    """Return the section."""
+def draw(published: Published, drive: Mapping[str, float]) -> dict[str, Picture]:
+    """Draw what the section shows.
+
+    Parameters
+    ----------
+    drive : the drive's true parameters by name, SI units
+    """
+    return {
+        FIG5: Picture.of(draw_band, published),
+        OUTCOMES: Picture.of(draw_seeds, published, drive),
+    }
+
+
+def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
+    """Return the section, nothing where the study was not made."""
+    study = reproduction.published
+    return describe(study, pictures) if study else Html()
+
+
+def describe(study: WholeStudy, pictures: Mapping[str, Picture]) -> Html:
+    """Return it for a study of its own."""
     published = study.published
     return element(
         "section",
         element("h2", "The learning as published"),
         _method(published),
         figure(
-            pictures["fig5_as_published"],
+            pictures[FIG5],
             "Best cost over the generations, a band over seeds",
             join(
                 [
@@ -56,7 +77,7 @@ def write(study: WholeStudy, pictures: Mapping[str, Picture]) -> Html:
         ),
         _course(published),
         figure(
-            pictures["as_published"],
+            pictures[OUTCOMES],
             "Learned parameters and errors on the trapezoid, a dot for each seed",
             "What each seed started from and what it learned: (a) parameters relative to those of "
             "the simulated drive, which are the paper’s Table 2 unless they were changed; (b) the "

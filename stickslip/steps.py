@@ -1,0 +1,74 @@
+"""What each step brings: one drive, controlled in every way that a reproduction knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from cosim.control import VelocityLoop
+from stickslip.evaluation import Entry
+from stickslip.identification import Identification
+from stickslip.motion_study import LEARNED, UNCOMPENSATED
+from stickslip.motions import MOTIONS
+from stickslip.parameters import LUGRE
+from stickslip.plain_pi import tuned_pi
+from stickslip.published import Published
+
+TRAPEZOID = MOTIONS[0]
+
+STEPS = {
+    UNCOMPENSATED: "no compensation",
+    "tuned_pi": "PI tuned, no compensation",
+    "identified": "identified only",
+    "as_published": "as published",
+    LEARNED: "default",
+    "one_recording": "one recording",
+    "velocity_filter": "one recording, velocity filter",
+}
+"""The steps by the names of their columns, in the order in which they are shown."""
+
+
+def steps(
+    identification: Identification,
+    learned: Mapping[str, float],
+    published: Published | None = None,
+    recorded: tuple[VelocityLoop, VelocityLoop, Mapping[str, float]] | None = None,
+) -> dict[str, Entry]:
+    """Return the steps that there are, in the order of ``STEPS``.
+
+    Parameters
+    ----------
+    learned : parameters of the default
+    recorded : the paper's loop, the loop with velocity filter, and the parameters that one
+        recording gave
+    """
+    loop = identification.loop
+    identified = {name: identification.estimates[name].value for name in LUGRE}
+    found = {
+        UNCOMPENSATED: Entry(loop),
+        "tuned_pi": Entry(tuned_pi(loop)),
+        "identified": Entry(loop, identified),
+        LEARNED: Entry(loop, learned),
+    }
+    if published is not None:
+        first, *others = (one.learned for one in published.seeds)
+        found["as_published"] = Entry(loop, first, others)
+    if recorded is not None:
+        plain, filtered, compensator = recorded
+        found["one_recording"] = Entry(plain, compensator)
+        found["velocity_filter"] = Entry(filtered, compensator)
+    return {name: found[name] for name in STEPS if name in found}
+
+
+def with_steps(table4: pd.DataFrame, motions: pd.DataFrame) -> pd.DataFrame:
+    """Return Table 4 with a column [mm/s] for each step that it has not yet.
+
+    Parameters
+    ----------
+    motions : what ``Evaluation.table`` returns
+    """
+    keys = ["velocity", "region", "metric"]
+    rows = motions[motions["motion"] == TRAPEZOID.name]
+    more = [name for name in STEPS if name in rows and name not in (UNCOMPENSATED, LEARNED)]
+    return table4.merge(rows[[*keys, *more]], on=keys, how="left", validate="one_to_one")
