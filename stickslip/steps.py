@@ -9,7 +9,7 @@ import pandas as pd
 from cosim.control import VelocityLoop
 from stickslip.evaluation import Entry
 from stickslip.identification import Identification
-from stickslip.motion_study import LEARNED, UNCOMPENSATED
+from stickslip.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.motions import MOTIONS
 from stickslip.parameters import LUGRE
 from stickslip.plain_pi import tuned_pi
@@ -18,37 +18,38 @@ from stickslip.published import Published
 TRAPEZOID = MOTIONS[0]
 
 STEPS = {
-    UNCOMPENSATED: "no compensation",
-    "tuned_pi": "PI tuned, no compensation",
-    "identified": "identified only",
+    UNCOMPENSATED: "none",
+    "tuned_pi": "tuned PI alone",
+    IDENTIFIED: "identified",
     "as_published": "as published",
     LEARNED: "default",
     "one_recording": "one recording",
-    "velocity_filter": "one recording, velocity filter",
+    "velocity_filter": "and filter",
 }
 """The steps by the names of their columns, in the order in which they are shown."""
+
+Recorded = tuple[VelocityLoop, VelocityLoop, Mapping[str, float]]
+"""What one recording gave: the paper's loop, that with velocity filter, and the parameters."""
 
 
 def steps(
     identification: Identification,
     learned: Mapping[str, float],
     published: Published | None = None,
-    recorded: tuple[VelocityLoop, VelocityLoop, Mapping[str, float]] | None = None,
+    recorded: Recorded | None = None,
 ) -> dict[str, Entry]:
     """Return the steps that there are, in the order of ``STEPS``.
 
     Parameters
     ----------
     learned : parameters of the default
-    recorded : the paper's loop, the loop with velocity filter, and the parameters that one
-        recording gave
     """
     loop = identification.loop
     identified = {name: identification.estimates[name].value for name in LUGRE}
     found = {
         UNCOMPENSATED: Entry(loop),
         "tuned_pi": Entry(tuned_pi(loop)),
-        "identified": Entry(loop, identified),
+        IDENTIFIED: Entry(loop, identified),
         LEARNED: Entry(loop, learned),
     }
     if published is not None:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import pandas as pd
+
 import ga
-from cosim.control import VelocityLoop
 from stickslip.beforehand import vary_datasheet
 from stickslip.evaluation import evaluate
 from stickslip.execution import Execution
@@ -19,7 +20,7 @@ from stickslip.record_mode import learn_from_recording
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
 from stickslip.rig import Rig
 from stickslip.setup import LOOP, Datasheet
-from stickslip.steps import TRAPEZOID, steps, with_steps
+from stickslip.steps import TRAPEZOID, Recorded, steps, with_steps
 from toolchain import Fault
 
 SEEDS_OF_READINGS = 2
@@ -43,10 +44,9 @@ def with_studies(
     """
     options, found = reproduction.options, reproduction.identification
     own = replace(execution, checkpoint=None, resume=False)
-    seeds = range(options.seed, options.seed + options.published_seeds)
-    extras = _with_extras(
-        options, fmus / "extras", progress, own, seeds if options.complete else ()
-    )
+    count = options.published_seeds if options.complete else 0
+    seeds = range(options.seed, options.seed + count)
+    extras = reproduce_with_extras(options, fmus / "extras", progress, own, seeds)
     progress.stage("varying what is known beforehand")
     beforehand = vary_datasheet(fmus, options.feed, execution.workers)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
@@ -63,58 +63,81 @@ def with_studies(
         )
         recorded = _recorded(rig, options, progress, own)
     progress.stage("all motions")
-    published = study.published if study else None
+    studied = replace(reproduction, extras=extras, beforehand=beforehand, published=study)
+    return with_motions(studied, fmus, recorded)
+
+
+def with_motions(
+    reproduction: Reproduction, fmus: Path, recorded: Recorded | None = None
+) -> Reproduction:
+    """Return a reproduction with what each of its steps does in all motions.
+
+    Parameters
+    ----------
+    fmus : folder of its FMUs
+    recorded : what one recording gave, see ``steps``
+    """
+    found, options = reproduction.identification, reproduction.options
+    published = reproduction.published.published if reproduction.published else None
     entries = steps(found, reproduction.learned.values, published, recorded)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
     motions = study_motions(rig, entries, found.loop, reproduction.truth, options.feed)
-    return replace(
-        reproduction, extras=extras, beforehand=beforehand, published=study, motions=motions
-    )
+    return replace(reproduction, motions=motions)
 
 
-def _recorded(
-    rig: Rig, options: Options, progress: Progress, execution: Execution
-) -> tuple[VelocityLoop, VelocityLoop, dict[str, float]]:
+def _recorded(rig: Rig, options: Options, progress: Progress, execution: Execution) -> Recorded:
     """Return both loops and the parameters that one recording of the drive gives."""
     learned = learn_from_recording(rig, options, progress, execution)
     return learned.plain, learned.loop, learned.estimation.compensator
 
 
-def _with_extras(
-    options: Options,
-    fmus: Path,
-    progress: Progress,
-    execution: Execution,
-    seeds: Sequence[int],
+def reproduce_with_extras(
+    options: Options, fmus: Path, progress: Progress, execution: Execution, seeds: Sequence[int]
 ) -> Extras:
     """Take all steps on the drive with all effects on; ``fmus`` is made.
 
     Parameters
     ----------
-    seeds : of the learning as published, of which some are taken; none leaves out this and the
-        learning from one recording
+    seeds : see ``step_by_step``
     """
     fmus.mkdir()
-    options = replace(options, truth={**options.truth, **all_effects()})
     stages = _Named(progress)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
-    published = recorded = None
+    options = replace(options, truth={**options.truth, **all_effects()})
     try:
         found = reproduce(options, fmus, stages, execution)
-        identified = found.identification
-        if seeds:
-            some = seeds[: max(1, len(seeds) // SHARE_WITH_EXTRAS)]
-            stages.stage(f"learning as published, {len(some)} seeds")
-            method = Method(feed=options.feed)
-            loop, estimates = identified.loop, identified.estimates
-            published = learn_as_published(rig, loop, estimates, some, method, execution.workers)
-            recorded = _recorded(rig, options, stages, execution)
+        return Extras(found.validation, step_by_step(found, fmus, stages, execution, seeds))
     except ga.Interrupted:  # its message is that of a search without a checkpoint
         raise KeyboardInterrupt from None
     except Fault as fault:
         return Extras(None, reason=str(fault))
+
+
+def step_by_step(
+    found: Reproduction,
+    fmus: Path,
+    progress: Progress,
+    execution: Execution,
+    seeds: Sequence[int],
+) -> pd.DataFrame:
+    """Return Table 4 of a reproduction with a column for each step.
+
+    Parameters
+    ----------
+    seeds : of the learning as published, of which some are taken; without any, this and the
+        learning from one recording are left out
+    """
+    rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
+    identified, published, recorded = found.identification, None, None
+    if seeds:
+        some = seeds[: max(1, len(seeds) // SHARE_WITH_EXTRAS)]
+        progress.stage(f"learning as published, {len(some)} seeds")
+        loop, estimates = identified.loop, identified.estimates
+        method = Method(feed=options.feed)
+        published = learn_as_published(rig, loop, estimates, some, method, execution.workers)
+        recorded = _recorded(rig, options, progress, execution)
     entries = steps(identified, found.learned.values, published, recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
-    return Extras(found.validation, with_steps(found.validation.table(), table))
+    return with_steps(found.validation.table(), table)
 
 
 @dataclass(frozen=True)

@@ -178,7 +178,7 @@ def _learned(published: Published) -> Html:
             table(head, rows, "Learned values as published, over seeds", (0, 5)),
             element(
                 "p",
-                "“At start” counts the seeds whose value is within 2 % of where it began. Mutation "
+                "“At start” counts the seeds whose value differs from its start by less than 2 %. Mutation "
                 "draws a new value anywhere from 0.1 to 100 times the start, so 99 of 100 draws "
                 "lie above twice the start, and a parameter that the cost punishes rarely moves.",
                 class_="quiet",

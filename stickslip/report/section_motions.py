@@ -15,6 +15,7 @@ from stickslip.report.shown import METRICS, figure, parameter
 from stickslip.reproduction import Reproduction
 from stickslip.sensitivity import SEEN, by_motion, unseen
 from stickslip.setup import REGION, VALIDATION
+from stickslip.steps import STEPS
 from stickslip.validation import reduction
 
 TRAPEZOID, CREEP = MOTIONS[0], SLOW_MOTIONS[1]
@@ -93,10 +94,10 @@ def _errors(study: MotionStudy, motion: str, frame: pd.DataFrame) -> Html:
         for _, errors in groups
         for row in errors.to_dict("records")
     ]
-    head = ("", "", "Unit", *(name.capitalize() for name in study.names), "Reduction")
+    head = ("", "", "Unit", *(STEPS[name].capitalize() for name in study.names), "Reduction")
     caption = (
         f"{motion.capitalize()}: tracking errors of the simulated drive; the reduction (9) is that "
-        f"of the column “{LEARNED}”"
+        f"of the column “{STEPS[LEARNED]}”"
     )
     return table(head, rows, caption, (0, 1, 2))
 

@@ -28,12 +28,11 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
     parts = [
         element("h2", "What each step brings"),
         paragraph(
-            "The same drive, controlled step by step: the paper’s loop without compensation; a PI "
-            "controller alone, its gains tuned against friction at the same peak sensitivity; a "
-            "compensator with the identified parameters; one learned as published from coarse "
-            "starts (median over seeds); the default; and one learned from a single recording, in "
-            "the same loop and with velocity filter and feedforward of inertia. Steps that this "
-            "run did not take are left out.",
+            "The same drive, controlled step by step: the paper’s loop without compensation "
+            "(none); a PI controller alone, its gains tuned against friction at the same peak "
+            "sensitivity; a compensator with the identified parameters; one learned as published "
+            "from coarse starts (median over seeds); the default; one learned from a single "
+            "recording; and the same with velocity filter and feedforward of inertia (and filter).",
         ),
         figure(
             pictures["steps"],

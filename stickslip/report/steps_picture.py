@@ -26,7 +26,7 @@ def draw(reproduction: Reproduction) -> Figure:
     drives = {"Simulated drive": reproduction.table4()}
     if reproduction.extras and reproduction.extras.table4 is not None:
         drives["Simulated drive, all extras on"] = reproduction.extras.table4
-    figure = new_figure(PAGE, 84.0)
+    figure = new_figure(PAGE, 78.0)
     panels = figure.subplots(1, len(drives), sharey=True, squeeze=False)[0]
     for axes, letter, (name, table) in zip(panels, "abc", drives.items(), strict=False):
         _panel(axes, table)
@@ -49,13 +49,9 @@ def _panel(axes: Axes, table: pd.DataFrame) -> None:
             x, [row[name] for name in names], marker, ls="none", ms=4.5, mec=edge, mfc=face,
             mew=0.9, label=label,
         )  # fmt: skip
-    low, high = (min if which else max for which in (True, False))
-    for place, colour, label in ((0, GREY, "real stage (paper), without"), (1, INK, "…, with")):
+    for place, colour, said in ((0, GREY, "without"), (1, INK, "with")):
         values = [both[place] for both in PAPER_TABLE4.values()]
-        axes.axhspan(low(values), high(values), color=colour, alpha=0.13, lw=0, label=label)
-    axes.set_xticks(range(len(names)), [_broken(STEPS[name]) for name in names], rotation=35,
-                    ha="right", rotation_mode="anchor")  # fmt: skip
-
-
-def _broken(said: str) -> str:
-    return said.replace(", ", ",\n")
+        label = f"real stage (paper), {said}"
+        axes.axhspan(min(values), max(values), color=colour, alpha=0.13, lw=0, label=label)
+    labels = [STEPS[name] for name in names]
+    axes.set_xticks(range(len(names)), labels, rotation=35, ha="right", rotation_mode="anchor")

@@ -48,13 +48,13 @@ def test_tables_have_the_columns_that_others_rely_on(results):
     table4 = pd.read_csv(results / "table4.csv")
     assert list(table4.columns) == [
         *("velocity", "region", "metric", "without", "with", "reduction"),
-        *("paper_without", "paper_with", "paper_reduction"),
+        *("paper_without", "paper_with", "paper_reduction", "tuned_pi", "identified"),
     ]
     assert len(table4) == 8
     motions = pd.read_csv(results / "motions.csv")
-    assert list(motions.columns[:8]) == [
+    assert list(motions.columns[:9]) == [
         *("motion", "region", "velocity", "metric", "unit"),
-        *("without", "identified", "learned"),
+        *("without", "tuned_pi", "identified", "learned"),
     ]
     sensitivity = pd.read_csv(results / "sensitivity.csv")
     assert list(sensitivity.columns) == [

@@ -26,7 +26,8 @@ def run(tmp_path, quiet, monkeypatch, outcome):
     monkeypatch.setattr(studies, "reproduce", reproduce)
     execution = Execution(workers=2, checkpoint=tmp_path / "kept.json", resume=True)
     options = Options(truth={"F_c": 4.0, "dac": False}, seed=3)
-    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet, execution)
+    monkeypatch.setattr(studies, "step_by_step", lambda *_: "step by step")
+    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet, execution, ())
     return extras, *calls
 
 
@@ -34,11 +35,11 @@ def test_the_drive_with_all_extras_has_every_effect_and_the_same_options(
     tmp_path, quiet, monkeypatch
 ):
     extras, (options, fmus, execution) = run(tmp_path, quiet, monkeypatch, "validated")
-    assert (extras.validation, extras.reason) == ("validated", "")
+    assert (extras.validation, extras.table4, extras.reason) == ("validated", "step by step", "")
     booleans = {v.name for v in models.load_model("drive").variables if v.type == "boolean"}
     assert options == Options(truth={"F_c": 4.0, **dict.fromkeys(booleans, True)}, seed=3)
     assert {"asymmetric", "position_dependent", "ripple", "noise"} <= booleans
-    assert (fmus.name, execution) == ("extras", Execution(workers=2))  # no checkpoint of its own
+    assert (fmus.name, execution.workers) == ("extras", 2)
 
 
 def test_a_drive_that_cannot_be_learned_with_all_extras_is_reported(tmp_path, quiet, monkeypatch):
