@@ -9,7 +9,7 @@ def print_table4(table: pd.DataFrame) -> None:
     """Print what ``Validation.table`` returns."""
     print(
         "velocity errors in mm/s; loop, ramps and windows were calibrated so that the simulated\n"
-        "drive, measured, comes near the real stage without compensation\n"
+        "drive of Table 2, measured, comes near the real stage without compensation\n"
         "                         simulated drive              real stage (paper)\n"
         "velocity region  metric  without    with reduction    without    with reduction"
     )

@@ -15,8 +15,6 @@ from stickslip.reproduction import Reproduction
 from stickslip.setup import REGION, VALIDATION
 from stickslip.validation import Validation
 
-SAID = {"measured": "measured; calibrated", "true": "true"}
-
 
 def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
     """Return the section on validation."""
@@ -42,14 +40,15 @@ def describe(validation: Validation, tracking: Picture) -> Html:
         table(
             ("", "", "Without [mm/s]", "With [mm/s]", "Reduction"),
             _rows(frame),
-            "Table 4. Tracking errors of the simulated drive beside the real stage’s (paper)",
+            "Table 4. Tracking errors of the simulated drive, calibrated to “Without”, measured, "
+            "of the real stage (paper)",
             (0, 1),
         ),
         paragraph(
             "The paper prints no unit; mm/s is the reading that fits. It gives neither gains nor "
             "ramps, windows or filters either. They were searched so that the errors of the "
-            "simulated drive without compensation, as measured, come near those of the real stage. "
-            "That these two columns agree is therefore no evidence."
+            "simulated drive with the paper’s parameters, without compensation and as measured, "
+            "come near those of the real stage. That these agree is therefore no evidence."
         ),
         figure(
             tracking,
@@ -76,7 +75,7 @@ def _rows(frame: pd.DataFrame) -> list[tuple[Html, str, str, str, str]]:
     for (region, metric), errors in frame.groupby(["region", "metric"], sort=False):
         name = join([f"Motion {region}, ", METRICS[str(metric)]])
         for row in errors.to_dict("records"):
-            said = f"simulated drive, {SAID[row['velocity']]}"
+            said = f"simulated drive, {row['velocity']}"
             numbers = f"{row['without']:.3f}", f"{row['with']:.3f}", percent(row["reduction"])
             rows.append((name, said, *numbers))
         without, compensated, less = errors[
