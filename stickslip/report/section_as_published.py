@@ -178,9 +178,9 @@ def _learned(published: Published) -> Html:
             table(head, rows, "Learned values as published, over seeds", (0, 5)),
             element(
                 "p",
-                "“At start” counts the seeds whose value differs from its start by less than 2 %. Mutation "
-                "draws a new value anywhere from 0.1 to 100 times the start, so 99 of 100 draws "
-                "lie above twice the start, and a parameter that the cost punishes rarely moves.",
+                "“At start” counts the seeds whose value differs from its start by less than 2 %. "
+                "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "
+                "draws lie above twice the start, and a parameter that the cost punishes rarely moves.",
                 class_="quiet",
             ),
         ]
