@@ -180,7 +180,7 @@ def _learned(published: Published) -> Html:
                 "p",
                 "“At start” counts the seeds whose value differs from its start by less than 2 %. "
                 "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "
-                "draws lie above twice the start, and a parameter that the cost punishes rarely moves.",
+                "draws lie above twice the start, and what the cost punishes rarely moves.",
                 class_="quiet",
             ),
         ]
