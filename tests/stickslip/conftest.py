@@ -8,6 +8,7 @@ import pytest
 
 from cosim.control import design_velocity_loop
 from stickslip.beforehand import vary_datasheet
+from stickslip.execution import Execution
 from stickslip.extras import Extras
 from stickslip.loop import build_fmus
 from stickslip.plan import LINEAR, plan
@@ -16,7 +17,7 @@ from stickslip.reproduction import Options, Reproduction, reproduce
 from stickslip.results import write_results
 from stickslip.rig import Rig, rig_of
 from stickslip.setup import LOOP, Datasheet
-from stickslip.studies import with_motions
+from stickslip.studies import step_by_step, with_motions
 
 
 class Quiet:
@@ -41,12 +42,13 @@ def reproduction(tmp_path_factory, quiet) -> Reproduction:
 
 
 @pytest.fixture(scope="session")
-def results(reproduction, tmp_path_factory) -> Path:
+def results(reproduction, tmp_path_factory, quiet) -> Path:
     """Return a folder of results; the drive with all extras, which takes long, is the drive."""
     folder = tmp_path_factory.mktemp("results")
     fmus = reproduction.system.components["drive"].path.parent
     varied = vary_datasheet(fmus, reproduction.options.feed, factors={})
-    extras = Extras(reproduction.validation)
+    steps = step_by_step(reproduction, fmus, quiet, Execution(), ())
+    extras = Extras(reproduction.validation, steps)
     found = replace(reproduction, extras=extras, beforehand=varied)
     write_results(with_motions(found, fmus), folder)
     return folder
