@@ -18,13 +18,13 @@ from stickslip.published import Published
 TRAPEZOID = MOTIONS[0]
 
 STEPS = {
-    UNCOMPENSATED: "none",
-    "tuned_pi": "tuned PI alone",
-    IDENTIFIED: "identified",
-    "as_published": "as published",
-    LEARNED: "default",
-    "one_recording": "one recording",
-    "velocity_filter": "and filter",
+    UNCOMPENSATED: "None",
+    "tuned_pi": "Tuned PI alone",
+    IDENTIFIED: "Identified",
+    "as_published": "As published",
+    LEARNED: "Default",
+    "one_recording": "One recording",
+    "velocity_filter": "And filter",
 }
 """The steps by the names of their columns, in the order in which they are shown."""
 

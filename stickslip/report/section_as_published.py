@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.coarse import SPREAD
-from stickslip.parameters import LUGRE
+from stickslip.parameters import LUGRE, PAPER
 from stickslip.published.readings import ERRORS, summary, worse
 from stickslip.published.study import PAPER_COST, Published
 from stickslip.published.whole import WholeStudy
@@ -169,13 +169,17 @@ def _learned(published: Published) -> Html:
                 parameter_value(name, middle, 3),
                 f"{parameter_value(name, low, 3)} to {parameter_value(name, high, 3)}",
                 f"{kept} of {len(values)}",
+                parameter_value(name, PAPER[name]),
                 parameter_unit(name),
             )
         )
-    head = ("", "Coarse start, median", "Learned, median", "Middle half", "Seeds at start", "Unit")
+    head = (
+        "", "Coarse start, median", "Learned, median", "Middle half", "Seeds at start",
+        "Real stage (paper)", "Unit",
+    )  # fmt: skip
     return join(
         [
-            table(head, rows, "Learned values as published, over seeds", (0, 5)),
+            table(head, rows, "Learned values as published, over seeds", (0, 6)),
             element(
                 "p",
                 "“At start” counts the seeds whose value differs from its start by less than 2 %. "
@@ -219,17 +223,17 @@ def _readings(study: WholeStudy) -> Html:
 
 
 def _learning_table(readings: pd.DataFrame) -> Html:
+    seeds = int(readings["seeds"].min())
     rows = [
         (
             row["place"],
             element("span", f"{row['ours']} → {row['other']}", class_="prose"),
             _moved(row, "cost", lambda value: number(value, 2)),
             *(_moved(row, name, lambda value: f"{value:.2f}") for name in RMS),
-            _moved(row, "worse", lambda value: percent(value, 0)),
+            _moved(row, "worse", lambda share: f"{share * seeds:.0f}"),
         )
         for row in readings.to_dict("records")
     ]
-    seeds = int(readings["seeds"].min())
     errors = (_HEADS[name] for name in RMS)
     head = ("Place", "Our reading → another", "Final cost [m²/s²]", *errors, "Got worse")
     caption = f"Readings that learn in another way (ours → other, the same {seeds} seeds)"

@@ -94,7 +94,7 @@ def _errors(study: MotionStudy, motion: str, frame: pd.DataFrame) -> Html:
         for _, errors in groups
         for row in errors.to_dict("records")
     ]
-    head = ("", "", "Unit", *(STEPS[name].capitalize() for name in study.names), "Reduction")
+    head = ("", "", "Unit", *(STEPS[name] for name in study.names), "Reduction")
     caption = (
         f"{motion.capitalize()}: tracking errors of the simulated drive; the reduction (9) is that "
         f"of the column “{STEPS[LEARNED]}”"

@@ -62,13 +62,13 @@ def _errors(table4: pd.DataFrame, caption: str) -> Html:
     names = [name for name in STEPS if name in table4]
     rows = [
         (
-            join([f"Motion {row['region']}, ", METRICS[str(row["metric"])]]),
+            join([f"{row['region'].capitalize()}, ", METRICS[str(row["metric"])]]),
             str(row["velocity"]),
             *(_cell(row[name], row[UNCOMPENSATED], name) for name in names),
         )
         for row in table4.to_dict("records")
     ]
-    return table(("", "", *(STEPS[name].capitalize() for name in names)), rows, caption, (0, 1))
+    return table(("", "", *(STEPS[name] for name in names)), rows, caption, (0, 1))
 
 
 def _cell(error: float, without: float, name: str) -> str:
@@ -105,11 +105,11 @@ def _learning(table4: pd.DataFrame, drive: str) -> Html:
             verdict = "changed nothing"
         else:
             steps = ", ".join(
-                f"{percent(value, 0)} at the {region}"
+                f"{'+' * (value > 0)}{percent(value, 0)} at the {region}"
                 for value, region in zip(change, true["region"], strict=True)
             )
             verdict = f"changed the RMS error by {steps}"
-        said.append(f"{STEPS[name]} {verdict}")
+        said.append(f"{STEPS[name].lower()} {verdict}")
     found = "; ".join(said).replace("-", "−")
     return paragraph(
         f"Against identification alone, on the true velocity of {drive}: {found}.",
