@@ -38,6 +38,13 @@ def learned_document(reproduction: Reproduction) -> dict[str, Any]:
             }
             for name, estimate in learned.estimates.items()
         },
+        "start": {
+            name: {"value": known.value, "unit": UNITS[name]}
+            for name, known in reproduction.start.items()
+        },
+        "coarse": dict(options.coarse),
+        "result": learned.chosen,
+        "search_skipped": learned.skipped or None,
         "cost": {"value": learned.cost, "unit": "m2/s2"},
         "best_cost_of_generations": {"value": reproduction.algorithm.best.cost, "unit": "m2/s2"},
         "cost_of_identified": {"value": reproduction.cost_of_identified, "unit": "m2/s2"},

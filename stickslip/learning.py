@@ -96,8 +96,9 @@ def learn(
     study: Study,
     on_generation: Callable[[ga.Optimiser], object] | None = None,
     execution: Execution | None = None,
+    limits: ga.Limits | None = None,
 ) -> ga.Optimiser:
-    """Run the algorithm to its end and return it, with its history.
+    """Run the algorithm to its end, or to ``limits``, and return it, with its history.
 
     Raises
     ------
@@ -109,7 +110,7 @@ def learn(
         At Ctrl-C.
     """
     execution = execution or Execution()
-    algorithm = optimiser(study)
+    algorithm = optimiser(study, limits)
     with study.cost() as cost, execution.opened() as executor:
         ga.learn(
             algorithm,
@@ -123,13 +124,15 @@ def learn(
     return algorithm
 
 
-def optimiser(study: Study) -> ga.Optimiser:
+def optimiser(study: Study, limits: ga.Limits | None = None) -> ga.Optimiser:
     """Return what searches the five genes."""
     settings = study.settings or ga.PRESETS.get(study.algorithm)
     problem = ga.Problem(genes(study.start), repair(settings))
     if study.settings is not None:
-        return ga.GeneticAlgorithm(problem.genes, study.settings, study.seed, problem.repair)
-    return ga.optimiser(study.algorithm, problem, seed=study.seed)
+        return ga.GeneticAlgorithm(
+            problem.genes, study.settings, study.seed, problem.repair, limits
+        )
+    return ga.optimiser(study.algorithm, problem, limits, seed=study.seed)
 
 
 def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:

@@ -1,169 +1,138 @@
-"""The end of the learning: what the training run shows, weighed against what identification knew.
+"""Before and after the search: whether the drive has more to teach, and what of it to keep.
 
 The cost sees some parameters well and others hardly; left to the genetic algorithm the latter end
-anywhere. From one more recording of the best candidate follows how the gap v - v_r would change
-with the compensator's force (the loop is linear in it), so a least-squares fit of the five
-parameters needs no further runs. Identification enters with its standard errors, as further
-equations of the same fit.
+anywhere, or where they fit what only the training run shows. So a least-squares fit, which knows
+the start with its standard errors, follows the search, and the drive decides between the results.
+The same fit tells beforehand whether a search is worth its runs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-from scipy.optimize import least_squares
-from scipy.signal import lfilter, ss2tf
-
-from stickslip.identification.estimate import Estimate, correlation_length
-from stickslip.learning import BOUNDS, Study, VelocityCost, parameters
-from stickslip.loop import feedforward
-from stickslip.measurement import Array, smoothed
+from stickslip.identification.estimate import Estimate
+from stickslip.learning import Study
+from stickslip.linear_fit import Bench, Fit, Runs, fit
 from stickslip.parameters import LUGRE
 
-FLOOR = 0.01
-"""Least relative error granted to identification: its models are not exact either."""
+WORTHWHILE = 0.5
+"""Share of its cost below which the start must come, in a fit, for a search to be worth it."""
 ROUNDS = 2
-REPEATS = 5
-JITTER = 1e-4
-"""Relative change of the parameters between repeated runs."""
 MARGIN = 0.1
-"""By how much a fit may cost more than the winner: the scatter of typical runs."""
+"""By how much a fit may cost more than the cheapest: the scatter of repeated runs."""
 
-# The fit's variables are logarithms of F_s / F_c, F_c, v_s, sigma_0, sigma_1; the first is >= 0.
-_TO_LOGS = np.eye(5)
-_TO_LOGS[0, 1] = 1.0
+Chosen = Literal["refined", "winner", "start"]
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """What is known after learning.
+    """What is known in the end.
 
     Attributes
     ----------
     estimates : the five parameters with standard errors, in SI units
-    alone : relative standard error that the training run alone would leave, by name
-    cost : of a typical run on the drive [m^2/s^2]
-    accepted : whether the fit did as well on the drive as the candidate it began with
+    alone : relative standard error that the training runs alone would leave, by name
+    cost : of a typical training run on the drive [m^2/s^2]
+    chosen : the fit's parameters, the winner of the search, or what the search began with
     runs : further runs of the drive that it took
+    skipped : why nothing was searched, as a sentence, or empty
     """
 
     estimates: dict[str, Estimate]
     alone: dict[str, float]
     cost: float
-    accepted: bool
+    chosen: Chosen
     runs: int
+    skipped: str = ""
+
+    @property
+    def result(self) -> str:
+        """What the final parameters are, in words."""
+        return {
+            "refined": "after refinement",
+            "winner": "best candidate, typical run",
+            "start": "as learning began, typical run",
+        }[self.chosen]
 
     @property
     def values(self) -> dict[str, float]:
         """The parameters by name, in SI units."""
         return {name: estimate.value for name, estimate in self.estimates.items()}
 
+    @property
+    def accepted(self) -> bool:
+        """Whether the fit's parameters are the result."""
+        return self.chosen == "refined"
 
-def refine(study: Study, start: Mapping[str, float], *, fit: bool = True) -> Refinement:
-    """Fit the parameters to the training run and to identification, beginning at ``start``.
 
-    The drive has the last word: a fit that costs more there than ``start`` is not taken. Both are
-    judged by their typical run, because the winner of hundreds of runs owes much to luck. With
-    ``fit`` False, ``start`` is only judged.
+def without_search(study: Study) -> Refinement | None:
+    """Return the start as the result, where the drive shows that a search cannot improve it much.
+
+    Repeated runs with the start say how the gap v - v_r would change with the parameters. Where no
+    parameters would halve the cost, what is left is noise, or is not in the compensator's model:
+    a search would fit it to one command.
     """
-    bench = _Bench(study)
-    values, gap = dict(start), bench.typical_gap(start)
-    limit = (1.0 + MARGIN) * (gap @ gap)
-    identified = {name: study.start[name].value for name in LUGRE}
-    accepted = False
-    # Where the winner lies too far off for the linear step, identification lies nearer.
-    for origin in (values, identified) if fit else ():
-        proposal = origin
-        for _ in range(ROUNDS):
-            proposal = _fit(study, proposal, bench.typical_gap(proposal)).values
-        trial = bench.typical_gap(proposal)
-        if trial @ trial <= limit:
-            values, gap, accepted = proposal, trial, True
-            break
-    final = _fit(study, values, gap)
-    errors = final.errors if accepted else final.alone
-    estimates = {name: Estimate(values[name], values[name] * errors[name]) for name in LUGRE}
-    return Refinement(estimates, final.alone, float(gap @ gap), accepted, bench.runs)
-
-
-class _Bench:
-    """Runs a compensator several times, a little changed, as no drive runs twice alike."""
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-        self._judge = VelocityCost(study.rig.T_s)
-        self._rng = np.random.default_rng(study.seed)
-        self.runs = 0
-
-    def typical_gap(self, values: Mapping[str, float]) -> Array:
-        """Return v - v_r (n,) [m/s] of the run whose cost is the median."""
-        gaps = []
-        for _ in range(REPEATS):
-            change = np.exp(JITTER * self._rng.standard_normal(len(LUGRE)))
-            changed = np.array([values[name] for name in LUGRE]) * change
-            gaps.append(self._judge.gap(self._study.run(parameters(changed))))
-        self.runs += REPEATS
-        return sorted(gaps, key=lambda gap: float(gap @ gap))[REPEATS // 2]
-
-
-@dataclass(frozen=True)
-class _Fit:
-    values: dict[str, float]
-    errors: dict[str, float]  # relative
-    alone: dict[str, float]  # relative, without identification
-
-
-def _fit(study: Study, start: Mapping[str, float], gap: Array) -> _Fit:
-    prior = study.start
-    expected = np.log([prior[name].value for name in LUGRE])
-    doubt = np.array([max(prior[name].standard_error / prior[name].value, FLOOR) for name in LUGRE])
-    scale = np.sqrt(gap @ gap / len(gap) * correlation_length(gap))
-    system = feedforward(study.rig.fmus, study.loop, {}, study.feed)
-    numerator, denominator = _transfer(study)
-    with system.prepare(
-        step=study.rig.T_s,
-        stop=(len(study.v_cmd) - 1) * study.rig.T_s,
-        record=["compensator.F_mean"],
-    ) as simulation:
-
-        def force(logs: Array) -> Array:
-            values = {f"compensator.{n}": v for n, v in parameters(np.exp(logs)).items()}
-            return simulation.run(values, {"v_cmd": study.v_cmd})["compensator.F_mean"]
-
-        begin = np.log([start[name] for name in LUGRE])
-        applied = force(begin)
-
-        def residual(q: Array) -> Array:
-            logs = _TO_LOGS @ q
-            # The force of row n + 1 acts from t[n] on.
-            change = np.append((force(logs) - applied)[1:], 0.0)
-            moved = smoothed(lfilter(numerator, denominator, change), study.rig.T_s)
-            return np.concatenate([(gap + moved) / scale, (logs - expected) / doubt])
-
-        low, high = np.log(BOUNDS)
-        low_q, high_q = expected + low, expected + high
-        low_q[0], high_q[0] = 0.0, high - low
-        q = np.clip(np.linalg.solve(_TO_LOGS, begin), low_q + 1e-9, high_q - 1e-9)
-        fit = least_squares(residual, q, bounds=(low_q, high_q), x_scale="jac", diff_step=[1e-4])
-    logs = _TO_LOGS @ fit.x
-    jacobian = fit.jac @ np.linalg.inv(_TO_LOGS)
-    return _Fit(
-        values=parameters(np.exp(logs)),
-        errors=_errors(jacobian),
-        alone=_errors(jacobian[: len(gap)]),
+    bench = Bench(study)
+    runs = bench.run(_start(study))
+    best = fit(study, runs, prior=False)
+    if best.cost < WORTHWHILE * runs.cost:
+        return None
+    said = (
+        f"with the parameters it would begin at, {bench.runs} runs of the training command and "
+        f"its mirror image cost {runs.cost:.3g} m2/s2 in the mean, and no parameters would bring "
+        f"that below {best.cost:.3g} m2/s2 ({100.0 * best.cost / runs.cost:.0f} %), as a "
+        "least-squares fit of the five to these runs shows; a search is made for less than "
+        f"{100.0 * WORTHWHILE:.0f} %"
     )
+    return _refinement(study, runs, best, "start", bench, said)
 
 
-def _errors(jacobian: Array) -> dict[str, float]:
-    """Return relative standard errors from a Jacobian in logarithms, residuals in deviations."""
-    information = jacobian.T @ jacobian + 1e-12 * np.eye(len(LUGRE))
-    return parameters(np.sqrt(np.diag(np.linalg.inv(information))))
+def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) -> Refinement:
+    """Fit the parameters to repeated runs and to the start, beginning at ``winner``.
+
+    The drive has the last word, in repeated runs of the training command, its mirror image and a
+    slow one: a result that costs more than the start on any of them is not taken. Of the fit and
+    the winner, the fit is taken if it costs at most ``MARGIN`` more. With ``fitted`` False, the
+    winner is only measured.
+    """
+    bench = Bench(study)
+    won = bench.run(winner)
+    if not fitted:
+        return _refinement(study, won, fit(study, won), "winner", bench)
+    start = bench.run(_start(study))
+    # Where the winner lies too far off for the linear step, the start lies nearer.
+    refined = min((_refined(study, bench, runs) for runs in (won, start)), key=lambda r: r.cost)
+    results: dict[Chosen, Runs] = {"refined": refined, "winner": won}
+    results = {
+        name: runs
+        for name, runs in results.items()
+        if (runs.costs <= (1.0 + MARGIN) * start.costs).all()
+    } or {"start": start}
+    limit = (1.0 + MARGIN) * min(runs.cost for runs in results.values())
+    chosen = next(name for name, runs in results.items() if runs.cost <= limit)
+    runs = results[chosen]
+    return _refinement(study, runs, fit(study, runs), chosen, bench)
 
 
-def _transfer(study: Study) -> tuple[Array, Array]:
-    """Return numerator and denominator from feedforward force [N] to velocity [m/s]."""
-    loop = study.loop.compliance
-    numerator, denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
-    return numerator[0], denominator
+def _refined(study: Study, bench: Bench, runs: Runs) -> Runs:
+    for _ in range(ROUNDS):
+        runs = bench.run(fit(study, runs).values)
+    return runs
+
+
+def _refinement(
+    study: Study, runs: Runs, final: Fit, chosen: Chosen, bench: Bench, skipped: str = ""
+) -> Refinement:
+    known = {
+        "refined": final.errors,
+        "winner": final.alone,
+        "start": {n: study.start[n].standard_error / study.start[n].value for n in LUGRE},
+    }[chosen]
+    estimates = {n: Estimate(runs.values[n], runs.values[n] * known[n]) for n in LUGRE}
+    return Refinement(estimates, final.alone, runs.training_cost, chosen, bench.runs, skipped)
+
+
+def _start(study: Study) -> dict[str, float]:
+    return {name: study.start[name].value for name in LUGRE}

@@ -16,14 +16,16 @@ import pandas as pd
 import cosim
 import ga
 import models
+from stickslip.coarse import coarsened
 from stickslip.execution import Execution
 from stickslip.extras import Extras
-from stickslip.identification import Identification, identify
+from stickslip.identification import Estimate, Identification, identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.loop import Feed, build_fmus, paper_loop
 from stickslip.motion_study import MotionStudy
+from stickslip.parameters import LUGRE
 from stickslip.published import WholeStudy
-from stickslip.refinement import Refinement, refine
+from stickslip.refinement import Refinement, refine, without_search
 from stickslip.rig import Rig
 from stickslip.second_opinion import SecondOpinion
 from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
@@ -43,6 +45,8 @@ class Options:
     feed : what drives the compensator
     published_seeds : how many seeds learn as published
     complete : take all steps: learn as published and from one recording, too
+    coarse : factors by name on what identification found, to begin learning there; see
+        ``stickslip/coarse.py``
     """
 
     truth: Mapping[str, float] = field(default_factory=dict)
@@ -51,11 +55,20 @@ class Options:
     feed: Feed = "nominal"
     published_seeds: int = 20
     complete: bool = False
+    coarse: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def refined(self) -> bool:
         """Whether the learning ends with the fit of ``stickslip/refinement.py``."""
         return self.preset != "paper"
+
+    @property
+    def may_skip(self) -> bool:
+        """Whether nothing is searched where the drive shows that it would not be worth it.
+
+        An algorithm that was asked for always searches.
+        """
+        return self.preset == "default"
 
 
 class Progress(Protocol):
@@ -75,6 +88,8 @@ class Reproduction:
     Attributes
     ----------
     truth : every parameter of the drive FMU
+    start : the five parameters that learning began with
+    algorithm : what searched; where that was skipped it has done its first generation alone
     system : the loop of Fig. 2a with the learned compensator
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
@@ -87,6 +102,7 @@ class Reproduction:
     options: Options
     truth: Mapping[str, float]
     identification: Identification
+    start: Mapping[str, Estimate]
     algorithm: ga.Optimiser
     learned: Refinement
     validation: Validation
@@ -100,12 +116,15 @@ class Reproduction:
 
     @property
     def cost_of_identified(self) -> float:
-        """Cost of the training run with the parameters that learning began with [m^2/s^2]."""
+        """Cost of the training run with the parameters that learning began with [m^2/s^2].
+
+        They are the identified ones, times the factors of ``Options.coarse``.
+        """
         return float(self.algorithm.history["cost"].iloc[0])
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
-        return table2(self.identification, self.learned, self.truth)
+        return table2(self.identification, self.start, self.learned, self.truth)
 
     def table4(self) -> pd.DataFrame:
         """Return Table 4, with a column for each step once all motions were run."""
@@ -141,19 +160,26 @@ def reproduce(
     build_fmus(fmus, options.truth)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    start = {name: identification.estimates[name] for name in LUGRE}
+    if options.coarse:
+        start = coarsened(identification.estimates, options.coarse)
     study = Study(
         rig,
         identification.loop,
-        identification.estimates,
+        start,
         TRAINING.sample(rig.samples(TRAINING.duration)),
         feed=options.feed,
         algorithm=options.preset,
         seed=options.seed,
     )
+    progress.stage("trying what learning could bring")
+    learned = without_search(study) if options.may_skip else None
     progress.stage("learning")
-    algorithm = learn(study, progress.generation, execution)
-    progress.stage("refining")
-    learned = refine(study, parameters(algorithm.best.values), fit=options.refined)
+    limits = ga.Limits(generations=1) if learned else None
+    algorithm = learn(study, progress.generation, execution, limits)
+    if learned is None:
+        progress.stage("refining")
+        learned = refine(study, parameters(algorithm.best.values), fitted=options.refined)
     progress.stage("validating")
     loop = identification.loop
     validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
@@ -162,6 +188,7 @@ def reproduce(
         options,
         truth,
         identification,
+        start,
         algorithm,
         learned,
         validation,

@@ -84,6 +84,7 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
         "seed": options.seed,
         "preset": options.preset,
         "feed": options.feed,
+        "coarse": dict(options.coarse),
         **more,
     }
 

@@ -38,6 +38,9 @@ LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-
 TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
 """The training command of section 4.2 [m/s]."""
 
+SLOW = SineSweep(frequency=(0.1, 0.5), amplitude=(0.030, 0.040), duration=10.0)
+"""Reversals slower than nearly all of the training command, to compare results of it on [m/s]."""
+
 VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
 """The trapezoid of Fig. 6(a) [m/s]."""
 

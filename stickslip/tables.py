@@ -6,18 +6,22 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from stickslip.identification import Identification
+from stickslip.identification import Estimate, Identification
 from stickslip.parameters import LUGRE, PAPER, UNITS
 from stickslip.refinement import Refinement
 
 
 def table2(
-    identification: Identification, learned: Refinement, truth: Mapping[str, float]
+    identification: Identification,
+    start: Mapping[str, Estimate],
+    learned: Refinement,
+    truth: Mapping[str, float],
 ) -> pd.DataFrame:
     """Return Table 2 with what was found, in SI units.
 
     Columns parameter, unit, paper, drive (the proxy's truth), identified, learned, spread (standard
-    error of the learned value), identified_spread, remark. m and b are not learned.
+    error of the learned value), identified_spread, remark, start (where learning began). m and b
+    are not learned.
     """
     rows = []
     for name, unit in UNITS.items():
@@ -33,19 +37,29 @@ def table2(
                 "learned": after.value if after else None,
                 "spread": after.standard_error if after else None,
                 "identified_spread": before.standard_error,
-                "remark": _remark(name, identification, learned, truth[name]),
+                "remark": _remark(name, identification, start, learned, truth[name]),
+                "start": start[name].value if name in start else None,
             }
         )
     return pd.DataFrame(rows)
 
 
-def _remark(name: str, identification: Identification, learned: Refinement, truth: float) -> str:
+def _remark(
+    name: str,
+    identification: Identification,
+    start: Mapping[str, Estimate],
+    learned: Refinement,
+    truth: float,
+) -> str:
     """Say how well a parameter is known, and whether learning took it away from the truth."""
     if name not in LUGRE:
         return "identified only, not learned"
     before, after = identification.estimates[name], learned.estimates[name]
-    prior = before.standard_error / before.value
-    if learned.alone[name] < prior:
+    prior = start[name].standard_error / start[name].value
+    if learned.chosen == "start":
+        said = "as learning began: the training run alone would know it to "
+        said += f"+-{100 * learned.alone[name]:.2g} %"
+    elif learned.alone[name] < prior:
         said = "well known from the training run"
     elif learned.accepted:
         said = (

@@ -1,11 +1,13 @@
-"""``--set NAME=VALUE`` on the command line."""
+"""``--set NAME=VALUE`` and ``--coarse NAME=FACTOR`` on the command line."""
 
 from __future__ import annotations
 
+import math
 from argparse import ArgumentParser
 from collections.abc import Iterable
 
 from stickslip.errors import UsageError
+from stickslip.parameters import LUGRE
 
 _WORDS = {"true": True, "on": True, "false": False, "off": False}
 
@@ -17,8 +19,50 @@ def add_set_option(parser: ArgumentParser, what: str) -> None:
     )
 
 
-def split_assignments(texts: Iterable[str]) -> dict[str, str]:
+def add_coarse_option(parser: ArgumentParser) -> None:
+    """Declare ``--coarse``, which can be repeated and takes several factors."""
+    parser.add_argument(
+        "--coarse",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=FACTOR",
+        help="begin learning at these factors times what identification found, e.g. F_s=0.7 "
+        "F_c=0.7 v_s=3 sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1",
+    )
+
+
+def coarse_factors(texts: Iterable[str]) -> dict[str, float]:
+    """Return factors on identified parameters by name.
+
+    Raises
+    ------
+    UsageError
+        When a name is none of LuGre's five, or a factor is not a positive finite number.
+    """
+    factors: dict[str, float] = {}
+    for name, value in split_assignments(texts, "--coarse", "F_c=0.7").items():
+        if name not in LUGRE:
+            raise UsageError(f"--coarse {name}={value}: expected one of {', '.join(LUGRE)}")
+        try:
+            factors[name] = float(value)
+        except ValueError:
+            factors[name] = math.nan
+        if not (math.isfinite(factors[name]) and factors[name] > 0.0):
+            raise UsageError(
+                f"--coarse {name}={value}: the factor must be a positive number, got '{value}'"
+            )
+    return factors
+
+
+def split_assignments(
+    texts: Iterable[str], option: str = "--set", example: str = "drive.F_c=6.5"
+) -> dict[str, str]:
     """Return name -> value as it was written.
+
+    Parameters
+    ----------
+    option, example : named in messages
 
     Raises
     ------
@@ -29,9 +73,9 @@ def split_assignments(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
-            raise UsageError(f"--set {text}: expected NAME=VALUE, such as drive.F_c=6.5")
+            raise UsageError(f"{option} {text}: expected NAME=VALUE, such as {example}")
         if name in values:
-            raise UsageError(f"--set {text}: {name} is set twice")
+            raise UsageError(f"{option} {text}: {name} is set twice")
         values[name] = value
     return values
 

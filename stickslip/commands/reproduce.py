@@ -8,7 +8,12 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.assignments import (
+    add_coarse_option,
+    add_set_option,
+    coarse_factors,
+    drive_changes,
+)
 from stickslip.commands.execution import (
     add_algorithm_option,
     add_execution_options,
@@ -30,7 +35,7 @@ from stickslip.published_results import write_published_results
 from stickslip.record_mode import reproduce_from_recording
 from stickslip.record_results import FILES as RECORD_FILES
 from stickslip.record_results import write_record_results
-from stickslip.reproduction import Options, drive_truth, reproduce
+from stickslip.reproduction import Options, Reproduction, drive_truth, reproduce
 from stickslip.result_folder import reserved
 from stickslip.results import FILES, write_results
 from stickslip.rig import Rig
@@ -77,6 +82,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "other reading, too",
     )
     add_algorithm_option(parser, "--preset")
+    add_coarse_option(parser)
     add_execution_options(parser)
     parser.add_argument(
         "--feed",
@@ -99,7 +105,13 @@ def _drive(
     reproduction = with_studies(reproduction, fmus, progress, execution)
     progress.stage("writing the report")
     write_results(reproduction, out)
-    return partial(print_table4, reproduction.table4())
+    return partial(_print_drive, reproduction)
+
+
+def _print_drive(reproduction: Reproduction) -> None:
+    print_table4(reproduction.table4())
+    if reproduction.learned.skipped:
+        print(f"nothing was searched: {reproduction.learned.skipped}")
 
 
 def _record(
@@ -151,6 +163,11 @@ def run(options: argparse.Namespace) -> None:
     mode = "published" if options.as_published else options.mode
     if options.as_published:
         _refuse(options)
+    if options.coarse and options.mode != "drive":
+        raise UsageError(
+            "--coarse begins learning on the drive; leave out --mode record, which identifies "
+            "nothing to multiply"
+        )
     chosen = Options(
         truth=drive_changes(options.set),
         seed=options.seed,
@@ -158,6 +175,7 @@ def run(options: argparse.Namespace) -> None:
         feed=options.feed,
         published_seeds=options.published_seeds,
         complete=options.complete,
+        coarse=coarse_factors(options.coarse),
     )
     drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
     compute, files, usual = MODES[mode]
@@ -180,6 +198,7 @@ def _refuse(options: argparse.Namespace) -> None:
     chosen = {
         "--mode record": options.mode != "drive",
         f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
+        "--coarse": bool(options.coarse),
         "--resume": options.resume,
         "--checkpoint": options.checkpoint is not None,
         "--pool or --cluster": options.where != "threads",

@@ -18,6 +18,7 @@ CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep br
 RAMP = 4.0  # duration of a break-away ramp [s]
 HIGHER = 1.2  # each ramp ends this much higher, so that a stage that slides does not go far
 SLIDING = 2e-3  # velocity that counts as break-away: no bristle creeps as fast [m/s]
+CERTAIN = 20  # samples to the end of the ramp that are all faster
 
 _NORMAL, _WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 _WEIGHTS /= _WEIGHTS.sum()
@@ -155,9 +156,9 @@ def _break_away(rig: Rig, direction: float, first: float) -> tuple[float, float]
     end = min(max(abs(first), 1e-3 * peak), peak)
     while True:
         log = rig.push(direction * end * t / RAMP)
-        slid = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) > SLIDING)
-        if len(slid):
-            return float(np.abs(log.F_m[: slid[0]]).max()), end / RAMP
+        slow = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) <= SLIDING)
+        if len(slow) and slow[-1] < len(t) - CERTAIN:
+            return float(np.abs(log.F_m[: slow[-1] + 1]).max()), end / RAMP
         if end == peak:
             break
         end = min(HIGHER * end, peak)

@@ -84,6 +84,8 @@ def _learned(reproduction: Reproduction) -> str:
         f"the best of {number(algorithm.evaluations, 6)} candidates "
         f"in {number(algorithm.generation, 6)} generations"
     )
+    if reproduction.learned.skipped:
+        return "what it began with: after one generation\nthe drive had no more to teach"
     if reproduction.options.refined and reproduction.learned.accepted:
         return f"{best},\nrefined by least squares"
     return best

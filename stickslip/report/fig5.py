@@ -14,9 +14,17 @@ from stickslip.reproduction import Reproduction
 
 def draw(reproduction: Reproduction) -> Figure:
     """Draw best and mean cost, and those without compensation, identified and in the end."""
-    final = reproduction.learned.cost, _final(reproduction)
+    learned = reproduction.learned
+    final = learned.cost, learned.result
     without = reproduction.cost_without
-    return draw_course(reproduction.algorithm, r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]", final, without)
+    cost = r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]"
+    figure = draw_course(reproduction.algorithm, cost, final, without)
+    if learned.skipped:
+        figure.axes[0].annotate(
+            "nothing was searched:\nno parameters would halve the cost",
+            (0.5, 0.5), xycoords="axes fraction", ha="center", va="center",
+        )  # fmt: skip
+    return figure
 
 
 def draw_course(
@@ -50,7 +58,7 @@ def draw_course(
     )  # fmt: skip
     axes.step(generation, best, where="post", color=WITH, lw=THICK, label="best so far")
     marks: Any = {"mec": INK, "ls": "none", "clip_on": False, "zorder": 5}
-    axes.plot(generation[0], identified, "o", mfc="white", label="identified parameters", **marks)
+    axes.plot(generation[0], identified, "o", mfc="white", label="start", **marks)
     if final is not None:
         axes.plot(generation[-1], final[0], "D", mfc=GREY, label=final[1], **marks)
     if without is not None:
@@ -82,7 +90,3 @@ def draw_course(
     )
     second.set_xlabel("Evaluations [1]")
     return figure
-
-
-def _final(reproduction: Reproduction) -> str:
-    return "after refinement" if reproduction.learned.accepted else "winner, typical run"

@@ -85,27 +85,52 @@ def _scheme(pictures: Mapping[str, Picture]) -> Html:
 
 def _course(reproduction: Reproduction) -> Html:
     algorithm, learned = reproduction.algorithm, reproduction.learned
-    said = (
+    said = _begun(reproduction) + (
         f"Without compensation a training run costs {number(reproduction.cost_without, 3)} m²/s², "
-        f"with the identified parameters {number(reproduction.cost_of_identified, 3)} m²/s², with "
-        f"the best of {number(algorithm.evaluations, 6)} candidates "
+        f"with these parameters {number(reproduction.cost_of_identified, 3)} m²/s². "
+    )
+    if learned.skipped:
+        why = learned.skipped.replace("m2/s2", "m²/s²")
+        return paragraph(
+            f"{said}Nothing was searched beyond a first generation of "
+            f"{number(algorithm.evaluations, 6)} candidates, and the parameters stand: {why}."
+        )
+    said += (
+        f"With the best of {number(algorithm.evaluations, 6)} candidates it costs "
         f"{number(algorithm.best.cost, 3)} m²/s². "
     )
     if not reproduction.options.refined:
         said += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
     elif learned.accepted:
         said += (
-            "A least-squares fit then weighed the training run against identification; its result "
+            "A least-squares fit then weighed repeated runs of the training command and of its "
+            "mirror image against what learning began with; its result "
             f"costs {number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of "
             "the drive). The best of many candidates owes part of its low cost to luck, so the "
             "typical run of the refined parameters may cost a little more."
         )
     else:
         said += (
-            "A least-squares fit was tried and cost more on the drive, so the winner stands, at "
+            "A least-squares fit was tried and cost more on the drive, over the training command "
+            f"and its mirror image, so the {_standing(reproduction)}, at "
             f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)."
         )
     return paragraph(said)
+
+
+def _begun(reproduction: Reproduction) -> str:
+    """Say where learning began."""
+    factors = reproduction.options.coarse
+    if not factors:
+        return "Learning began with the identified parameters. "
+    times = ", ".join(f"{name} × {number(factor, 6)}" for name, factor in factors.items())
+    return f"Learning began away from the identified parameters: {times}. "
+
+
+def _standing(reproduction: Reproduction) -> str:
+    if reproduction.learned.chosen == "start":
+        return "parameters that learning began with stand"
+    return "winner stands"
 
 
 def _settings(reproduction: Reproduction) -> Html:

@@ -52,6 +52,8 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
 def _refined(reproduction: Reproduction) -> str:
     if not reproduction.options.refined:
         return ""
+    if reproduction.learned.skipped:
+        return "; no search followed this first generation, since the drive had no more to teach"
     if reproduction.learned.accepted:
         return ", and a least-squares fit refined the winner"
     return "; a least-squares fit of the winner did not do better and was not taken"

@@ -15,12 +15,12 @@ def training_cost(reproduction: Reproduction) -> Html:
     """Return the costs as a table, with the RMS of v - v_r that each means."""
     samples = round(TRAINING.duration / reproduction.identification.loop.T_s) + 1
     without = reproduction.cost_without
-    final = "refined" if reproduction.learned.accepted else "best candidate, typical run"
+    begun = "coarse start" if reproduction.options.coarse else "identified parameters"
     costs = [
         ("without compensation", without),
-        ("identified parameters", reproduction.cost_of_identified),
+        (begun, reproduction.cost_of_identified),
         ("best candidate", reproduction.algorithm.best.cost),
-        (final, reproduction.learned.cost),
+        (reproduction.learned.result, reproduction.learned.cost),
         ("real stage (paper), as read below", PAPER_COST),
     ]
     rows = [

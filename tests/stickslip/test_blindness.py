@@ -11,14 +11,17 @@ import ga
 import stickslip
 from stickslip.identification import identify
 from stickslip.learning import Study, learn
-from stickslip.refinement import refine
+from stickslip.refinement import refine, without_search
 from stickslip.setup import LOOP, TRAINING
 
 SOURCES = Path(stickslip.__file__).parent
 BLIND = [
     *sorted((SOURCES / "identification").glob("*.py")),
     *sorted((SOURCES / "estimation").glob("*.py")),
-    *(SOURCES / name for name in ("learning.py", "refinement.py", "rig.py")),
+    *(
+        SOURCES / name
+        for name in ("coarse.py", "learning.py", "linear_fit.py", "refinement.py", "rig.py")
+    ),
 ]
 SETTINGS = ga.Settings(generations=3)
 
@@ -31,7 +34,8 @@ def found(rig):
     algorithm = learn(study)
     start = {name: e.value for name, e in identification.estimates.items()}
     refined = refine(study, {name: start[name] for name in algorithm.names})
-    return repr((identification.estimates, algorithm.history.to_csv(), refined))
+    skipped = without_search(study)
+    return repr((identification.estimates, algorithm.history.to_csv(), refined, skipped))
 
 
 def falsify_description(fmu: Path) -> None:

@@ -1,14 +1,16 @@
-"""The fit that ends the learning weighs the training run against identification."""
+"""What precedes and ends the search: whether it is worth it, and what of it is kept."""
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from stickslip.identification import Estimate
+from stickslip.coarse import coarsened, draw_factors
+from stickslip.identification import Estimate, identify
 from stickslip.learning import Study
 from stickslip.parameters import LUGRE, PAPER
-from stickslip.refinement import refine
-from stickslip.setup import TRAINING
+from stickslip.refinement import refine, without_search
+from stickslip.setup import LOOP, TRAINING
 
 
 @pytest.fixture
@@ -39,9 +41,9 @@ def test_it_leaves_what_the_training_run_hardly_shows_to_identification(study):
 
 
 def test_without_the_fit_the_start_stands(study):
-    found = refine(study, start(study), fit=False)
+    found = refine(study, start(study), fitted=False)
     assert found.values == start(study)
-    assert not found.accepted
+    assert found.chosen == "winner"
     assert found.cost > 0
 
 
@@ -49,3 +51,46 @@ def test_stick_force_stays_above_coulomb_force(study):
     begin = start(study) | {"F_s": PAPER["F_c"], "F_c": PAPER["F_c"]}
     found = refine(study, begin)
     assert found.values["F_s"] >= found.values["F_c"]
+
+
+def study_of(rig):
+    found = identify(rig, LOOP)
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    known = {name: found.estimates[name] for name in LUGRE}
+    return Study(rig, found.loop, known, v_cmd)
+
+
+@pytest.mark.parametrize("width", [1.0, 2.0])
+@pytest.mark.parametrize("seed", [0, 5])
+def test_from_a_coarse_start_a_search_is_worth_it(study, seed, width):
+    coarse = coarsened(study.start, draw_factors(seed, width))
+    assert without_search(replace(study, start=coarse)) is None
+
+
+def test_what_the_model_does_not_have_is_no_reason_to_search(make_rig):
+    """The cost is 50 times that of noise, and no parameters of the compensator lower it."""
+    rig = make_rig(asymmetric=True, position_dependent=True, ripple=True, noise=True)
+    found = without_search(study_of(rig))
+    assert found.chosen == "start"
+    assert found.cost > 1e-4
+
+
+def test_a_winner_that_fits_one_half_of_the_guide_is_not_taken(make_rig):
+    """The training run dwells where friction is 28 % above its mean; the search learned that."""
+    rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
+    study = study_of(rig)
+    winner = start(study) | {"F_c": 1.28 * PAPER["F_c"], "F_s": 1.28 * PAPER["F_s"]}
+    cost = study.cost()
+    with cost:
+        costs = [cost(np.array([v[n] for n in LUGRE])) for v in (winner, start(study))]
+    assert costs[0] < 0.2 * costs[1]
+    assert refine(study, winner).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+
+
+def test_a_result_that_is_worse_at_slow_reversals_is_not_taken(make_rig):
+    """A current loop ten times slower than its data sheet says looks like stiffness when fast."""
+    study = study_of(make_rig(tau_i=1e-3))
+    assert without_search(study) is None  # in the training run other parameters cost far less
+    found = refine(study, start(study))
+    assert found.chosen == "start"
+    assert found.values == start(study)

@@ -154,19 +154,30 @@ def published_study():
     return WholeStudy(published, pd.DataFrame(rows))
 
 
-def made(preset="default", feed="nominal", *, accepted=True, truth=CHANGED, **studies):
+def made(
+    preset="default",
+    feed="nominal",
+    *,
+    chosen="refined",
+    skipped="",
+    coarse=None,
+    truth=CHANGED,
+    **studies,
+):
     learned = Refinement(
         {name: estimate(name, 0.002) for name in LUGRE},
         dict.fromkeys(LUGRE, 0.05),
         cost=4.3e-6,
-        accepted=accepted,
+        chosen=chosen,
         runs=20,
+        skipped=skipped,
     )
-    options = Options(truth=truth, seed=17, preset=preset, feed=feed)
+    options = Options(truth=truth, seed=17, preset=preset, feed=feed, coarse=coarse or {})
     return Reproduction(
         options,
         drive_truth(truth),
         identification(),
+        {name: estimate(name) for name in LUGRE},
         algorithm(preset),
         learned,
         validation(),
@@ -462,11 +473,19 @@ def test_verdict_does_not_praise_what_is_not_better(outline):
     assert "in 2 of 4 measures" in outline.text
 
 
+def test_page_says_why_nothing_was_searched_and_where_learning_began():
+    text = rendered(made(chosen="start", skipped="10 runs cost 4e-06 m2/s2", coarse={"F_c": 0.7}))
+    assert "Nothing was searched" in text
+    assert "10 runs cost 4e-06 m²/s²" in text
+    assert "F_c × 0.7" in text
+
+
+
 @pytest.mark.parametrize("preset", ga.ALGORITHMS)
-@pytest.mark.parametrize("accepted", [True, False])
-def test_page_of_every_outcome_is_well_formed(preset, accepted):
+@pytest.mark.parametrize("chosen", ["refined", "winner", "start"])
+def test_page_of_every_outcome_is_well_formed(preset, chosen):
     blank = dict.fromkeys(FIGURES, Picture(b"", b"", 89.0))
-    outline = Outline(render_page(made(preset, accepted=accepted), blank))
+    outline = Outline(render_page(made(preset, chosen=chosen), blank))
     assert outline.open == []
     assert f"preset “{preset}”" in outline.text
 

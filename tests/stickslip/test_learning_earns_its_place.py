@@ -1,0 +1,146 @@
+"""Where learning helps, it helps by far; where it cannot, it is skipped and says why."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cosim
+import ga
+from stickslip.coarse import coarsened, draw_factors
+from stickslip.commands.assignments import coarse_factors
+from stickslip.errors import UsageError
+from stickslip.identification import identify
+from stickslip.learning import Study, learn, parameters
+from stickslip.parameters import LUGRE, PAPER
+from stickslip.refinement import refine
+from stickslip.setup import LOOP, TRAINING, VALIDATION
+from stickslip.validation import validate
+
+COARSE = {"F_s": 0.7, "F_c": 0.7, "v_s": 3.0, "sigma_0": 0.5, "sigma_1": 0.5}
+EXTRAS = {"asymmetric": True, "position_dependent": True, "ripple": True, "noise": True}
+RUNS = 9
+
+
+def reductions(study, values, velocity):
+    """Return Table 4's four reductions, each the median of trapezoids that differ by 1 %.
+
+    How the encoder's steps fall is chance, and moves the maximum of one run by some points.
+    """
+    tables = []
+    for k in range(RUNS):
+        command = cosim.Trapezoid(
+            height=VALIDATION.height * (1.0 + 0.01 * np.sin(3.0 * k)),
+            slope=VALIDATION.slope * (1.0 + 0.01 * np.sin(7.0 * k)),
+            plateau=VALIDATION.plateau,
+            begin=VALIDATION.begin,
+        )
+        table = validate(study.rig, study.loop, values, command).table()
+        tables.append(table[table.velocity == velocity].reduction.to_numpy())
+    return np.median(tables, axis=0)
+
+
+def study_of(rig, factors=None, **options):
+    found = identify(rig, LOOP)
+    start = {name: found.estimates[name] for name in LUGRE}
+    if factors is not None:
+        start = coarsened(start, factors)
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    return Study(rig, found.loop, start, v_cmd, **options)
+
+
+def values_of(study):
+    return {name: known.value for name, known in study.start.items()}
+
+
+def learned(study):
+    """Return what the default learns, in a third of its generations."""
+    short = replace(study, settings=replace(ga.DEFAULT, generations=35))
+    return refine(short, parameters(learn(short).best.values))
+
+
+@pytest.mark.parametrize(
+    ("truth", "seed"),
+    [({}, 0), ({}, 1), ({"m": 8.0, "F_c": 4.0}, 2)],
+    ids=["paper", "paper, another seed", "heavy"],
+)
+def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(make_rig, truth, seed):
+    study = study_of(make_rig(**truth), COARSE, seed=seed)
+    exact = reductions(study, {name: (PAPER | truth)[name] for name in LUGRE}, "measured")
+    found = reductions(study, learned(study).values, "measured")
+    assert (found > exact - 0.015).all()
+    if not truth:
+        assert (found.round(2) >= [0.95, 0.98, 0.96, 0.98]).all()
+
+
+def test_with_all_extras_learning_beats_its_coarse_start_and_reaches_identification(make_rig):
+    rig = make_rig(**EXTRAS)
+    study = study_of(rig, COARSE)
+    identified = reductions(study, values_of(study_of(rig)), "true")
+    found = reductions(study, learned(study).values, "true")
+    assert (found > reductions(study, values_of(study), "true") + 0.1).all()
+    assert (found > identified - 0.03).all()
+    assert found[1] > identified[1] + 0.005  # friction differs between the directions
+
+
+def crossing(algorithm, settings):
+    """Return the mean probability with which a pair of parents was crossed (7)."""
+    population, chances = np.empty(0), []
+    for _, children in algorithm.history.groupby("generation"):
+        elite = population[: settings.elites]
+        population = np.sort(np.concatenate([elite, children["cost"].to_numpy()]))
+        fitness = ga.fitness(population)
+        drawn = np.outer(fitness, fitness) / fitness.sum() ** 2
+        better = np.maximum.outer(fitness, fitness)
+        P_c = ga.crossover_probability(
+            better.ravel(), best=fitness.max(), mean=fitness.mean(), k1=settings.k1, k2=settings.k2
+        )
+        chances.append(float((drawn * P_c.reshape(drawn.shape)).sum()))
+    return np.mean(chances)
+
+
+def test_the_papers_crossover_acts_from_coarse_starts_and_never_on_a_flat_line(make_rig):
+    settings = replace(ga.PAPER, generations=12)
+    study = study_of(make_rig(), settings=settings, seed=1)
+    assert crossing(learn(study), settings) < 1e-3
+    starts = [coarsened(study.start, draw_factors(seed, 2.0)) for seed in range(1, 4)]
+    chances = [crossing(learn(replace(study, start=start)), settings) for start in starts]
+    assert np.median(chances) > 0.02
+
+
+def test_on_the_papers_drive_the_default_skips_the_search_and_says_why(reproduction, results):
+    skipped = reproduction.learned.skipped
+    assert "no parameters would bring that below" in skipped
+    assert reproduction.learned.values == {
+        name: reproduction.identification.estimates[name].value for name in LUGRE
+    }
+    document = json.loads((results / "learned.json").read_text())
+    assert document["search_skipped"] == skipped
+    assert document["result"] == "start"
+    assert len(pd.read_csv(results / "fitness.csv")) == 1
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert "Nothing was searched" in page
+    assert skipped.replace("m2/s2", "m²/s²") in page
+
+
+def test_a_coarse_start_is_stated_on_the_command_line():
+    assert coarse_factors(["F_c=0.7", "v_s=3"]) == {"F_c": 0.7, "v_s": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("m=2", "expected one of F_s, F_c"),
+        ("F_c=-1", "positive number, got '-1'"),
+        ("F_c=0", "positive number"),
+        ("F_c=nan", "positive number"),
+        ("F_c=inf", "positive number"),
+        ("F_c=much", "positive number, got 'much'"),
+        ("F_c", "expected NAME=VALUE, such as F_c=0.7"),
+    ],
+)
+def test_a_coarse_start_that_makes_no_sense_is_refused(text, message):
+    with pytest.raises(UsageError, match=f"--coarse.*{message}"):
+        coarse_factors([text])
