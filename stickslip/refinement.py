@@ -125,12 +125,11 @@ def _refined(study: Study, bench: Bench, runs: Runs) -> Runs:
 def _refinement(
     study: Study, runs: Runs, final: Fit, chosen: Chosen, bench: Bench, skipped: str = ""
 ) -> Refinement:
-    known = {
-        "refined": final.errors,
-        "winner": final.alone,
-        "start": {n: study.start[n].standard_error / study.start[n].value for n in LUGRE},
-    }[chosen]
-    estimates = {n: Estimate(runs.values[n], runs.values[n] * known[n]) for n in LUGRE}
+    if chosen == "start":
+        estimates = {name: study.start[name] for name in LUGRE}
+    else:
+        errors = final.errors if chosen == "refined" else final.alone
+        estimates = {n: Estimate(runs.values[n], runs.values[n] * errors[n]) for n in LUGRE}
     return Refinement(estimates, final.alone, runs.training_cost, chosen, bench.runs, skipped)
 
 

@@ -480,7 +480,6 @@ def test_page_says_why_nothing_was_searched_and_where_learning_began():
     assert "F_c × 0.7" in text
 
 
-
 @pytest.mark.parametrize("preset", ga.ALGORITHMS)
 @pytest.mark.parametrize("chosen", ["refined", "winner", "start"])
 def test_page_of_every_outcome_is_well_formed(preset, chosen):
