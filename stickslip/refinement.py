@@ -14,7 +14,7 @@ from typing import Literal
 
 from stickslip.identification.estimate import Estimate
 from stickslip.learning import Study
-from stickslip.linear_fit import Bench, Fit, Runs, fit
+from stickslip.linear_fit import REPEATS, Bench, Fit, Runs, fit
 from stickslip.parameters import LUGRE
 
 WORTHWHILE = 0.5
@@ -80,7 +80,7 @@ def without_search(study: Study) -> Refinement | None:
     if best.cost < WORTHWHILE * runs.cost:
         return None
     said = (
-        f"with the parameters it would begin at, {bench.runs} runs of the training command and "
+        f"with the parameters it would begin at, {2 * REPEATS} runs of the training command and "
         f"its mirror image cost {runs.cost:.3g} m2/s2 in the mean, and no parameters would bring "
         f"that below {best.cost:.3g} m2/s2 ({100.0 * best.cost / runs.cost:.0f} %), as a "
         "least-squares fit of the five to these runs shows; a search is made for less than "
