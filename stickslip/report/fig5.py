@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 import ga
 from stickslip.report.style import COLUMN, GREY, INK, LINE, SMALL, THICK, WITH, WITHOUT, new_figure
@@ -74,6 +75,7 @@ def draw_course(
             fontsize=SMALL,
         )
     axes.set_xlim(generation[0], max(generation[-1], generation[0] + 1.0))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("Generation [1]")
     axes.set_ylabel(f"Cost {cost}")
     figure.legend(loc="outside lower center", ncols=2)
@@ -88,5 +90,6 @@ def draw_course(
             lambda e: generation[0] + (e - evaluations[0]) / slope,
         ),
     )
+    second.xaxis.set_major_locator(MaxNLocator(integer=True))
     second.set_xlabel("Evaluations [1]")
     return figure
