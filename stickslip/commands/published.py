@@ -12,7 +12,7 @@ from stickslip.published.study import PAPER_COST
 def print_published(published: Published) -> None:
     """Print costs and Table 4 over the seeds."""
     start, final = published.start_costs(), published.final_costs()
-    print(f"{len(final)} seeds of the paper's learning as published, from coarse starts")
+    print(f"the paper's learning as published, from coarse starts; seeds: {len(final)}")
     print(
         f"cost in m2/s2: {published.cost_without:.3g} without compensation, median "
         f"{np.median(start):.3g} at the start and {np.median(final):.3g} at the end "

@@ -168,6 +168,11 @@ def run(options: argparse.Namespace) -> None:
             "--coarse begins learning on the drive; leave out --mode record, which identifies "
             "nothing to multiply"
         )
+    if options.complete and mode != "drive":
+        raise UsageError(
+            "--complete takes all steps on the drive, the learning as published and from one "
+            "recording among them; leave out --mode record and --as-published"
+        )
     chosen = Options(
         truth=drive_changes(options.set),
         seed=options.seed,

@@ -84,4 +84,5 @@ def study_as_published(
             method = replace(method, feed=feed)
         other = learned(method, seeds[:reading_seeds], f"; {reading.place}: {reading.other}")
         rows.append(learning_row(reading, ours, other))
-    return WholeStudy(ours, pd.DataFrame(rows))
+    columns = list(learning_row(READINGS[0], ours, ours))  # a table also where nothing is in it
+    return WholeStudy(ours, pd.DataFrame(rows, columns=columns))
