@@ -1,0 +1,54 @@
+"""``stickslip reproduce --as-published`` leaves what its help promises."""
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+from stickslip.published_results import FILES
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("published") / "results"
+    drive = ["--set", "drive.F_c=4", "drive.F_s=5", "drive.m=8"]
+    command = ["reproduce", "--as-published", "--seeds", "1", "--seed", "6"]
+    assert main([*command, "--out", str(folder), *drive]) == 0
+    return folder
+
+
+def test_all_files_are_there_and_verified(folder):
+    assert {path.name for path in folder.iterdir()} == {*FILES, "manifest.json"}
+    assert main(["verify", str(folder)]) == 0
+
+
+def test_tables_tell_the_seed_and_count_a_thousand_runs(folder):
+    fitness = pd.read_csv(folder / "fitness.csv")
+    assert set(fitness["seed"]) == {6}
+    assert fitness["runs"].iloc[-1] == 1000
+    table4 = pd.read_csv(folder / "table4.csv")
+    assert set(table4["seed"]) == {6}
+    assert len(table4) == 8
+    assert pd.read_csv(folder / "readings.csv").empty  # a quarter of one seed is none
+    evaluated = pd.read_csv(folder / "readings_evaluation.csv")
+    assert evaluated["ours"].sum() == 2
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        ["--mode", "record"],
+        ["--algorithm", "cma"],
+        ["--pool", "processes"],
+        ["--coarse", "F_c=2"],
+        ["--complete"],
+        ["--seeds", "0"],
+    ],
+    ids=" ".join,
+)
+def test_options_that_mean_nothing_to_it_are_refused(option, tmp_path, capsys):
+    out = tmp_path / "results"
+    assert main(["reproduce", "--as-published", "--out", str(out), *option]) != 0
+    message = capsys.readouterr().err
+    assert option[0] in message
+    assert message.count("\n") == 1
+    assert not out.exists()
