@@ -56,14 +56,9 @@ class Runs:
         return np.asarray(self.gaps.mean(axis=1))
 
     @cached_property
-    def costs(self) -> Array:
-        """The mean cost of each of the three commands (3,) [m^2/s^2]."""
-        return np.append((self.gaps**2).sum(axis=2).mean(axis=1), self.slow)
-
-    @property
     def cost(self) -> float:
         """The mean cost of the training command and its mirror image [m^2/s^2]."""
-        return float(self.costs[:2].mean())
+        return float((self.gaps**2).sum(axis=2).mean())
 
     @cached_property
     def training_cost(self) -> float:

@@ -92,8 +92,8 @@ def without_search(study: Study) -> Refinement | None:
 def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) -> Refinement:
     """Fit the parameters to repeated runs and to the start, beginning at ``winner``.
 
-    The drive has the last word, in repeated runs of the training command, its mirror image and a
-    slow one: a result that costs more than the start on any of them is not taken. Of the fit and
+    The drive has the last word: a result is not taken that costs more than the start in repeated
+    runs of the training command and its mirror image together, or of a slow command. Of the fit and
     the winner, the fit is taken if it costs at most ``MARGIN`` more. With ``fitted`` False, the
     winner is only measured.
     """
@@ -108,7 +108,7 @@ def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) ->
     results = {
         name: runs
         for name, runs in results.items()
-        if (runs.costs <= (1.0 + MARGIN) * start.costs).all()
+        if runs.cost <= (1.0 + MARGIN) * start.cost and runs.slow <= (1.0 + MARGIN) * start.slow
     } or {"start": start}
     limit = (1.0 + MARGIN) * min(runs.cost for runs in results.values())
     chosen = next(name for name, runs in results.items() if runs.cost <= limit)

@@ -87,6 +87,14 @@ def test_a_winner_that_fits_one_half_of_the_guide_is_not_taken(make_rig):
     assert refine(study, winner).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
 
 
+def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_rig):
+    rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
+    study = study_of(rig)
+    low = {"F_c": 0.72, "F_s": 0.72}
+    coarse = replace(study, start=coarsened(study.start, low))
+    assert refine(coarse, start(coarse)).values["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+
+
 def test_a_result_that_is_worse_at_slow_reversals_is_not_taken(make_rig):
     """A current loop ten times slower than its data sheet says looks like stiffness when fast."""
     study = study_of(make_rig(tau_i=1e-3))
