@@ -3,9 +3,11 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
+import cosim
 from cosim.control import design_velocity_loop
 from stickslip.beforehand import vary_datasheet
 from stickslip.execution import Execution
@@ -16,8 +18,9 @@ from stickslip.record_mode import COMMISSIONING
 from stickslip.reproduction import Options, Reproduction, reproduce
 from stickslip.results import write_results
 from stickslip.rig import Rig, rig_of
-from stickslip.setup import LOOP, Datasheet
+from stickslip.setup import LOOP, VALIDATION, Datasheet
 from stickslip.studies import step_by_step, with_motions
+from stickslip.validation import validate
 
 
 class Quiet:
@@ -76,3 +79,30 @@ def log(tmp_path_factory):
     table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
     pd.DataFrame(table)[::2].to_csv(path, index=False)
     return path
+
+
+TRAPEZOIDS = 9
+
+
+def median_reductions(rig, loop, compensator, velocity):
+    """Return Table 4's four reductions, each the median of trapezoids that differ by 1 %.
+
+    How the encoder's steps fall is chance, and moves the maximum of one run by some points.
+    """
+    tables = []
+    for k in range(TRAPEZOIDS):
+        command = cosim.Trapezoid(
+            height=VALIDATION.height * (1.0 + 0.01 * np.sin(3.0 * k)),
+            slope=VALIDATION.slope * (1.0 + 0.01 * np.sin(7.0 * k)),
+            plateau=VALIDATION.plateau,
+            begin=VALIDATION.begin,
+        )
+        table = validate(rig, loop, compensator, command).table()
+        tables.append(table[table.velocity == velocity].reduction.to_numpy())
+    return np.median(tables, axis=0)
+
+
+@pytest.fixture(scope="session")
+def reductions():
+    """Return what finds Table 4's reductions without the chance of a single run."""
+    return median_reductions

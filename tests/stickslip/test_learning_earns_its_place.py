@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
 import ga
 from stickslip.coarse import coarsened, draw_factors
 from stickslip.commands.assignments import coarse_factors
@@ -16,30 +15,10 @@ from stickslip.identification import identify
 from stickslip.learning import Study, learn, parameters
 from stickslip.parameters import LUGRE, PAPER
 from stickslip.refinement import refine
-from stickslip.setup import LOOP, TRAINING, VALIDATION
-from stickslip.validation import validate
+from stickslip.setup import LOOP, TRAINING
 
 COARSE = {"F_s": 0.7, "F_c": 0.7, "v_s": 3.0, "sigma_0": 0.5, "sigma_1": 0.5}
 EXTRAS = {"asymmetric": True, "position_dependent": True, "ripple": True, "noise": True}
-RUNS = 9
-
-
-def reductions(study, values, velocity):
-    """Return Table 4's four reductions, each the median of trapezoids that differ by 1 %.
-
-    How the encoder's steps fall is chance, and moves the maximum of one run by some points.
-    """
-    tables = []
-    for k in range(RUNS):
-        command = cosim.Trapezoid(
-            height=VALIDATION.height * (1.0 + 0.01 * np.sin(3.0 * k)),
-            slope=VALIDATION.slope * (1.0 + 0.01 * np.sin(7.0 * k)),
-            plateau=VALIDATION.plateau,
-            begin=VALIDATION.begin,
-        )
-        table = validate(study.rig, study.loop, values, command).table()
-        tables.append(table[table.velocity == velocity].reduction.to_numpy())
-    return np.median(tables, axis=0)
 
 
 def study_of(rig, factors=None, **options):
@@ -66,21 +45,27 @@ def learned(study):
     [({}, 0), ({}, 1), ({"m": 8.0, "F_c": 4.0}, 2)],
     ids=["paper", "paper, another seed", "heavy"],
 )
-def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(make_rig, truth, seed):
+def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(
+    make_rig, reductions, truth, seed
+):
     study = study_of(make_rig(**truth), COARSE, seed=seed)
-    exact = reductions(study, {name: (PAPER | truth)[name] for name in LUGRE}, "measured")
-    found = reductions(study, learned(study).values, "measured")
+    exact = reductions(
+        study.rig, study.loop, {name: (PAPER | truth)[name] for name in LUGRE}, "measured"
+    )
+    found = reductions(study.rig, study.loop, learned(study).values, "measured")
     assert (found > exact - 0.015).all()
     if not truth:
         assert (found.round(2) >= [0.95, 0.98, 0.96, 0.98]).all()
 
 
-def test_with_all_extras_learning_beats_its_coarse_start_and_reaches_identification(make_rig):
+def test_with_all_extras_learning_beats_its_coarse_start_and_reaches_identification(
+    make_rig, reductions
+):
     rig = make_rig(**EXTRAS)
     study = study_of(rig, COARSE)
-    identified = reductions(study, values_of(study_of(rig)), "true")
-    found = reductions(study, learned(study).values, "true")
-    assert (found > reductions(study, values_of(study), "true") + 0.1).all()
+    identified = reductions(study.rig, study.loop, values_of(study_of(rig)), "true")
+    found = reductions(study.rig, study.loop, learned(study).values, "true")
+    assert (found > reductions(study.rig, study.loop, values_of(study), "true") + 0.1).all()
     assert (found > identified - 0.03).all()
     assert found[1] > identified[1] + 0.005  # friction differs between the directions
 
