@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
@@ -22,6 +22,7 @@ STEPS = {
     "tuned_pi": "Tuned PI alone",
     IDENTIFIED: "Identified",
     "as_published": "As published",
+    "coarse_default": "Default, coarse",
     LEARNED: "Default",
     "one_recording": "One recording",
     "velocity_filter": "And filter",
@@ -36,6 +37,7 @@ def steps(
     identification: Identification,
     learned: Mapping[str, float],
     published: Published | None = None,
+    coarse: Sequence[Mapping[str, float]] = (),
     recorded: Recorded | None = None,
 ) -> dict[str, Entry]:
     """Return the steps that there are, in the order of ``STEPS``.
@@ -43,6 +45,7 @@ def steps(
     Parameters
     ----------
     learned : parameters of the default
+    coarse : parameters of the default from the coarse starts of some of the published seeds
     """
     loop = identification.loop
     identified = {name: identification.estimates[name].value for name in LUGRE}
@@ -55,6 +58,8 @@ def steps(
     if published is not None:
         first, *others = (one.learned for one in published.seeds)
         found["as_published"] = Entry(loop, first, others)
+    if coarse:
+        found["coarse_default"] = Entry(loop, coarse[0], coarse[1:])
     if recorded is not None:
         plain, filtered, compensator = recorded
         found["one_recording"] = Entry(plain, compensator)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,16 +10,20 @@ import pandas as pd
 
 import ga
 from stickslip.beforehand import vary_datasheet
+from stickslip.coarse import coarsened, draw_factors
 from stickslip.evaluation import evaluate
 from stickslip.execution import Execution
 from stickslip.extras import Extras, all_effects
+from stickslip.identification import Identification
+from stickslip.learning import Study, learn, parameters
 from stickslip.motion_study import study_motions
 from stickslip.published import learn_as_published, study_as_published
-from stickslip.published.study import Method
+from stickslip.published.study import Method, OnGeneration, side_by_side
 from stickslip.record_mode import learn_from_recording
+from stickslip.refinement import refine, without_search
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
 from stickslip.rig import Rig
-from stickslip.setup import LOOP, Datasheet
+from stickslip.setup import LOOP, TRAINING, Datasheet
 from stickslip.steps import TRAPEZOID, Recorded, steps, with_steps
 from toolchain import Fault
 
@@ -27,6 +31,8 @@ SEEDS_OF_READINGS = 2
 """How many seeds learn under each other reading of the paper, in a complete reproduction."""
 SHARE_WITH_EXTRAS = 4
 """One of so many seeds also learns as published on the drive with all effects on."""
+SHARE_OF_DEFAULT = 5
+"""From one of so many of their coarse starts the default learns, too."""
 
 
 def with_studies(
@@ -51,6 +57,7 @@ def with_studies(
     beforehand = vary_datasheet(fmus, options.feed, execution.workers)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
     study = recorded = None
+    coarse: list[dict[str, float]] = []
     if options.complete:
         study = study_as_published(
             rig,
@@ -61,28 +68,57 @@ def with_studies(
             workers=own.workers,
             on_stage=progress.stage,
         )
+        coarse = _from_coarse_starts(rig, found, options, seeds, progress, own)
         recorded = _recorded(rig, options, progress, own)
     progress.stage("all motions")
     studied = replace(reproduction, extras=extras, beforehand=beforehand, published=study)
-    return with_motions(studied, fmus, recorded)
+    return with_motions(studied, fmus, coarse, recorded)
 
 
 def with_motions(
-    reproduction: Reproduction, fmus: Path, recorded: Recorded | None = None
+    reproduction: Reproduction,
+    fmus: Path,
+    coarse: Sequence[Mapping[str, float]] = (),
+    recorded: Recorded | None = None,
 ) -> Reproduction:
     """Return a reproduction with what each of its steps does in all motions.
 
     Parameters
     ----------
     fmus : folder of its FMUs
-    recorded : what one recording gave, see ``steps``
+    coarse, recorded : see ``steps``
     """
     found, options = reproduction.identification, reproduction.options
     published = reproduction.published.published if reproduction.published else None
-    entries = steps(found, reproduction.learned.values, published, recorded)
+    entries = steps(found, reproduction.learned.values, published, coarse, recorded)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
     motions = study_motions(rig, entries, found.loop, reproduction.truth, options.feed)
     return replace(reproduction, motions=motions)
+
+
+def _from_coarse_starts(
+    rig: Rig,
+    found: Identification,
+    options: Options,
+    seeds: Sequence[int],
+    progress: Progress,
+    execution: Execution,
+) -> list[dict[str, float]]:
+    """Return what the default learns from the coarse starts of some of the seeds."""
+    v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
+    some = seeds[: max(1, len(seeds) // SHARE_OF_DEFAULT)]
+    progress.stage(f"the default from the coarse starts of {len(some)} seeds")
+
+    def learned(seed: int, on_generation: OnGeneration) -> dict[str, float]:
+        start = coarsened(found.estimates, draw_factors(seed))
+        study = Study(rig, found.loop, start, v_cmd, options.feed, seed=seed)
+        result = without_search(study)
+        if result is None:
+            best = learn(study, on_generation).best
+            result = refine(study, parameters(best.values))
+        return result.values  # noqa: PD011 - parameters by name
+
+    return side_by_side(learned, some, execution.workers)
 
 
 def _recorded(rig: Rig, options: Options, progress: Progress, execution: Execution) -> Recorded:
@@ -128,14 +164,16 @@ def step_by_step(
     """
     rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
     identified, published, recorded = found.identification, None, None
+    coarse: list[dict[str, float]] = []
     if seeds:
         some = seeds[: max(1, len(seeds) // SHARE_WITH_EXTRAS)]
         progress.stage(f"learning as published, {len(some)} seeds")
         loop, estimates = identified.loop, identified.estimates
         method = Method(feed=options.feed)
         published = learn_as_published(rig, loop, estimates, some, method, execution.workers)
+        coarse = _from_coarse_starts(rig, identified, options, some, progress, execution)
         recorded = _recorded(rig, options, progress, execution)
-    entries = steps(identified, found.learned.values, published, recorded)
+    entries = steps(identified, found.learned.values, published, coarse, recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
     return with_steps(found.validation.table(), table)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,9 @@ from stickslip.rig import Rig
 from stickslip.setup import TRAINING, VALIDATION
 from stickslip.validation import Run, Validation, run_command
 from toolchain import Threads
+
+Result = TypeVar("Result")
+OnGeneration = Callable[[ga.Optimiser], object]
 
 PAPER_COST = 1.7e-3
 """Where Fig. 5 of the paper ends [m^2/s^2, by our reading of its unit]."""
@@ -161,18 +165,13 @@ def learn_as_published(
     trapezoid = VALIDATION.sample(rig.samples(corners[-1] + VALIDATION.begin))
     criterion = VelocityCost(rig.T_s, method.cutoff)
     own = {"delta": method.delta}
-    cancelled = threading.Event()
-
-    def still_wanted(_: ga.Optimiser) -> None:
-        if cancelled.is_set():
-            raise CancelledError
 
     def validated(values: Mapping[str, float]) -> Run:
         return run_command(rig, loop, {**values, **own}, trapezoid, method.feed)
 
-    with rig.judge(v_cmd, loop, criterion, method.feed, own) as cost, Threads(workers) as threads:
+    with rig.judge(v_cmd, loop, criterion, method.feed, own) as cost:
 
-        def learn(seed: int) -> SeedRun:
+        def learn(seed: int, still_wanted: OnGeneration) -> SeedRun:
             start = coarsened(identified, draw_factors(seed, method.width))
             algorithm = ga.GeneticAlgorithm(genes(start), method.settings, seed, method.repair)
             once = _Once(cost)
@@ -182,15 +181,34 @@ def learn_as_published(
             runs = validated(values), validated(learned)
             return SeedRun(seed, values, learned, algorithm, len(once.costs), *runs)
 
-        try:
-            runs = tuple(threads.each(learn, seeds))
-        except BaseException:
-            cancelled.set()
-            raise
+        runs = tuple(side_by_side(learn, seeds, workers))
     with rig.judge(v_cmd, loop, criterion, compensated=False) as cost:
         cost_without = cost(np.array([identified[name].value for name in LUGRE]))
     without = run_command(rig, loop, None, trapezoid, method.feed)
     return Published(method, runs, without, cost_without)
+
+
+def side_by_side(
+    learn: Callable[[int, OnGeneration], Result], seeds: Sequence[int], workers: int
+) -> list[Result]:
+    """Learn with each seed; when one fails or Ctrl-C comes, the others end with their generation.
+
+    Parameters
+    ----------
+    learn : takes a seed, and what it must call after each generation
+    """
+    cancelled = threading.Event()
+
+    def still_wanted(_: ga.Optimiser) -> None:
+        if cancelled.is_set():
+            raise CancelledError
+
+    with Threads(workers) as threads:
+        try:
+            return threads.each(lambda seed: learn(seed, still_wanted), seeds)
+        except BaseException:
+            cancelled.set()
+            raise
 
 
 class _Once:

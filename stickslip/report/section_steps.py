@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from stickslip.motion_study import LEARNED, UNCOMPENSATED
+from stickslip.motion_study import LEARNED
 from stickslip.plain_pi import peak_sensitivity
 from stickslip.report.markup import Html, element, join, paragraph, symbol, table
 from stickslip.report.picture import Picture
@@ -14,7 +14,6 @@ from stickslip.report.quantity import number, percent
 from stickslip.report.shown import METRICS, figure
 from stickslip.reproduction import Reproduction
 from stickslip.steps import STEPS
-from stickslip.validation import reduction
 
 SCATTER = 0.02
 """Relative change of an error below which a step is said to have changed nothing."""
@@ -31,8 +30,10 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
             "The same drive, controlled step by step: the paper’s loop without compensation "
             "(none); a PI controller alone, its gains tuned against friction at the same peak "
             "sensitivity; a compensator with the identified parameters; one learned as published "
-            "from coarse starts (median over seeds); the default; one learned from a single "
-            "recording; and the same with velocity filter and feedforward of inertia (and filter).",
+            "from coarse starts (median over seeds); the default from some of these starts "
+            "(coarse); the default, which begins at the identified parameters; one learned from a "
+            "single recording; and the same with velocity filter and feedforward of inertia (and "
+            "filter).",
         ),
         figure(
             pictures["steps"],
@@ -64,18 +65,11 @@ def _errors(table4: pd.DataFrame, caption: str) -> Html:
         (
             join([f"{row['region'].capitalize()}, ", METRICS[str(row["metric"])]]),
             str(row["velocity"]),
-            *(_cell(row[name], row[UNCOMPENSATED], name) for name in names),
+            *(f"{row[name]:.3f}" for name in names),
         )
         for row in table4.to_dict("records")
     ]
     return table(("", "", *(STEPS[name] for name in names)), rows, caption, (0, 1))
-
-
-def _cell(error: float, without: float, name: str) -> str:
-    """Return an error, and by how much it is less than without compensation."""
-    if name == UNCOMPENSATED:
-        return f"{error:.3f}"
-    return f"{error:.3f} ({percent(reduction(without, error), 0)})".replace("-", "−")
 
 
 def _pi(reproduction: Reproduction) -> Html:
@@ -97,7 +91,7 @@ def _learning(table4: pd.DataFrame, drive: str) -> Html:
     """Return whether learning did better than identification, on the true velocity."""
     true = table4[(table4["velocity"] == "true") & (table4["metric"] == "E_rms")]
     said = []
-    for name in ("as_published", LEARNED, "one_recording"):
+    for name in ("as_published", "coarse_default", LEARNED, "one_recording"):
         if name not in true:
             continue
         change = true[name] / true["identified"] - 1.0

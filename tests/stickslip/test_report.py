@@ -337,7 +337,7 @@ def test_page_shows_table_4_step_by_step(reproduction, page):
     table = reproduction.table4()
     for name in ("tuned_pi", "identified"):
         for error in table[name]:
-            assert f"{error:.3f} (" in said
+            assert f" {error:.3f} " in said
     assert "changed the RMS error by" in said  # identified leaves twice what was learned
 
 
