@@ -5,10 +5,10 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from benchmarks.learning import race, scaling, speed, survival
+from benchmarks.learning import contest, race, scaling, speed, survival
 from benchmarks.learning.problem import KINDS
 
-PARTS = ("speed", "scaling", "survival", "race")
+PARTS = ("speed", "scaling", "survival", "race", "functions", "further")
 
 
 def main() -> None:
@@ -18,8 +18,11 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--problem", choices=KINDS, action="append", help="to race on; all if left")
+    parser.add_argument("--genes", type=int, action="append", help="of functions; 5 and 10 if left")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
+    numbers = options.seeds, options.evaluations, options.genes or contest.DIMENSIONS
+    function_race = partial(contest.run, options.out, *numbers)
     for part in options.part or PARTS:
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
@@ -35,6 +38,8 @@ def main() -> None:
                     ),
                     race.__doc__,
                 ),
+                "functions": (partial(function_race, further=False), contest.__doc__),
+                "further": (partial(function_race, further=True), contest.__doc__),
                 "speed": (partial(speed.measure, folder, options.evaluations), speed.__doc__),
                 "scaling": (partial(scaling.run, folder, options.out), scaling.__doc__),
                 "survival": (partial(survival.run, folder, options.out), survival.__doc__),

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import time
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,31 +9,11 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.learning import figures
-from benchmarks.learning.problem import cost
-from benchmarks.learning.racers import Judge, Racer, Spent, racers
+from benchmarks.learning.problem import cost, problem
+from benchmarks.learning.racers import race_one, racers
 
 PAPER = "ours, paper's preset"
 AT = (50, 100, 200, 400, 700, 1000)
-
-
-class Clock:
-    """Counts a racer's evaluations and takes the time of each that is better than all before."""
-
-    def __init__(self, judge: Judge, budget: int) -> None:
-        self._judge, self._budget = judge, budget
-        self.evaluations, self.best = 0, np.inf
-        self.rows: list[tuple[int, float, float]] = []
-        self._begin = time.process_time()
-
-    def __call__(self, values: np.ndarray) -> float:
-        if self.evaluations == self._budget:
-            raise Spent
-        self.evaluations += 1
-        found = self._judge(values)
-        if found < self.best:
-            self.best = found
-            self.rows.append((self.evaluations, time.process_time() - self._begin, found))
-        return found
 
 
 def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) -> str:
@@ -46,7 +23,7 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
         with cost(folder / kind, kind) as judge:
             for name, racer in racers().items():
                 for seed in range(seeds):
-                    rows = _one(racer, judge, seed, budget)
+                    rows = race_one(racer, judge, problem(seed), seed, budget).rows
                     columns = ["evaluation", "seconds", "cost"]
                     table = pd.DataFrame(rows, columns=columns)
                     tables.append(table.assign(problem=kind, racer=name, seed=seed))
@@ -58,14 +35,6 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
         f"{kind}\n{_summary(race, kind, budget).to_string(float_format='%.4g')}" for kind in kinds
     ]
     return "\n\n".join([said.format(seeds), *tables])
-
-
-def _one(racer: Racer, judge: Judge, seed: int, budget: int) -> list[tuple[int, float, float]]:
-    clock = Clock(judge, budget)
-    with warnings.catch_warnings(), contextlib.suppress(Spent):
-        warnings.simplefilter("ignore")  # of the others
-        racer(clock, seed, budget)
-    return clock.rows
 
 
 def curves(race: pd.DataFrame, budget: int) -> dict[str, np.ndarray]:

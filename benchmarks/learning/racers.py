@@ -6,6 +6,9 @@ have the same budget, except for the paper's preset, which is as published.
 
 from __future__ import annotations
 
+import contextlib
+import time
+import warnings
 from collections.abc import Callable
 from importlib.util import find_spec
 
@@ -13,11 +16,11 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 import ga
-from benchmarks.learning.problem import problem
+from ga.encoding import Encoding
 
 Judge = Callable[[np.ndarray], float]
-Racer = Callable[[Judge, int, int], None]
-"""(cost of values (k,), seed, budget): evaluates until `Spent` is raised or it is done"""
+Racer = Callable[[Judge, ga.Problem, int, int], None]
+"""(cost of values (k,), problem, seed, budget): evaluates until `Spent` is raised or it is done"""
 
 FAILED = 1e9  # the others do not all take infinity
 SIGMAS = (0.1, 0.2)
@@ -27,33 +30,63 @@ class Spent(Exception):
     """The budget is used up."""
 
 
+class Clock:
+    """Counts a racer's evaluations and takes the time of each that is better than all before."""
+
+    def __init__(self, judge: Judge, budget: int) -> None:
+        self._judge, self._budget = judge, budget
+        self.evaluations, self.best = 0, np.inf
+        self.rows: list[tuple[int, float, float]] = []
+        self.found: np.ndarray | None = None
+        self._begin = time.process_time()
+
+    def __call__(self, values: np.ndarray) -> float:
+        if self.evaluations == self._budget:
+            raise Spent
+        self.evaluations += 1
+        found = self._judge(values)
+        if found < self.best:
+            self.best, self.found = found, values.copy()
+            self.rows.append((self.evaluations, time.process_time() - self._begin, found))
+        return found
+
+
+def race_one(racer: Racer, judge: Judge, given: ga.Problem, seed: int, budget: int) -> Clock:
+    """Let one of them search a problem, and return what it found when."""
+    clock = Clock(judge, budget)
+    with warnings.catch_warnings(), contextlib.suppress(Spent):
+        warnings.simplefilter("ignore")  # of the others
+        racer(clock, given, seed, budget)
+    return clock
+
+
 def ours(algorithm: str) -> Racer:
-    def race(judge: Judge, seed: int, budget: int) -> None:
-        given = problem(seed, constrained=algorithm != "paper")
+    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
+        if algorithm == "paper":
+            given = ga.Problem(given.genes)
         optimiser = ga.optimiser(algorithm, given, ga.Limits(evaluations=budget), seed)
         ga.learn(optimiser, judge)
 
     return race
 
 
-def _strings(judge: Judge, seed: int) -> tuple[Judge, np.ndarray]:
+def _strings(judge: Judge, given: ga.Problem) -> tuple[Judge, np.ndarray]:
     """Return the cost of strings (k,) in [0, 1], and the start as one."""
-    given = problem(seed)
-    lower, upper = np.log([(gene.lower, gene.upper) for gene in given.genes]).T
+    encoding = Encoding.of(given)
 
     def cost(string: np.ndarray) -> float:
-        values = np.exp(lower + np.clip(string, 0, 1) * (upper - lower))
+        values = encoding.decode(np.clip(string, 0, 1))
         try:
             return judge(given.repaired(values[np.newaxis])[0])
         except ga.CandidateFailed:
             return FAILED
 
-    return cost, (np.log(given.start) - lower) / (upper - lower)
+    return cost, encoding.encode(given.start)
 
 
 def scipy_de(popsize: int) -> Racer:
-    def race(judge: Judge, seed: int, budget: int) -> None:
-        cost, start = _strings(judge, seed)
+    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
+        cost, start = _strings(judge, given)
         differential_evolution(
             cost,
             [(0, 1)] * len(start),
@@ -69,24 +102,26 @@ def scipy_de(popsize: int) -> Racer:
 
 
 def cma(sigma: float) -> Racer:
-    def race(judge: Judge, seed: int, budget: int) -> None:
+    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
         from cma import fmin2
 
-        cost, start = _strings(judge, seed)
+        cost, start = _strings(judge, given)
+        size = 4 + int(3 * np.log(len(start)))
         for attempt in range(budget):
             options = {"bounds": [0, 1], "seed": 1 + seed + 1000 * attempt, "verbose": -9}
-            fmin2(cost, start, sigma, {**options, "verb_log": 0})
+            fmin2(cost, start, sigma, {**options, "verb_log": 0, "popsize": 2**attempt * size})
+            start = np.random.default_rng([seed, attempt]).random(len(start))
 
     return race
 
 
 def pymoo_ga(population: int) -> Racer:
-    def race(judge: Judge, seed: int, budget: int) -> None:
+    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
         from pymoo.algorithms.soo.nonconvex.ga import GA
         from pymoo.core.problem import ElementwiseProblem
         from pymoo.optimize import minimize
 
-        cost, start = _strings(judge, seed)
+        cost, start = _strings(judge, given)
 
         class Genes(ElementwiseProblem):
             def __init__(self) -> None:
