@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ga.archive import Archive
 from ga.arrays import Array
 from ga.breeding import Brood, breed
 from ga.checkpoint import seed_of
@@ -19,13 +18,16 @@ from ga.initial import first_generation
 from ga.limits import PROGRESS, Limits
 from ga.optimiser import Optimiser
 from ga.problem import Problem
-from ga.quadratic import unknowns
 from ga.rates import MutationRate
 from ga.repair import Repair
 from ga.settings import DEFAULT, Settings
+from ga.surrogates import BRED, Origins, Surrogates
 
-COLLAPSED = 1e-12
-"""A population whose strings all lie within this of each other cannot move any more."""
+COLLAPSED = 1e-3
+"""A population whose strings all lie within this of each other has found the bottom of a valley."""
+
+SETTLED = 10
+"""Generations that it then has to find another one along the genes, before it begins anew."""
 
 
 class GeneticAlgorithm(Optimiser):
@@ -64,20 +66,21 @@ class GeneticAlgorithm(Optimiser):
         self.settings = settings
         self._encoding = Encoding(self.genes, settings.encoding, settings.resolution)
         self._rng = np.random.Generator(np.random.PCG64(seed))
+        self._surrogates = Surrogates(len(self.genes)) if settings.surrogates else None
         self._begin_anew(restarts=0)
         self._earlier: Candidate | None = None
         self._chosen: Candidate | None = None
 
     def _begin_anew(self, restarts: int) -> None:
-        k = len(self.genes)
-        size = round((self.settings.finish or 0) * unknowns(k))
         self._restarts = restarts
         self._current: Generation | None = None
         self._brood: Brood | None = None
         self._bred: Brood | None = None
         self._mutation = MutationRate(self.settings)
-        self._archive = Archive(size, k)
+        if self._surrogates is not None:
+            self._surrogates.begin_anew()
         self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
+        self._settled_for = 0  # generations of these in which the population was collapsed
 
     @property
     def batch(self) -> int:
@@ -92,7 +95,7 @@ class GeneticAlgorithm(Optimiser):
     def _propose(self) -> Array:
         current = self._current
         if current is None:
-            self._brood = self._settled(self._first())
+            self._brood = self._first()
             return self._brood.values
         self._brood = self._bred or self._next(current)
         self._bred = self._next(current) if self.settings.ahead else None
@@ -102,31 +105,41 @@ class GeneticAlgorithm(Optimiser):
     def _foreseen(self) -> Array:
         return super()._foreseen() if self._bred is None else self._bred.values
 
-    def _settled(self, strings: Array, rates: Array | None = None) -> Brood:
+    def _settled(self, strings: Array, rates: Array, origins: Origins) -> Brood:
         """Return what strings (n, k), which may leave [0, 1], are evaluated as."""
         strings = self._encoding.settle(strings)
         values = self._encoding.decode(strings)
         if self.problem.repair is not None:
             values = self.problem.repaired(values)
             strings = self._encoding.encode(values)
-        return Brood(strings, values, np.empty((len(strings), 1)) if rates is None else rates)
+        return Brood(strings, values, rates, origins)
 
-    def _first(self) -> Array:
-        """Return a first generation: around the start or, after a restart, anywhere."""
-        start = self._encoding.encode(self.problem.start[np.newaxis])[0]
+    def _first(self) -> Brood:
+        """Return a first generation: around the start, or anew.
+
+        The first search anew is around where the cost is lowest by and large, the second anywhere,
+        and so on in turns.
+        """
+        n = self.settings.population
+        start: Array | None = self._encoding.encode(self.problem.start)
         if self._restarts:
-            return self._rng.random((self.settings.population, start.size))
-        return first_generation(start, self.settings, self._rng)
+            start = None
+            if self._surrogates is not None and self._restarts % 2:
+                start = self._surrogates.centre()
+        if start is None:
+            strings = self._rng.random((n, len(self.genes)))
+        else:
+            strings = first_generation(start, self.settings, self._rng)
+        return self._settled(strings, np.empty((n, 1)), np.full(n, BRED))
 
     def _next(self, current: Generation) -> Brood:
-        """Return children; the last, whose rival is the worst, is the local finish."""
         settings = self.settings
         rates = self._mutation.draw(settings.population - settings.elites, self._rng)
         strings = breed(current.strings, current.costs, rates, settings, self._rng)
-        bottom = self._archive.bottom()
-        if bottom is not None:
-            strings[-1] = bottom
-        return self._settled(strings, rates)
+        origins = np.full(len(strings), BRED)
+        if self._surrogates is not None:
+            origins = self._surrogates.place(strings, self._rng, spread=not self._collapsed())
+        return self._settled(strings, rates, origins)
 
     def _digest(self, values: Array, costs: Array) -> Array:
         del values  # they are in the brood
@@ -134,15 +147,21 @@ class GeneticAlgorithm(Optimiser):
         assert brood is not None  # noqa: S101 - something was asked
         n = len(brood.strings)
         children = Generation.once(brood.strings, brood.values, costs[:n])
-        self._archive.add(children.strings, children.costs)
         if self._current is None:
             current = children.ranked()
         else:
-            self._archive.add(self._current.strings[: len(costs) - n], costs[n:])
             rivals = self._current.averaged(costs[n:])
             wins = rivals.winners(children, self.settings)
-            self._mutation.follow(brood.rates, wins)
+            self._mutation.follow(brood.rates, wins & (brood.origins == BRED))
             current = rivals.followed_by(children, wins)
+        if self._surrogates is not None:
+            self._surrogates.add(children.strings, children.costs)
+            if self._current is not None:
+                self._surrogates.add(self._current.strings[: len(costs) - n], costs[n:])
+                self._surrogates.follow(
+                    brood.origins, children.strings, children.costs, float(rivals.costs.min())
+                )
+            self._surrogates.move(current.strings[0], float(current.costs[0]))
         self._current = current
         self._chosen = self._most_trusted(current) if self.settings.noisy else None
         self._watch(current)
@@ -164,13 +183,14 @@ class GeneticAlgorithm(Optimiser):
         stale, goal = self._stale
         lowest = float(current.costs[0])
         self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
+        self._settled_for = self._settled_for + 1 if self._collapsed() and self._stale[0] else 0
         if self._at_rest() and self._restarts < self.settings.restarts:
             self._earlier = self._chosen
             self._begin_anew(self._restarts + 1)
 
     def _at_rest(self) -> bool:
         patience = self.settings.patience
-        return patience is not None and (self._stale[0] >= patience or self._collapsed())
+        return patience is not None and (self._stale[0] >= patience or self._settled_for >= SETTLED)
 
     def _collapsed(self) -> bool:
         current = self._current
@@ -180,7 +200,7 @@ class GeneticAlgorithm(Optimiser):
         if not self._at_rest():
             return None
         why = f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
-        if self._collapsed():
+        if self._settled_for >= SETTLED:
             why = "the population has collapsed to a point"
         return f"stagnation: {why}, after {self._restarts} restarts"
 

@@ -1,34 +1,31 @@
-"""The cheapest candidates seen, to fit a quadratic to."""
+"""The candidates seen, the cheapest first, for models of the cost to be fitted to."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ga.arrays import Array
-from ga.quadratic import bottom
+
+MOST = 4096
+"""Candidates kept."""
 
 
 class Archive:
-    """Keeps so many of the cheapest candidates.
+    """Keeps the cheapest candidates on k genes.
 
-    Parameters
+    Attributes
     ----------
-    size : how many
-    genes : k
+    strings : the cheapest first, shape (n, k)
+    costs : shape (n,), 0 .. inf
     """
 
-    def __init__(self, size: int, genes: int) -> None:
-        self._size = size
-        self._strings = np.empty((0, genes))
-        self._costs = np.empty(0)
+    def __init__(self, genes: int) -> None:
+        self.strings = np.empty((0, genes))
+        self.costs = np.empty(0)
 
     def add(self, strings: Array, costs: Array) -> None:
         """Take candidates, shape (n, k), and their costs, shape (n,)."""
-        all_costs = np.concatenate([self._costs, costs])
-        order = np.argsort(all_costs, kind="stable")[: self._size]
-        self._strings = np.vstack([self._strings, strings])[order]
-        self._costs = all_costs[order]
-
-    def bottom(self) -> Array | None:
-        """Return where a quadratic through them is lowest, shape (k,), if that can be said."""
-        return bottom(self._strings, self._costs)
+        all_costs = np.concatenate([self.costs, costs])
+        order = np.argsort(all_costs, kind="stable")[:MOST]
+        self.strings = np.vstack([self.strings, strings])[order]
+        self.costs = all_costs[order]

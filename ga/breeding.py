@@ -10,6 +10,7 @@ from ga.arrays import Array
 from ga.crossover import CROSSOVERS
 from ga.mutation import MUTATIONS
 from ga.settings import Settings
+from ga.surrogates import Origins
 
 
 def breed(
@@ -44,8 +45,10 @@ class Brood:
     strings : what the operators work on, shape (n, k), 0 .. 1
     values : what is evaluated, shape (n, k), in the genes' units
     rates : of their mutation, shape (n, 1)
+    origins : where each comes from, shape (n,), see `ga.surrogates`
     """
 
     strings: Array
     values: Array
     rates: Array
+    origins: Origins

@@ -1,6 +1,8 @@
-"""How often a gene of a child mutates; an adaptive rate follows what succeeds."""
+"""How often a gene mutates, and how often children are bred in which way, after what succeeds."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,3 +44,39 @@ class MutationRate:
         """Learn which of the children, shape (n,), succeeded with the rates drawn for them."""
         if self._adaptive and successful.any():
             self._mean += LEARNING * (float(rates[successful].mean()) - self._mean)
+
+
+LEAST = 0.03
+"""Share of the children that every way to breed them keeps."""
+
+MEMORY = 0.9
+"""Weight of what was learned before, each time that a generation improves on the best cost."""
+
+
+class Shares:
+    """Draws in which of several ways each child is bred: in those that improve the best cost more.
+
+    Parameters
+    ----------
+    first : share of each way in what is expected at first, relative to the others
+    """
+
+    def __init__(self, first: Sequence[float]) -> None:
+        self._won, self._tried = np.array(first, dtype=float), np.ones(len(first))
+
+    @property
+    def shares(self) -> Array:
+        """Probability of each way, shape (ways,)."""
+        rates = self._won / self._tried
+        return np.asarray(LEAST + (1 - LEAST * len(rates)) * rates / rates.sum())
+
+    def draw(self, children: int, rng: np.random.Generator) -> NDArray[np.int_]:
+        """Return the way of each of so many children."""
+        return rng.choice(len(self._tried), size=children, p=self.shares)
+
+    def follow(self, ways: NDArray[np.int_], better: NDArray[np.bool_]) -> None:
+        """Learn which children, shape (n,), of these ways cost less than the best one before."""
+        if better.any():
+            won, tried = (np.bincount(w, minlength=len(self._won)) for w in (ways[better], ways))
+            self._won = MEMORY * self._won + won / won.sum()
+            self._tried = MEMORY * self._tried + tried / tried.sum()

@@ -34,10 +34,9 @@ class Settings:
         waits for the slowest
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
     adaptive : the mutation rate follows what succeeds, see ``ga/rates.py``
-    finish : one child in each generation is where a quadratic is lowest that is fitted to the
-        cheapest candidates, so many times as it has coefficients; None has no such child
+    surrogates : some children are where models of the cost are lowest, see ``ga/surrogates.py``
     patience : generations in which the best cost has not fallen by 1 % after which the search
-        begins anew, anywhere; None never does
+        begins anew, where a bowl through all candidates is lowest or anywhere; None never does
     restarts : how often at most. A search that then comes to rest again is at its end.
     noisy : each run differs: the elite is evaluated in each generation again, and costs its mean
 
@@ -63,9 +62,9 @@ class Settings:
     ahead: bool = True
     threshold: float | None = None
     adaptive: bool = True
-    finish: float | None = 2.0
+    surrogates: bool = True
     patience: int | None = 50
-    restarts: int = 3
+    restarts: int = 10
     noisy: bool = False
 
     def __post_init__(self) -> None:
@@ -89,8 +88,6 @@ class Settings:
             )
         if self.threshold is not None:
             self._check("threshold", self.threshold >= 0, "0 or above, or None")
-        if self.finish is not None:
-            self._check("finish", self.finish > 1, "above 1, or None")
         if self.patience is not None:
             self._check("patience", self.patience >= 1, "at least 1, or None")
         self._check("restarts", self.restarts >= 0, "0 or above")
@@ -126,7 +123,7 @@ PAPER = Settings(
     near_share=0.0,
     ahead=False,
     adaptive=False,
-    finish=None,
+    surrogates=False,
     patience=None,
     restarts=0,
 )

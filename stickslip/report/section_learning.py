@@ -157,7 +157,7 @@ def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
         "crossover_rate": "crossover rate",
         "resolution": "resolution",
     }
-    finish = "none" if settings.finish is None else "lowest point of a fitted quadratic"
+    surrogates = "sections, bowl and quadratic" if settings.surrogates else "none"
     restarts = "none" if settings.patience is None else f"after {settings.patience} generations"
     return [
         *((said, _setting(settings, name), PAPER_TABLE3[name]) for name, said in names.items()),
@@ -165,7 +165,7 @@ def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
         ("mutation", settings.mutation, "not stated"),
         ("survival", settings.survival, "elitist"),
         ("encoding of the genes", settings.encoding, "real numbers"),
-        ("local finish", finish, "none"),
+        ("models of the cost", surrogates, "none"),
         ("restart without progress", restarts, "none"),
     ]
 

@@ -33,7 +33,6 @@ def test_the_default_preset_is_the_default():
         ("encoding", "binary"),
         ("survival", "all"),
         ("mutation", "none"),
-        ("finish", 0.5),
         ("patience", 0),
         ("restarts", -1),
     ],

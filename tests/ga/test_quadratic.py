@@ -1,4 +1,4 @@
-"""The local finish: exact on paraboloids, careful elsewhere."""
+"""Models of the cost: exact on paraboloids, careful elsewhere, of bounded work."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ga.archive import Archive
-from ga.quadratic import RADIUS, bottom, unknowns
+from ga.quadratic import LARGEST, POINTS, RADIUS, bottom, bowl, unknowns
 
 
 def paraboloid(k, seed):
@@ -64,12 +64,68 @@ def test_what_cannot_be_said_is_not_said(costs):
     assert bottom(np.zeros_like(points), np.arange(len(costs), dtype=float)) is None
 
 
-def test_an_archive_keeps_the_cheapest():
+def test_an_archive_keeps_the_cheapest_in_order(monkeypatch):
+    monkeypatch.setattr("ga.archive.MOST", 12)
     rng = np.random.default_rng(0)
-    lowest, cost = paraboloid(2, 3)
-    archive = Archive(12, 2)
+    archive, added = Archive(2), []
     for _ in range(5):
-        points = lowest + 0.1 * rng.standard_normal((8, 2))
-        archive.add(points, cost(points))
-        archive.add(lowest + 5 + points, np.full(8, 1e9))
-    np.testing.assert_allclose(archive.bottom(), lowest, atol=1e-9)
+        points = rng.random((8, 2))
+        added.append(np.column_stack([points.sum(axis=1), points]))
+        archive.add(points, points.sum(axis=1))
+    cheapest = np.vstack(added)
+    cheapest = cheapest[np.argsort(cheapest[:, 0])][:12]
+    np.testing.assert_array_equal(archive.costs, cheapest[:, 0])
+    np.testing.assert_array_equal(archive.strings, cheapest[:, 1:])
+
+
+@settings(max_examples=25, deadline=None)
+@given(k=st.integers(1, 8), seed=st.integers(0, 2**32))
+def test_the_bottom_of_a_round_bowl_is_exact_wherever_the_points_are(k, seed):
+    rng = np.random.default_rng(seed)
+    lowest = rng.uniform(0.2, 0.8, k)
+    points = np.vstack([rng.random((20, k)), 0.1 + 0.01 * rng.standard_normal((40, k))])
+    costs = 3 + np.sum((points - lowest) ** 2, axis=1)
+    np.testing.assert_allclose(bowl(*ranked(points, costs)), lowest, atol=1e-8)
+
+
+def test_a_bowl_sees_past_ripples_that_trap_the_best_candidate_and_the_crowd_around_it():
+    """Ripples as high as a third of the bowl, and most points in one of them."""
+    rng = np.random.default_rng(0)
+    lowest = np.full(3, 0.6)
+    points = np.vstack([rng.random((100, 3)), 0.3 + 0.01 * rng.standard_normal((300, 3))])
+    away = points - lowest
+    costs = np.sum(away**2 + 0.05 * (1 - np.cos(2 * np.pi * away / 0.1)), axis=1)
+    points, costs = ranked(points, costs)
+    assert np.abs(bowl(points, costs) - lowest).max() < 0.05
+    assert np.abs(points[0] - lowest).max() > 0.05
+
+
+@pytest.mark.parametrize(
+    "costs", [np.arange(4.0), np.full(30, 2.0), np.append(np.arange(4.0), np.full(24, np.inf))]
+)
+def test_there_is_no_bowl_through_too_few_or_equal_costs(costs):
+    points = np.random.default_rng(0).random((len(costs), 2))
+    assert bowl(points, costs) is None
+
+
+def test_there_is_no_bowl_where_the_cost_bends_down():
+    points = np.random.default_rng(0).random((30, 2))
+    assert bowl(*ranked(points, 5 - np.sum((points - 0.5) ** 2, axis=1))) is None
+
+
+def test_the_work_of_a_fit_is_bounded_in_many_dimensions(monkeypatch):
+    """Rows times the square of columns, which the time of least squares follows."""
+    work = []
+    solve = np.linalg.lstsq
+
+    def counted(terms, *rest, **options):
+        work.append(len(terms) * terms.shape[1] ** 2)
+        return solve(terms, *rest, **options)
+
+    monkeypatch.setattr("numpy.linalg.lstsq", counted)
+    for k in (2, 10, 20, 21, 50, 100):
+        points = np.random.default_rng(0).random((5000, k))
+        costs = np.sum((points - 0.4) ** 2, axis=1)
+        assert bottom(*ranked(points, costs)) is not None
+        assert bowl(*ranked(points, costs)) is not None
+    assert max(work) <= POINTS * LARGEST**3

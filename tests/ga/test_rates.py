@@ -1,10 +1,10 @@
-"""The mutation rate follows what succeeds, if it is asked to."""
+"""Rates and shares follow what succeeds."""
 
 import numpy as np
 import pytest
 
 import ga
-from ga.rates import MutationRate
+from ga.rates import LEAST, MutationRate, Shares
 
 
 def drawn(rate, n=2000):
@@ -32,3 +32,22 @@ def test_a_fixed_rate_stays_and_draws_nothing():
     rate.follow(rates, np.ones(5, dtype=bool))
     np.testing.assert_array_equal(rate.draw(5, rng), np.full((5, 1), ga.PAPER.mutation_rate))
     assert rng.bit_generator.state == state
+
+
+def test_shares_follow_the_way_that_succeeds_more_often_and_none_dies_out():
+    shares, rng = Shares((5, 1, 1)), np.random.default_rng(0)
+    assert np.argmax(shares.shares) == 0
+    chances = np.array([0.02, 0.4, 0.0])
+    for _ in range(60):
+        ways = shares.draw(7, rng)
+        shares.follow(ways, rng.random(7) < chances[ways])
+    assert shares.shares.sum() == pytest.approx(1)
+    assert shares.shares[1] > 0.6
+    assert (shares.shares >= LEAST).all()
+
+
+def test_generations_without_success_teach_nothing():
+    shares = Shares((1, 2))
+    before = shares.shares
+    shares.follow(np.array([0, 1, 1]), np.zeros(3, dtype=bool))
+    np.testing.assert_array_equal(shares.shares, before)

@@ -35,7 +35,7 @@ _WORDS = (
 
 def _algorithm() -> ga.Optimiser:
     genes = [ga.Gene("a", 0.0, 2.0, 1.0, linear=True), ga.Gene("b", 1.0, 10.0, 5.0, "m")]
-    return ga.GeneticAlgorithm(genes, ga.Settings(population=4, finish=None), seed=7)
+    return ga.GeneticAlgorithm(genes, ga.Settings(population=4, surrogates=False), seed=7)
 
 
 @cache
