@@ -26,8 +26,9 @@ from ga.surrogates import BRED, Origins, Surrogates
 COLLAPSED = 1e-3
 """A population whose strings all lie within this of each other has found the bottom of a valley."""
 
-SETTLED = 10
-"""Generations that it then has to find another one along the genes, before it begins anew."""
+SETTLED = 6
+"""Generations without 1 % of progress that it then has to go on, and as many again to find another
+valley along the genes, before it begins anew."""
 
 
 class GeneticAlgorithm(Optimiser):
@@ -138,7 +139,7 @@ class GeneticAlgorithm(Optimiser):
         strings = breed(current.strings, current.costs, rates, settings, self._rng)
         origins = np.full(len(strings), BRED)
         if self._surrogates is not None:
-            origins = self._surrogates.place(strings, self._rng, spread=not self._collapsed())
+            origins = self._surrogates.place(strings, self._rng, spread=self._settled_for < SETTLED)
         return self._settled(strings, rates, origins)
 
     def _digest(self, values: Array, costs: Array) -> Array:
@@ -152,7 +153,7 @@ class GeneticAlgorithm(Optimiser):
         else:
             rivals = self._current.averaged(costs[n:])
             wins = rivals.winners(children, self.settings)
-            self._mutation.follow(brood.rates, wins & (brood.origins == BRED))
+            self._mutation.follow(brood.rates, wins)
             current = rivals.followed_by(children, wins)
         if self._surrogates is not None:
             self._surrogates.add(children.strings, children.costs)
@@ -190,7 +191,9 @@ class GeneticAlgorithm(Optimiser):
 
     def _at_rest(self) -> bool:
         patience = self.settings.patience
-        return patience is not None and (self._stale[0] >= patience or self._settled_for >= SETTLED)
+        return patience is not None and (
+            self._stale[0] >= patience or self._settled_for >= 2 * SETTLED
+        )
 
     def _collapsed(self) -> bool:
         current = self._current
@@ -200,7 +203,7 @@ class GeneticAlgorithm(Optimiser):
         if not self._at_rest():
             return None
         why = f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
-        if self._settled_for >= SETTLED:
+        if self._settled_for >= 2 * SETTLED:
             why = "the population has collapsed to a point"
         return f"stagnation: {why}, after {self._restarts} restarts"
 

@@ -46,7 +46,7 @@ class MutationRate:
             self._mean += LEARNING * (float(rates[successful].mean()) - self._mean)
 
 
-LEAST = 0.03
+LEAST = 0.02
 """Share of the children that every way to breed them keeps."""
 
 MEMORY = 0.9

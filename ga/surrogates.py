@@ -21,7 +21,7 @@ BRED, SECTION, BOWL, QUADRATIC = range(4)
 
 _LIBRARIES = ThreadpoolController()
 
-FIRST = 20.0, 1.0, 1.0
+FIRST = 20.0, 0.4, 0.4
 """What is expected of the first three, relative to each other, before anything is known."""
 
 Origins = NDArray[np.int_]

@@ -122,8 +122,8 @@ def _operations(algorithm: ga.Optimiser) -> list[Operation]:
 def _beyond(settings: ga.Settings) -> str:
     """Return what the paper's algorithm does not have."""
     parts = []
-    if settings.finish is not None:
-        parts.append("one from a fitted quadratic")
+    if settings.surrogates:
+        parts.append("some from models of the cost")
     if settings.patience is not None:
         parts.append(f"restart after {settings.patience} without progress")
     return "".join(f"\n{part}" if k == 0 else f", {part}" for k, part in enumerate(parts))

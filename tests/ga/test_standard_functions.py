@@ -71,9 +71,9 @@ def test_the_lowest_of_many_valleys_is_found_where_genes_act_independently():
 
 
 def test_the_searches_anew_go_where_the_cost_is_lowest_by_and_large():
-    """A random valley of a rotated Rastrigin function costs about 5 for each gene, at best 0."""
+    """Valleys of a rotated Rastrigin function cost 1 for each step and gene away from the lowest."""
     ours, _ = lowest_costs(rastrigin, SEEDS, rotated=True, budget=1000)
-    assert median(ours) < 1.5 * GENES
+    assert median(ours) < GENES
 
 
 @pytest.mark.parametrize("genes", [30, 50])
