@@ -7,8 +7,8 @@ The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it
     with ga.executor("processes", workers=4) as executor:
         learned = ga.learn(optimiser, evaluate, executor, checkpoint="run.json")
 
-``default`` is for costs of one or many valleys, with noise or failures; ``paper`` is the algorithm as
-published.
+``default`` is for costs of one or many valleys, with noise or failures; ``paper`` is the algorithm
+as published.
 
     GaError(toolchain.Fault)
         SettingsError(ValueError)      a gene, a setting or a repair makes no sense

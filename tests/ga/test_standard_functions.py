@@ -71,7 +71,7 @@ def test_the_lowest_of_many_valleys_is_found_where_genes_act_independently():
 
 
 def test_the_searches_anew_go_where_the_cost_is_lowest_by_and_large():
-    """Valleys of a rotated Rastrigin function cost 1 for each step and gene away from the lowest."""
+    """Each step to the next valley of a rotated Rastrigin function, in each gene, costs about 1."""
     ours, _ = lowest_costs(rastrigin, SEEDS, rotated=True, budget=1000)
     assert median(ours) < GENES
 
