@@ -6,6 +6,8 @@ it sees past small valleys to where the large one is lowest. Sections search gen
 
 from __future__ import annotations
 
+from threading import Lock
+
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
@@ -19,7 +21,7 @@ from ga.sections import Sections
 BRED, SECTION, BOWL, QUADRATIC = range(4)
 """Where a child comes from."""
 
-_LIBRARIES = ThreadpoolController()
+_LIBRARIES, _LIMITED = ThreadpoolController(), Lock()
 
 FIRST = 20.0, 0.4, 0.4
 """What is expected of the first three, relative to each other, before anything is known."""
@@ -76,7 +78,9 @@ class Surrogates:
 
         Where the population is not spread any more, it breeds nothing new, and sections do.
         """
-        with _LIBRARIES.limit(limits=1, user_api="blas"):  # its threads cost more than they bring
+        # The threads of linear algebra cost more than they bring. Their number belongs to the
+        # process: two searches that change it at once would not put it back.
+        with _LIMITED, _LIBRARIES.limit(limits=1, user_api="blas"):
             return self._place(children, rng, spread)
 
     def _place(self, children: Array, rng: np.random.Generator, spread: bool) -> Origins:
