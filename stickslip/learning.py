@@ -72,13 +72,6 @@ class Study:
     settings: ga.Settings | None = None
     seed: int = 0
 
-    def run(self, values: Mapping[str, float]) -> cosim.Result:
-        """Run one compensator on the drive and return what was recorded."""
-        parameters = {f"compensator.{name}": value for name, value in values.items()}
-        cost = self.cost()
-        with cost.specification.prepare() as simulation:
-            return simulation.run(parameters, cost.inputs)
-
     def cost(self) -> ga.SimulatedCost:
         """Return what judges one candidate on the drive."""
         judge = VelocityCost(self.rig.T_s)

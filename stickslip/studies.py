@@ -17,8 +17,8 @@ from stickslip.extras import Extras, all_effects
 from stickslip.identification import Identification
 from stickslip.learning import Study, learn, parameters
 from stickslip.motion_study import study_motions
-from stickslip.published import learn_as_published, study_as_published
-from stickslip.published.study import Method, OnGeneration, side_by_side
+from stickslip.published import study_as_published
+from stickslip.published.study import OnGeneration, side_by_side
 from stickslip.record_mode import learn_from_recording
 from stickslip.refinement import refine, without_search
 from stickslip.reproduction import Options, Progress, Reproduction, reproduce
@@ -29,10 +29,8 @@ from toolchain import Fault
 
 SEEDS_OF_READINGS = 2
 """How many seeds learn under each other reading of the paper, in a complete reproduction."""
-SHARE_WITH_EXTRAS = 4
-"""One of so many seeds also learns as published on the drive with all effects on."""
-SHARE_OF_DEFAULT = 5
-"""From one of so many of their coarse starts the default learns, too."""
+SHARE_OF_DEFAULT = 10
+"""From one of so many of the coarse starts the default learns, too."""
 
 
 def with_studies(
@@ -159,21 +157,15 @@ def step_by_step(
 
     Parameters
     ----------
-    seeds : of the learning as published, of which some are taken; without any, this and the
+    seeds : of coarse starts, from some of which the default learns; without any, this and the
         learning from one recording are left out
     """
     rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
-    identified, published, recorded = found.identification, None, None
-    coarse: list[dict[str, float]] = []
+    coarse, recorded = [], None
     if seeds:
-        some = seeds[: max(1, len(seeds) // SHARE_WITH_EXTRAS)]
-        progress.stage(f"learning as published, {len(some)} seeds")
-        loop, estimates = identified.loop, identified.estimates
-        method = Method(feed=options.feed)
-        published = learn_as_published(rig, loop, estimates, some, method, execution.workers)
-        coarse = _from_coarse_starts(rig, identified, options, some, progress, execution)
+        coarse = _from_coarse_starts(rig, found.identification, options, seeds, progress, execution)
         recorded = _recorded(rig, options, progress, execution)
-    entries = steps(identified, found.learned.values, published, coarse, recorded)
+    entries = steps(found.identification, found.learned.values, None, coarse, recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
     return with_steps(found.validation.table(), table)
 
