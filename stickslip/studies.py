@@ -48,15 +48,14 @@ def with_studies(
     """
     options, found = reproduction.options, reproduction.identification
     own = replace(execution, checkpoint=None, resume=False)
-    count = options.published_seeds if options.complete else 0
-    seeds = range(options.seed, options.seed + count)
-    extras = reproduce_with_extras(options, fmus / "extras", progress, own, seeds)
+    extras = reproduce_with_extras(options, fmus / "extras", progress, own)
     progress.stage("varying what is known beforehand")
     beforehand = vary_datasheet(fmus, options.feed, execution.workers)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
     study = recorded = None
     coarse: list[dict[str, float]] = []
     if options.complete:
+        seeds = range(options.seed, options.seed + options.published_seeds)
         study = study_as_published(
             rig,
             found,
@@ -126,20 +125,15 @@ def _recorded(rig: Rig, options: Options, progress: Progress, execution: Executi
 
 
 def reproduce_with_extras(
-    options: Options, fmus: Path, progress: Progress, execution: Execution, seeds: Sequence[int]
+    options: Options, fmus: Path, progress: Progress, execution: Execution
 ) -> Extras:
-    """Take all steps on the drive with all effects on; ``fmus`` is made.
-
-    Parameters
-    ----------
-    seeds : see ``step_by_step``
-    """
+    """Take the steps on the drive with all effects on; ``fmus`` is made."""
     fmus.mkdir()
     stages = _Named(progress)
     options = replace(options, truth={**options.truth, **all_effects()})
     try:
         found = reproduce(options, fmus, stages, execution)
-        return Extras(found.validation, step_by_step(found, fmus, stages, execution, seeds))
+        return Extras(found.validation, step_by_step(found, fmus, stages, execution))
     except ga.Interrupted:  # its message is that of a search without a checkpoint
         raise KeyboardInterrupt from None
     except Fault as fault:
@@ -147,25 +141,12 @@ def reproduce_with_extras(
 
 
 def step_by_step(
-    found: Reproduction,
-    fmus: Path,
-    progress: Progress,
-    execution: Execution,
-    seeds: Sequence[int],
+    found: Reproduction, fmus: Path, progress: Progress, execution: Execution
 ) -> pd.DataFrame:
-    """Return Table 4 of a reproduction with a column for each step.
-
-    Parameters
-    ----------
-    seeds : of coarse starts, from some of which the default learns; without any, this and the
-        learning from one recording are left out
-    """
+    """Return Table 4 of a reproduction with a column for each step but coarse starts."""
     rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
-    coarse, recorded = [], None
-    if seeds:
-        coarse = _from_coarse_starts(rig, found.identification, options, seeds, progress, execution)
-        recorded = _recorded(rig, options, progress, execution)
-    entries = steps(found.identification, found.learned.values, None, coarse, recorded)
+    recorded = _recorded(rig, options, progress, execution) if options.complete else None
+    entries = steps(found.identification, found.learned.values, recorded=recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
     return with_steps(found.validation.table(), table)
 

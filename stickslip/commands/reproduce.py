@@ -70,7 +70,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--complete",
         action="store_true",
         help="also learn as published and from one recording, and compare all steps; takes two "
-        "and a half minutes on two cores",
+        "minutes on two cores",
     )
     parser.add_argument(
         "--seeds",

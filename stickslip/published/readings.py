@@ -69,7 +69,6 @@ READINGS = (
         "the identified values as they are",
         Method(width=0.0),
     ),
-    LearningReading(_COARSELY, "the same", "half as wide", Method(width=0.5)),
     LearningReading(_COARSELY, "the same", "twice as wide", Method(width=2.0)),
     LearningReading("(4)", "exponent 1, as printed", "exponent 2", Method(delta=2.0)),
     LearningReading(

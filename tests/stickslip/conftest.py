@@ -50,7 +50,7 @@ def results(reproduction, tmp_path_factory, quiet) -> Path:
     folder = tmp_path_factory.mktemp("results")
     fmus = reproduction.system.components["drive"].path.parent
     varied = vary_datasheet(fmus, reproduction.options.feed, factors={})
-    steps = step_by_step(reproduction, fmus, quiet, Execution(), ())
+    steps = step_by_step(reproduction, fmus, quiet, Execution())
     extras = Extras(reproduction.validation, steps)
     found = replace(reproduction, extras=extras, beforehand=varied)
     write_results(with_motions(found, fmus), folder)

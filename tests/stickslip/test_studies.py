@@ -27,7 +27,7 @@ def run(tmp_path, quiet, monkeypatch, outcome):
     execution = Execution(workers=2, checkpoint=tmp_path / "kept.json", resume=True)
     options = Options(truth={"F_c": 4.0, "dac": False}, seed=3)
     monkeypatch.setattr(studies, "step_by_step", lambda *_: "step by step")
-    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet, execution, ())
+    extras = studies.reproduce_with_extras(options, tmp_path / "extras", quiet, execution)
     return extras, *calls
 
 
