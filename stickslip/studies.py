@@ -27,7 +27,7 @@ from stickslip.setup import LOOP, TRAINING, Datasheet
 from stickslip.steps import TRAPEZOID, Recorded, steps, with_steps
 from toolchain import Fault
 
-SEEDS_OF_READINGS = 2
+SEEDS_OF_READINGS = 1
 """How many seeds learn under each other reading of the paper, in a complete reproduction."""
 SHARE_OF_DEFAULT = 10
 """From one of so many of the coarse starts the default learns, too."""

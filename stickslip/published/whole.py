@@ -11,12 +11,14 @@ from stickslip.identification import Identification
 from stickslip.loop import Feed
 from stickslip.published.readings import (
     READINGS,
+    LearningReading,
     evaluation_readings,
     learning_row,
     threshold_reading,
 )
 from stickslip.published.study import Method, Published, learn_as_published
 from stickslip.rig import Rig
+from toolchain import Threads
 
 TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation")
 """The names of the study's tables, as which they are written."""
@@ -71,18 +73,22 @@ def study_as_published(
     feed : what drives the compensator
     """
 
-    def learned(method: Method, chosen: Sequence[int], said: str) -> Published:
-        on_stage(f"learning as published, {len(chosen)} seeds{said}")
+    def learned(method: Method, chosen: Sequence[int], workers: int) -> Published:
         loop, found = identification.loop, identification.estimates
         return learn_as_published(rig, loop, found, chosen, method, workers)
 
-    ours = learned(Method(feed=feed), seeds, "")
-    rows = []
-    for reading in READINGS if reading_seeds else ():
+    on_stage(f"learning as published, {len(seeds)} seeds")
+    ours = learned(Method(feed=feed), seeds, workers)
+    if reading_seeds:
+        on_stage(f"{len(READINGS)} other readings, {reading_seeds} seeds each")
+
+    def row(reading: LearningReading) -> dict[str, object]:
         method = reading.method
         if method.feed == Method.feed:
             method = replace(method, feed=feed)
-        other = learned(method, seeds[:reading_seeds], f"; {reading.place}: {reading.other}")
-        rows.append(learning_row(reading, ours, other))
+        return learning_row(reading, ours, learned(method, seeds[:reading_seeds], 1))
+
+    with Threads(workers) as threads:
+        rows = threads.each(row, READINGS if reading_seeds else ())
     columns = list(learning_row(READINGS[0], ours, ours))  # a table also where nothing is in it
     return WholeStudy(ours, pd.DataFrame(rows, columns=columns))
