@@ -16,7 +16,7 @@ from stickslip.estimation import Estimation
 from stickslip.learned_report.scales import Scale, parameter_scale
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE, unit_of
-from stickslip.report.quantity import MEANINGS, number, unit
+from stickslip.report.quantity import FORMULAS, MEANINGS, number, unit
 from stickslip.report.style import GREY, PAGE, SHADE, WITH, WITHOUT, name_panel, new_figure
 
 LINE_95 = 3.84
@@ -27,13 +27,6 @@ WIDE = 3.0
 FARTHEST = 1e3
 """Ratio to the fitted value beyond which nothing is drawn."""
 LETTERS = "abcde"
-SYMBOLS = {
-    "F_s": "$F_s$",
-    "F_c": "$F_c$",
-    "v_s": "$v_s$",
-    "sigma_0": r"$\sigma_0$",
-    "sigma_1": r"$\sigma_1$",
-}
 
 
 def draw(estimation: Estimation) -> Figure:
@@ -74,7 +67,7 @@ def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
 
         value = np.array([low, high])
     _ticks(axes, scale.factor * value)
-    axes.set_xlabel(f"{SYMBOLS[name]} [{scale.unit}]")
+    axes.set_xlabel(f"{FORMULAS[name]} [{scale.unit}]")
 
 
 def unresolved(estimation: Estimation) -> list[str]:

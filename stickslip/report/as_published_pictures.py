@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from stickslip.measurement import Array
 from stickslip.parameters import LUGRE
 from stickslip.published.study import PAPER_COST, Published
+from stickslip.report.quantity import FORMULAS
 from stickslip.report.style import (
     COLUMN,
     GREY,
@@ -26,13 +27,6 @@ from stickslip.report.style import (
 from stickslip.reproduction import Reproduction
 from stickslip.validation import METRICS, PAPER_TABLE4
 
-SYMBOLS = {
-    "F_s": "$F_s$",
-    "F_c": "$F_c$",
-    "v_s": "$v_s$",
-    "sigma_0": r"$\sigma_0$",
-    "sigma_1": r"$\sigma_1$",
-}
 _LABELS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
 BAND = "#9dbbd6"
 
@@ -100,7 +94,7 @@ def _values(axes: Axes, published: Published, drive: Mapping[str, float]) -> Non
         start = np.array([one.start[name] for one in published.seeds]) / drive[name]
         learned = np.array([one.learned[name] for one in published.seeds]) / drive[name]
         _strip(axes, place, start, learned)
-    axes.set_xticks(range(len(LUGRE)), [SYMBOLS[name] for name in LUGRE])
+    axes.set_xticks(range(len(LUGRE)), [FORMULAS[name] for name in LUGRE])
     axes.set_ylabel("Value / the simulated drive’s [1]")
     name_panel(axes, "a", "Parameters of each seed")
 

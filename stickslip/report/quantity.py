@@ -19,6 +19,14 @@ SYMBOLS = {
     "sigma_0": ("σ", "0"),
     "sigma_1": ("σ", "1"),
 }
+FORMULAS = {
+    "F_s": "$F_s$",
+    "F_c": "$F_c$",
+    "v_s": "$v_s$",
+    "sigma_0": r"$\sigma_0$",
+    "sigma_1": r"$\sigma_1$",
+}
+"""The same for pictures."""
 MEANINGS = {
     "m": "inertia",
     "b": "viscous friction",
