@@ -1,0 +1,72 @@
+"""The documents: the index of decisions, links, and words that were replaced."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DECISIONS = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
+DOCUMENTS = [
+    *ROOT.glob("*.md"),
+    *(ROOT / "docs").rglob("*.md"),
+    *(ROOT / "models").rglob("*.md"),
+]
+GENERATED = {"hostile.md", "check-defects.md"}  # they quote messages and names of defects
+REPLACED = (
+    *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),
+    *("replica", "replicas", "valley", "valleys", "stand-in", "facade", "knock", "foretell"),
+    *("weakly known", "well known", "not visible", "laid flat", "is none of", "stick force"),
+)
+
+
+def name(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", DECISIONS, ids=name)
+def test_every_decision_is_in_the_index(path):
+    text = path.read_text(encoding="utf-8")
+    heading = re.match(r"# (\d+)\. (.+)\n", text)
+    assert heading, "expected a first line '# NUMBER. TITLE'"
+    number, title = heading.groups()
+    assert path.name.startswith(f"{int(number):04d}-")
+    status = re.search(
+        r"^Status: (accepted|(?:changed|superseded) by .+?), \d{4}-\d\d-\d\d", text, re.MULTILINE
+    )
+    assert status, "expected 'Status: accepted|changed by ...|superseded by ..., YEAR-MONTH-DAY'"
+    index = (path.parent / "README.md").read_text(encoding="utf-8")
+    rows = [row.split(" | ") for row in index.splitlines() if row.startswith(f"| [{number}](")]
+    assert len(rows) == 1, f"expected one row for decision {number} in docs/decisions/README.md"
+    [[first, *_, last]] = rows
+    assert first == f"| [{number}]({path.name})"
+    assert rows[0][1] == title
+    assert last.removesuffix(" |") == status[1]
+
+
+@pytest.mark.parametrize("path", DECISIONS, ids=name)
+def test_a_decision_has_its_parts(path):
+    headings = re.findall(r"^## (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    allowed = ["Context", "Decision", "Consequences", "Alternatives tried"]
+    assert headings[:2] == allowed[:2]
+    assert headings == [heading for heading in allowed if heading in headings]
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=name)
+def test_relative_links_lead_to_files(path):
+    text = path.read_text(encoding="utf-8")
+    targets = re.findall(r"(?<!\\)\]\(([^)#\s]+)(?:#[^)]*)?\)", text)
+    missing = [t for t in targets if ":" not in t and not (path.parent / t).exists()]
+    assert not missing
+
+
+@pytest.mark.parametrize("path", [p for p in DOCUMENTS if p.parent.name in ("decisions", "measurements")], ids=name)
+def test_no_replaced_word(path):
+    pattern = rf"\b({'|'.join(REPLACED)})\b"
+    text = path.read_text(encoding="utf-8")
+    found = {
+        f"line {number}: {match[0]}"
+        for number, line in enumerate(text.splitlines(), 1)
+        for match in re.finditer(pattern, line, re.IGNORECASE)
+    }
+    assert not found
