@@ -17,7 +17,7 @@ from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
 import models
-from benchmarks.fuzz_calls import find_compiler
+from tests.corpus.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s
 

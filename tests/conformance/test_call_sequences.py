@@ -1,6 +1,6 @@
 """Whatever is called, in whatever order: no crash, errors leave no trace, twice gives the same.
 
-The laws are in benchmarks/fuzz_calls/sequences.c; ``python -m benchmarks.fuzz_calls`` runs more.
+The laws are in tests/corpus/fuzz_calls/sequences.c; `python -m tests.corpus.fuzz_calls` runs more.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.fuzz_calls import Fuzzer
+from tests.corpus.fuzz_calls import Fuzzer
 
 SEQUENCES = 5000
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from benchmarks.fuzz_calls import SANITIZE
 from models.export.sources import fmi_headers
+from tests.corpus.fuzz_calls import SANITIZE
 
 
 def test_a_whole_life_is_clean(fmu, compiler, tmp_path):

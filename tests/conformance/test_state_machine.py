@@ -1,6 +1,6 @@
 """Calls in whatever order, through FMPy, shrunk to the shortest order that breaks a law.
 
-benchmarks/fuzz_calls gives the same code far more calls, in C; this sees it as packed, by
+tests/corpus/fuzz_calls gives the same code far more calls, in C; this sees it as packed, by
 another tool.
 """
 

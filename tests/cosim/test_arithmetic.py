@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import cosim
-from benchmarks.hostile import fmus
 from cosim.kernel.arithmetic import plain_arithmetic
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 

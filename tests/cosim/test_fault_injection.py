@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import cosim
-from benchmarks.hostile import faults
 from cosim import Adaptive, Coupling, resets
+from tests.corpus.hostile import faults
 
 # function -> (its name in FMI 2.0 and 3.0, which call fails)
 COMMON = {

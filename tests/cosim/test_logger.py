@@ -10,7 +10,7 @@ import threading
 import pytest
 
 import cosim
-from benchmarks.hostile import faults
+from tests.corpus.hostile import faults
 
 FOREIGN = ["(void*)1", "NULL"]
 ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]

@@ -9,7 +9,7 @@ import zipfile
 import pytest
 
 import cosim
-from benchmarks.hostile import fmus
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import cosim
-from benchmarks.defects import reference
 from cosim.checkpoint import Checkpoint
+from tests.corpus.defects import reference
 
 
 @pytest.fixture

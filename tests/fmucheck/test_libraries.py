@@ -8,9 +8,9 @@ import pytest
 
 import models
 import toolchain
-from benchmarks.defects.reference import pack
 from fmucheck import check
 from fmucheck.binaries.library import read_library
+from tests.corpus.defects.reference import pack
 
 # Windows is left out: its C library takes minutes to build on a cold cache.
 NAMES = [name for name in toolchain.PLATFORMS if "windows" not in name]

@@ -8,7 +8,7 @@ import pytest
 
 import fmucheck
 import toolchain
-from benchmarks.hostile import fmus
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="hostile.c is for POSIX")
 

@@ -6,8 +6,8 @@ import pytest
 from lxml import etree
 
 import fmucheck
-from benchmarks.defects.reference import members, pack
 from fmucheck.description.values import number
+from tests.corpus.defects.reference import members, pack
 
 VALUES = ["", "-1", "0", "1e999", "NaN", "x y", "99999999999999999999", "true", "ä'\"", "exact"]
 

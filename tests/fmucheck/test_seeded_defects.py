@@ -5,8 +5,8 @@ import warnings
 import pytest
 
 import fmucheck
-from benchmarks.defects import binaries, descriptions, files
-from benchmarks.defects.reference import members, pack
+from tests.corpus.defects import binaries, descriptions, files
+from tests.corpus.defects.reference import members, pack
 
 RUNS = ("running", "rerunning", "ending")  # stages that load the binary
 TIMEOUT = 2.0  # s, for those that hang

@@ -10,7 +10,7 @@ import pytest
 
 import cosim
 import ga
-from benchmarks.hostile import fmus
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the FMU is for Linux")
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from benchmarks.defects import reference
-from benchmarks.hostile import fmus
 from cosim import kernel
+from tests.corpus.defects import reference
+from tests.corpus.hostile import fmus
 
 
 @pytest.fixture(scope="session", autouse=True)

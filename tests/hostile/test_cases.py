@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.hostile import CASES, GROUPS, Case
 from stickslip.cli import main
+from tests.corpus.hostile import CASES, GROUPS, Case
 
 
 def litter(*folders: Path) -> set[Path]:

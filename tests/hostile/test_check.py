@@ -9,10 +9,10 @@ import warnings
 import pytest
 
 import fmucheck
-from benchmarks.hostile import CASES, archives, fmus
-from benchmarks.hostile.sound import members
-from benchmarks.hostile.zips import zipped
 from stickslip.cli import main
+from tests.corpus.hostile import CASES, archives, fmus
+from tests.corpus.hostile.sound import members
+from tests.corpus.hostile.zips import zipped
 
 DESCRIPTIONS = [case for case in CASES if 5 <= case.group <= 13]
 LAWFUL = {

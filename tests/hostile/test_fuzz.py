@@ -1,4 +1,4 @@
-"""Each parser refuses what it does not take in its own words; the long hunt is benchmarks/fuzz."""
+"""Each parser refuses what it does not take in its own words; tests/corpus/fuzz hunts longer."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import logging
 
 import pytest
 
-from benchmarks.fuzz import campaign
-from benchmarks.fuzz.parsers import NAMES, load
+from tests.corpus.fuzz import campaign
+from tests.corpus.fuzz.parsers import NAMES, load
 
 N = {"archive": 2000, "description": 2000, "library": 2000}
 N |= dict.fromkeys(("csv", "json", "mat", "state", "toml"), 1000)

@@ -7,8 +7,8 @@ import sys
 import pytest
 
 import toolchain
-from benchmarks.hostile import fmus
 from stickslip.cli import main
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="apart by default on Linux only")
 

@@ -6,8 +6,8 @@ import zipfile
 import pytest
 
 import models
-from benchmarks.defects import binaries
 from stickslip.cli import main
+from tests.corpus.defects import binaries
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import zipfile
 import pytest
 
 import cosim
-from benchmarks.hostile.zips import DEFLATE, Member, zipped
 from cosim.archive import members, unpack, unpacked
+from tests.corpus.hostile.zips import DEFLATE, Member, zipped
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 import cosim
-from benchmarks.hostile import fmus
+from tests.corpus.hostile import fmus
 
 Hostile = Callable[..., cosim.System]
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import cosim
-from benchmarks.hostile import fmus
+from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 

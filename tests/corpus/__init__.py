@@ -1,0 +1,1 @@
+"""Inputs that are wrong: malformed files, seeded defects, fuzzers and survival trials."""

@@ -1,0 +1,113 @@
+"""Many inputs to one parser, counted; it can be stopped and resumed."""
+
+from __future__ import annotations
+
+import faulthandler
+import time
+import traceback
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+
+import numpy as np
+
+from tests.corpus.fuzz.mutation import mutated
+from tests.corpus.fuzz.parsers import Parser
+
+SLOW = 2.0  # s of the processor for one input
+_HANG = 600.0  # s for _ROUND inputs, after which the process ends with a traceback
+_ROUND = 1000
+
+
+@dataclass
+class Tally:
+    """What came of the inputs; ``unexpected`` and ``slow`` should stay empty."""
+
+    inputs: int = 0
+    accepted: int = 0
+    refused: int = 0
+    unexpected: list[str] = field(default_factory=list)
+    slow: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.inputs} inputs: {self.accepted} accepted, {self.refused} refused,"
+            f" {len(self.unexpected)} unexpected, {len(self.slow)} slow"
+        )
+
+
+def made(parser: Parser, corpus: list[bytes], seed: int, i: int) -> bytes:
+    """Return input i, which depends on the seed and i alone."""
+    rng = Random(seed * 2**40 + i)  # noqa: S311 - no secrets
+    data = rng.choice(corpus)
+    change = getattr(parser, "mutate", None)
+    if change is not None and rng.random() < 0.5:
+        return bytes(change(rng, data))
+    return mutated(rng, data, corpus)
+
+
+def run(
+    parser: Parser, seed: int, first: int, last: int, folder: Path, found: Path | None = None
+) -> Tally:
+    """Feed inputs first .. last - 1.
+
+    Parameters
+    ----------
+    folder : empty, for what the parser writes
+    found : where inputs are saved that end otherwise than they should
+    """
+    tally, corpus = Tally(), parser.corpus()
+    for i in range(first, last):
+        data = made(parser, corpus, seed, i)
+        begin = time.process_time()
+        try:
+            parser.parse(data, folder)
+            tally.accepted += 1
+        except parser.EXPECTED:
+            tally.refused += 1
+        except (Exception, RecursionError) as fault:  # noqa: BLE001 - this is what is looked for
+            place = traceback.extract_tb(fault.__traceback__)[-1]
+            where = f"{Path(place.filename).name}:{place.lineno}"
+            tally.unexpected.append(f"{i}: {type(fault).__name__} at {where}: {fault}")
+            _save(found, i, data)
+        if time.process_time() - begin > SLOW:
+            tally.slow.append(f"{i}: {time.process_time() - begin:.1f} s")
+            _save(found, i, data)
+        tally.inputs += 1
+    return tally
+
+
+def resume(parser: Parser, seed: int, inputs: int, state: Path, folder: Path) -> None:
+    """Feed inputs up to a number, keeping count in ``state``; print as it goes on.
+
+    A process that dies loses the last round only; ``python -X faulthandler`` says where it died.
+    """
+    state.mkdir(parents=True, exist_ok=True)
+    counts = state / "counts.txt"
+    total = np.loadtxt(counts, dtype=int) if counts.exists() else np.zeros(5, int)
+    while total[0] < inputs:
+        first, last = int(total[0]), min(inputs, int(total[0]) + _ROUND)
+        faulthandler.dump_traceback_later(_HANG, exit=True)
+        begin = time.perf_counter()
+        tally = run(parser, seed, first, last, folder, state)
+        pace = (last - first) / (time.perf_counter() - begin)
+        faulthandler.cancel_dump_traceback_later()
+        for line in (*tally.unexpected, *tally.slow):
+            print(line)
+        total += [
+            *(tally.inputs, tally.accepted, tally.refused),
+            *(len(tally.unexpected), len(tally.slow)),
+        ]
+        np.savetxt(counts, total, fmt="%d")
+        if last % (20 * _ROUND) == 0 or last == inputs:
+            n, accepted, refused, unexpected, slow = total
+            print(
+                f"{n} inputs: {accepted} accepted, {refused} refused, {unexpected} unexpected,"
+                f" {slow} slow; {pace:.0f} inputs/s",
+                flush=True,
+            )
+
+
+def _save(found: Path | None, i: int, data: bytes) -> None:
+    if found is not None:
+        (found / f"{i}.bin").write_bytes(data)

@@ -1,0 +1,194 @@
+"""Archives: names that leave their folder, links, bombs, damage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tests.corpus.hostile.case import Case
+from tests.corpus.hostile.sound import DESCRIPTION, members, simulating
+from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
+
+_MB = 1024**2
+_UTF8 = 0x800
+
+
+def _beside(group: int, name: str, about: str, says: str, *more: Member) -> Case:
+    """Return a case of a sound FMU that has further members."""
+    return _made(group, name, about, says, lambda: zipped([*members(), *more]))
+
+
+def _made(group: int, name: str, about: str, says: str, data: Callable[[], bytes]) -> Case:
+    def make(folder: Path) -> Sequence[str | Path]:
+        return simulating(data())(folder)
+
+    return Case(group, name, about, make, says)
+
+
+def _named(name: str, about: str, says: str, *members: bytes) -> Case:
+    more = (Member(m, b"" if m.endswith(b"/") else b"evil", flags=_UTF8) for m in members)
+    return _beside(1, name, about, says, *more)
+
+
+_NAMES = [
+    _named("up", "../../evil", "would leave the folder", b"../../evil"),
+    _named("up-within", "a/../../evil", "would leave the folder", b"a/../../evil"),
+    _named("up-at-the-end", "resources/..", "would leave the folder", b"resources/.."),
+    _named("absolute", "/etc/evil", "would leave the folder", b"/etc/evil"),
+    _named("drive", "C:/evil", "would leave the folder", b"C:/evil"),
+    _named("drive-relative", "C:evil", "would leave the folder", b"C:evil"),
+    _named("server", "//server/share/evil", "would leave the folder", b"//server/share/evil"),
+    _named("backslash", "..\\evil", "backslash", b"..\\evil"),
+    _named("server-backslash", "\\\\server\\evil", "backslash", b"\\\\server\\evil"),
+    _named("nul-in-name", "a NUL in the name", "control characters", b"a.txt\0.so"),
+    _named("newline", "a newline in the name", "control characters", b"a\nstickslip: all is well"),
+    _named("escape", "a terminal's escape sequence", "control characters", b"\x1b[2Ja"),
+    _named("nameless-member", "no name at all", "empty part", b""),
+    _named("double-slash", "a//b", "empty part", b"a//b"),
+    _named("long-name", "a name of 300 bytes", "path of 300 bytes", b"n" * 300),
+    _named(
+        "long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]
+    ),
+    _named("deep-folders", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
+    _named("twice", "two members of one name", "occurs twice", b"a.txt", b"a.txt"),
+    _named("case", "names that differ in case", "occurs twice", b"a.txt", b"A.TXT"),
+    _named(
+        "accents", "one letter as one and as two", "twice", "\u00e9".encode(), "e\u0301".encode()
+    ),
+    _named("file-and-folder", "a file that others lie in", "a folder of other", b"a", b"a/b"),
+    _named("file-as-folder", "a file and a folder of one name", "a folder of other", b"a", b"a/"),
+    _named("dot", "a file that is the folder", "names a folder", b"."),
+    _named("trailing-dot", "a dot at the end", "dot or blank", b"resources/a."),
+    _named("trailing-blank", "a blank at the end", "dot or blank", b"resources /a"),
+    _named("device", "a device of Windows", "device of Windows", b"resources/NUL"),
+    _named("device-extension", "one with an extension", "device of Windows", b"com1.txt"),
+    _named("stream", "a stream of NTFS", "colon", b"a.txt:evil"),
+]
+
+_LINKS = [
+    _beside(2, "link-out", "a link to a file outside", "link", Member(b"a", b"/etc", mode=LINK)),
+    _beside(2, "link-up", "a link upwards", "symbolic link", Member(b"a", b"../..", mode=LINK)),
+    _beside(
+        2,
+        "through-link",
+        "a link, and a member behind it",
+        "symbolic link",
+        Member(b"out", b"/tmp", mode=LINK),
+        Member(b"out/evil", b"evil"),
+    ),
+    _made(
+        2,
+        "linked-description",
+        "the description is a link",
+        "symbolic link",
+        lambda: zipped(
+            [Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])]
+        ),
+    ),
+    _beside(2, "pipe", "a named pipe", "special file", Member(b"pipe", mode=FIFO)),
+    _beside(2, "device-file", "a block device", "special", Member(b"disk", mode=0o060666)),
+]
+
+
+_BOMBS = [
+    _made(
+        3,
+        "ratio",
+        "70 MB of zeros in 70 kB",
+        "zip bomb",
+        lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)]),
+    ),
+    _beside(
+        3,
+        "several",
+        "many members that grow together",
+        "zip bomb",
+        *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3)),
+    ),
+    _beside(3, "claims", "3 GB, says the header", "3000000000 bytes", Member(b"a", size=3 * 10**9)),
+    _made(
+        3,
+        "lies",
+        "20 MB, though the header says 1 kB",
+        "damaged",
+        lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)]),
+    ),
+    _beside(
+        3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)
+    ),
+    _made(
+        3,
+        "members",
+        "30,000 members",
+        "at most 20000",
+        lambda: zipped([Member(b"%d" % i) for i in range(30_000)]),
+    ),
+    _made(
+        3,
+        "overlap",
+        "a hundred members over the same bytes",
+        "overlap",
+        lambda: zipped([*members(), *(Member(b"%d" % i, b"a" * 99, offset=0) for i in range(100))]),
+    ),
+    _beside(3, "full-folder", "a folder with content", "folder with", Member(b"a/", b"text")),
+    _made(
+        3,
+        "nested",
+        "zip in zip in zip, an FMU at the bottom",
+        "modelDescription.xml is missing",
+        lambda: zipped([Member(b"a.zip", zipped([Member(b"b.zip", zipped(members()))]))]),
+    ),
+]
+
+
+def _sound() -> bytes:
+    return zipped(members())
+
+
+def _flipped() -> bytes:
+    data = bytearray(_sound())
+    data[len(data) // 2] ^= 0xFF
+    return bytes(data)
+
+
+def _folder(folder: Path) -> Sequence[str | Path]:
+    (folder / "a.fmu").mkdir()
+    return ["simulate", folder / "a.fmu"]
+
+
+def _odd(name: str, about: str, says: str, **fields: object) -> Case:
+    return _beside(4, name, about, says, Member(b"a", b"text", **fields))
+
+
+_DAMAGED = [
+    _made(4, "empty-file", "a file of 0 bytes", "the file is empty", bytes),
+    _made(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
+    _made(4, "head-only-file", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
+    _made(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
+    _made(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
+    _made(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),
+    _made(4, "flipped", "a byte is another", "damaged", _flipped),
+    _made(4, "text-before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
+    _made(4, "text-behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
+    _made(4, "short-comment", "a comment cut off", "bytes missing at the end", lambda: zipped([], comment=b"abc")[:-1]),
+    _made(4, "no-members", "an archive of nothing", "is missing", lambda: zipped([])),
+    _made(4, "count", "the end counts wrongly", "stated", lambda: zipped(members(), count=7)),
+    _made(4, "place", "the end points elsewhere", "before", lambda: zipped(members(), directory=9)),
+    _made(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
+    _made(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
+    _odd("checksum", "a wrong checksum", "damaged: Bad CRC", crc=1),
+    _odd("encrypted", "a member with a password", "encrypted", flags=1),
+    _odd("strongly-encrypted", "strong encryption", "encrypted", flags=0x41),
+    _odd("patch", "compressed patched data", "patched", flags=0x20),
+    _odd("bzip2", "packed by bzip2", "method 12", method=12),
+    _odd("lzma", "packed by LZMA", "method 14", method=14),
+    _odd("method", "packed by an unknown method", "method 99", method=99),
+    _odd("no-deflate", "text that is said to be packed", "damaged", method=8, content=b"text"),
+    _odd("version", "needs zip 25.5", "version 25.5|zip file version", needs=255),
+    _odd("two-names", "other names within than in the list", "damaged", local={"name": b"b"}),
+    _odd("extra", "a broken extra field", "extra", extra=b"\1\0\xff\xff"),
+    _odd("offset", "a member behind the end", "damaged|overlap", offset=2**31),
+    Case(4, "folder", "a folder called .fmu", _folder, "is no file"),
+]  # fmt: skip
+
+CASES = [*_NAMES, *_LINKS, *_BOMBS, *_DAMAGED]

@@ -1,0 +1,190 @@
+"""What learning starts from, goes on with and leaves behind, damaged."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from tests.corpus.defects import reference
+from tests.corpus.hostile.case import Case
+from tests.corpus.hostile.tables import LOG
+
+LEARNED = Path(__file__).parents[3] / "results" / "paper" / "learned.json"
+
+
+def _fed(name: str, about: str, says: str, *arguments: str, **files: bytes) -> Case:
+    """Return a case of a command and files; ``_`` in their names stands for the dot."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        for file, content in files.items():
+            (folder / file.replace("_", ".")).write_bytes(content)
+        return arguments
+
+    return Case(23, name, about, make, says)
+
+
+def _learned(name: str, about: str, says: str, content: bytes, command: str = "export") -> Case:
+    """Return a case of a learned.json."""
+    first = ["export", "compensator"] if command == "export" else [command]
+    return _fed(
+        f"learned-{name}", about, f"learned.json: .*{says}",
+        *first, "--parameters", "learned.json", learned_json=content,
+    )  # fmt: skip
+
+
+def _changed(*path: str, to: Any) -> bytes:
+    """Return the paper's learned.json with another value somewhere."""
+    document = json.loads(LEARNED.read_bytes())
+    part = document
+    for key in path[:-1]:
+        part = part[key]
+    part[path[-1]] = to
+    return json.dumps(document).encode()
+
+
+def _resumed(name: str, about: str, says: str, content: bytes) -> Case:
+    """Return a case of a checkpoint that a learning run goes on with."""
+    return _fed(
+        f"checkpoint-{name}", about, says,
+        "learn", "--log", "log.csv", "--resume", "--checkpoint", "run.json", "--judge", "inverse",
+        log_csv=LOG, run_json=content,
+    )  # fmt: skip
+
+
+def _set(name: str, about: str, says: str, *assignments: str) -> Case:
+    return _fed(f"set-{name}", about, says, "reproduce", "--out", "out", "--set", *assignments)
+
+
+def _fleet(name: str, about: str, says: str, table: bytes, **files: bytes) -> Case:
+    return _fed(f"fleet-{name}", about, f"fleet.csv: .*{says}", "fleet", "fleet.csv", "--out",
+                "out", fleet_csv=table, **files)  # fmt: skip
+
+
+def _plan(name: str, about: str, says: str, *arguments: str) -> Case:
+    return _fed(f"plan-{name}", about, says, "plan", *arguments)
+
+
+def _state(name: str, about: str, says: str, content: bytes) -> Case:
+    """Return a case of a saved state that a run goes on with."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        fmu = reference.pack(folder / "a.fmu", reference.members(2))
+        (folder / "half.state").write_bytes(content)
+        return ["simulate", fmu, "--resume", folder / "half.state"]
+
+    return Case(23, f"state-{name}", about, make, says)
+
+
+def _lti(name: str, about: str, says: str, text: str, suffix: str = ".json") -> Case:
+    file = f"system{suffix}".replace(".", "_")
+    return _fed(f"lti-{name}", about, f"system{suffix}: .*{says}", "export", "lti",
+                f"system{suffix}", **{file: text.encode()})  # fmt: skip
+
+
+def _zip(**members: bytes) -> bytes:
+    stream = BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(f"{name}.npy", content)
+    return stream.getvalue()
+
+
+_VALUE = ("parameters", "F_c", "value")
+DOCUMENTS = [
+    _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)",
+             LEARNED.read_bytes()[:99]),
+    _learned("list", "a list", "it has another structure", b"[]"),
+    _learned("missing", "a parameter that is not there", "is missing",
+             _changed("parameters", to={})),
+    _learned("nan", "a parameter NaN", "NaN is no number", _changed(*_VALUE, to=float("nan"))),
+    _learned("infinite", "a parameter 1e999", "F_c is inf",
+             _changed(*_VALUE, to=12345.5).replace(b"12345.5", b"1e999")),
+    _learned("text", "a parameter that is text", "could not convert", _changed(*_VALUE, to="x")),
+    _learned("negative", "a parameter below its range", "F_c = -1 N is outside",
+             _changed(*_VALUE, to=-1.0)),
+    _learned("huge", "an integer of 400 digits", "beyond 1e308", _changed(*_VALUE, to=10**400)),
+    _learned("twice", "a key that is there twice", "'parameters' is there twice",
+             b'{"parameters": {}, "parameters": {}}'),
+    _learned("deep", "lists a hundred thousand deep", "nested too deeply", b"[" * 100_000),
+    _learned("encoding", "bytes that are no UTF-8", "no UTF-8", b"\xff\xfe{}"),
+    _learned("loop", "a loop without its gains", "loop: .*is missing",
+             _changed("loop", to={"m": {"value": 5.0}})),
+    _learned("loop-unstable", "a loop that is not stable", "unstable",
+             _changed("loop", "K_p", to={"value": -1e9})),
+    _learned("loop-period", "a sample period of 0", "T_s is 0 s",
+             _changed("loop", "T_s", to={"value": 0.0})),
+    _learned("validation-long", "a command of 1e300 s", "samples",
+             _changed("validation", "plateau", to={"value": 1e300})),
+    _learned("feed", "a feed that is none", "feed is 3", _changed("feed", to=3)),
+    _learned("validate", "a list, to be validated", "it has another structure", b"[]", "validate"),
+]  # fmt: skip
+
+CHECKPOINTS = [
+    _resumed("text", "a checkpoint that is text", "run.json: this is no checkpoint", b"hello"),
+    _resumed("list", "a checkpoint that is a list", "it holds no object", b"[]"),
+    _resumed("deep", "a checkpoint nested deeply", "nested too deeply", b"[" * 100_000),
+    _resumed("version", "a checkpoint of another version", "no checkpoint of format",
+             json.dumps({"format": 99, "seed": 0}).encode()),
+    _resumed("seed", "a checkpoint whose seed is text", "its seed is 'x'",
+             json.dumps({"format": 2, "seed": "x"}).encode()),
+]  # fmt: skip
+
+OPTIONS = [
+    _set("unknown", "a parameter that the drive has not", "no parameter q", "drive.q=1"),
+    _set("text", "a mass that is text", "must be a number", "drive.m=heavy"),
+    _set("nan", "a mass that is NaN", "m", "drive.m=nan"),
+    _set("negative", "a negative mass", "m = -1", "drive.m=-1"),
+    _set("twice", "two masses", "set twice", "drive.m=1", "drive.m=2"),
+    _set("no-assignment", "a name alone", "expected NAME=VALUE", "drive.m"),
+    _set("component", "a parameter of something else", "only the drive's", "stage.m=1"),
+    _fed("seed-negative", "a negative seed", "--seed must be at least 0", "reproduce", "--out",
+         "out", "--seed", "-1"),
+    _fed("workers-none", "no workers", "--workers must be at least 1", "reproduce", "--out", "out",
+         "--workers", "0"),
+    _fed("searches-none", "no searches", "--seeds at least 1", "learn", "--log", "log.csv",
+         "--seeds", "0", log_csv=LOG),
+    _plan("duration", "an experiment without end", "duration", "--duration", "inf"),
+    _plan("rate", "a million million samples", "rate", "--rate", "1e12"),
+    _plan("stroke", "a stroke of NaN", "stroke", "--stroke", "nan"),
+    _plan("parameter", "a parameter that is none", "'q'", "--show", "q"),
+]  # fmt: skip
+
+FLEETS = [
+    _fleet("empty", "an empty table", "expected columns", b""),
+    _fleet("header", "a table without rows", "expected a row", b"name,log\n"),
+    _fleet("column", "a column that is none", "row 1: .*got 'logg'", b"name,logg\na,b\n"),
+    _fleet("ragged", "a row that is too long", "row 2: expected 2 cells", b"name,log\na,b,c\n"),
+    _fleet("name", "a name that is a path", "row 2, column name", b"name,log\n../a,b\n"),
+    _fleet("twice", "two drives of one name", "is there already", b"name,log\na,b\nA,c\n"),
+    _fleet("set", "a variant without a value", "row 2, column set", b"name,set\na,drive.m\n"),
+    _fleet("quote", "a quote within a variant", "row 2, column set",
+           b"name,set\na,\"drive.m='1\"\n"),
+    _fleet("binary", "bytes that are no text", "not a CSV file in UTF-8", bytes(range(256))),
+]  # fmt: skip
+
+STATES = [
+    _state("text", "a saved state that is text", "no saved state", b"hello"),
+    _state("empty", "a saved state that holds nothing", "no saved state", _zip()),
+    _state("pickle", "a saved state with Python objects", "holds what was not saved here",
+           _zip(row=b"\x93NUMPY\1\0v\0{'descr': '|O', 'fortran_order': False, 'shape': (1,), }\n")),
+    _state("code", "a saved state whose header is an expression", "holds what was not saved here",
+           _zip(row=b"\x93NUMPY\1\0v\0" + b"(" * 5000)),
+]  # fmt: skip
+
+SYSTEMS = [
+    _lti("ragged", "a matrix with rows of two lengths", "rows of equal length",
+         '{"A": [[1, 2], [3]], "D": [[1]]}'),
+    _lti("nan", "a matrix with NaN", "NaN is no number", '{"D": [[NaN]]}'),
+    _lti("nan-toml", "a matrix with nan", "not finite", "D = [[nan]]\n", ".toml"),
+    _lti("names", "names that are numbers", "expected a list of names",
+         '{"D": [[1]], "inputs": [1]}'),
+    _lti("improper", "a differentiator", "improper", '{"num": [1, 0, 0], "den": [1]}'),
+    _lti("zero", "a transfer function over 0", "polynomial that is 0", '{"num": [1], "den": [0]}'),
+    _lti("deep", "lists a hundred thousand deep", "nested too deeply", "[" * 100_000),
+]  # fmt: skip
+
+CASES = [*DOCUMENTS, *CHECKPOINTS, *OPTIONS, *FLEETS, *STATES, *SYSTEMS]

@@ -1,0 +1,130 @@
+"""System structure packages of the reference FMU, sound but for what a case spoils."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tests.corpus.defects import reference
+from tests.corpus.hostile.case import Make
+
+Text = str | bytes
+STRUCTURE = "SystemStructure.ssd"
+_NAMES = {
+    "ssd": "Description",
+    "ssc": "Common",
+    "ssv": "ParameterValues",
+    "ssm": "ParameterMapping",
+    "ssb": "SignalDictionary",
+}
+_ROOT = "http://ssp-standard.org/SSP1/SystemStructure"
+OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+TIMES = 'startTime="0" stopTime="1"'
+
+
+def document(root: str, inside: str, version: str = "1.0") -> str:
+    """Return a file of SSP."""
+    declared = "".join(f' xmlns:{p}="{_ROOT}{name}"' for p, name in _NAMES.items())
+    name = "" if root in {"ssm:ParameterMapping", "ssb:SignalDictionary"} else ' name="n"'
+    return f'<{root} version="{version}"{name}{declared}>{inside}</{root}>'
+
+
+def component(name: str, inside: str = "", *, fmi: int = 2) -> str:
+    """Return a component that is the reference FMU: y = x + d u, of u [m/s] and x, y [m]."""
+    return f'<ssd:Component name="{name}" source="resources/{fmi}.fmu">{inside}</ssd:Component>'
+
+
+def connection(start: str, end: str, inside: str = "", *, convert: bool = False) -> str:
+    """Return a connection of ``element.connector``; units go unconverted, unless said otherwise."""
+    words = []
+    for which, (element, _, connector) in (
+        ("start", start.rpartition(".")),
+        ("end", end.rpartition(".")),
+    ):
+        words += [f'{which}Element="{element}"'] if element else []
+        words += [f'{which}Connector="{connector}"']
+    if not convert:
+        words.append('suppressUnitConversion="true"')
+    return f"<ssd:Connection {' '.join(words)}>{inside}</ssd:Connection>"
+
+
+def connector(name: str, kind: str, value: str = "<ssc:Real/>") -> str:
+    """Return a connector."""
+    return f'<ssd:Connector name="{name}" kind="{kind}">{value}</ssd:Connector>'
+
+
+def values(*pairs: tuple[str, str]) -> str:
+    """Return an .ssv file of numbers by name."""
+    inside = "".join(
+        f'<ssv:Parameter name="{name}"><ssv:Real value="{value}"/></ssv:Parameter>'
+        for name, value in pairs
+    )
+    return document("ssv:ParameterSet", f"<ssv:Parameters>{inside}</ssv:Parameters>")
+
+
+def bound(inside: str) -> str:
+    """Return bindings with what is inside of one."""
+    return f"<ssd:ParameterBindings>{inside}</ssd:ParameterBindings>"
+
+
+def binding(source: str, mapping: str = "") -> str:
+    """Return bindings to one .ssv file, by way of an .ssm file or not."""
+    through = f'<ssd:ParameterMapping source="{mapping}"/>' if mapping else ""
+    return bound(f'<ssd:ParameterBinding source="{source}">{through}</ssd:ParameterBinding>')
+
+
+def experiment(step: str = "0.1", times: str = TIMES, declared: str = f'xmlns:osp="{OSP}"') -> str:
+    """Return the times that a package proposes."""
+    return (
+        f'<ssd:DefaultExperiment {times}><ssd:Annotations><ssc:Annotation type="com.'
+        f'opensimulationplatform"><osp:Algorithm {declared}><osp:FixedStepAlgorithm'
+        f' baseStepSize="{step}"/></osp:Algorithm></ssc:Annotation></ssd:Annotations>'
+        "</ssd:DefaultExperiment>"
+    )
+
+
+def structure(
+    elements: str,
+    connections: Sequence[str] = (),
+    *,
+    connectors: str = "",
+    before: str = "",
+    behind: str = "",
+    rest: str = "",
+    times: str | None = None,
+    version: str = "1.0",
+) -> str:
+    """Return a SystemStructure.ssd.
+
+    Parameters
+    ----------
+    before, behind : elements and connections of the system
+    rest : behind the system
+    times : a DefaultExperiment
+    """
+    joined = f"<ssd:Connections>{''.join(connections)}</ssd:Connections>" if connections else ""
+    ends = f"<ssd:Connectors>{connectors}</ssd:Connectors>" if connectors else ""
+    system = (
+        f'<ssd:System name="s">{ends}{before}<ssd:Elements>{elements}</ssd:Elements>{joined}'
+        f"{behind}</ssd:System>"
+    )
+    proposed = experiment() if times is None else times
+    return document("ssd:SystemStructureDescription", system + rest + proposed, version)
+
+
+def simulating(text: Text, files: Mapping[str, Text] | None = None, *arguments: str) -> Make:
+    """Feed a package of a structure, further files and the reference FMU of FMI 2.0 and 3.0."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        path = folder / "system.ssp"
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, content in {STRUCTURE: text, **(files or {})}.items():
+                archive.writestr(name, content)
+            for fmi in (2, 3):
+                fmu = reference.pack(folder / "fmu", reference.members(fmi))
+                archive.writestr(f"resources/{fmi}.fmu", fmu.read_bytes())
+                fmu.unlink()
+        return ["simulate", path, *arguments]
+
+    return make

@@ -1,0 +1,56 @@
+"""Sound FMUs to spoil: the reference FMU of ``tests/corpus/defects``, and packages around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from tests.corpus.defects import reference
+from tests.corpus.hostile.case import Case, Make
+from tests.corpus.hostile.zips import DEFLATE, Member, zipped
+
+DESCRIPTION = "modelDescription.xml"
+
+
+def members(version: int = 2, without: Sequence[str] = ()) -> list[Member]:
+    """Return the members of a sound FMU, but for some."""
+    content = reference.members(version)
+    needed = (DESCRIPTION, reference.binary_name(version))
+    return [Member(n.encode(), content[n], DEFLATE) for n in needed if n not in without]
+
+
+def describe(xml: bytes, version: int = 2) -> list[Member]:
+    """Return the members of an FMU with this description."""
+    return [Member(DESCRIPTION.encode(), xml, DEFLATE), *members(version, [DESCRIPTION])]
+
+
+def replaced(version: int, *pairs: tuple[str, str]) -> bytes:
+    """Return a sound description with each pair's first text, which it has, as the second."""
+    text = reference.members(version)[DESCRIPTION].decode()
+    for old, new in pairs:
+        if old not in text:
+            raise ValueError(f"{old!r} is not in the description")
+        text = text.replace(old, new, 1)
+    return text.encode()
+
+
+def simulating(data: bytes, *arguments: str) -> Make:
+    """Feed bytes as an FMU."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        (folder / "a.fmu").write_bytes(data)
+        return ["simulate", folder / "a.fmu", *arguments]
+
+    return make
+
+
+def spoilt(
+    group: int, name: str, about: str, says: str, *pairs: tuple[str, str], version: int = 2
+) -> Case:
+    """Return a case of a sound FMU whose description has other texts."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        data = zipped(describe(replaced(version, *pairs), version))
+        return simulating(data)(folder)
+
+    return Case(group, name, about, make, says)

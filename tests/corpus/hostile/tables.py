@@ -1,0 +1,269 @@
+"""Tables of inputs, logs and their descriptions that hold something else than they should."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import zlib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from tests.corpus.defects import reference
+from tests.corpus.hostile.case import Case
+
+Content = bytes | Callable[[], bytes] | None
+"""What a file holds; None of one that is not there."""
+
+
+def _write(path: Path, content: Content) -> Path:
+    if content is not None:
+        path.write_bytes(content() if callable(content) else content)
+    return path
+
+
+def _input(
+    name: str, about: str, says: str, content: Content, suffix: str = ".csv", *more: str
+) -> Case:
+    """Return a case of inputs for the reference FMU."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        fmu = reference.pack(folder / "a.fmu", reference.members(2))
+        return ["simulate", fmu, "--input", _write(folder / f"in{suffix}", content), *more]
+
+    return Case(22, f"input-{name}", about, make, says)
+
+
+def _log(
+    name: str, about: str, says: str, content: Content, suffix: str = ".csv", *more: str
+) -> Case:
+    """Return a case of a log."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        return ["learn", "--log", _write(folder / f"log{suffix}", content), "--check", *more]
+
+    return Case(22, f"log-{name}", about, make, says)
+
+
+def _config(name: str, about: str, says: str, content: bytes) -> Case:
+    """Return a case of a description of a sound log."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        log = _write(folder / "log.csv", LOG)
+        return ["learn", "--log", log, "--config", _write(folder / "log.toml", content), "--check"]
+
+    return Case(22, f"config-{name}", about, make, says)
+
+
+def _recorded() -> bytes:
+    """Return a log of 5 kg, 20 N s/m and 6 N of friction on a sine."""
+    t = np.arange(600) * 1e-3
+    x, v, a = (0.05 * 15.0**k * np.sin(15.0 * t + k * np.pi / 2) for k in range(3))
+    force = 5.0 * a + 20.0 * v + 6.0 * np.sign(v)
+    rows = (f"{row[0]:.3f},{row[1]:.9f},{row[2]:.6f}" for row in zip(t, x, force, strict=True))
+    return "\n".join(("t,x,F", *rows, "")).encode()
+
+
+LOG = _recorded()
+
+
+def _rows(*rows: str, head: str = "time,u") -> bytes:
+    return "\n".join((head, *rows, "")).encode()
+
+
+def _changed(line: int, text: bytes) -> bytes:
+    lines = LOG.split(b"\n")
+    lines[line - 1] = text
+    return b"\n".join(lines)
+
+
+def _parquet(**columns: Any) -> bytes:
+    stream = io.BytesIO()
+    pq.write_table(pa.table(columns), stream)
+    return stream.getvalue()
+
+
+def _repeated() -> bytes:
+    """Return a Parquet file of a few thousand bytes that holds 110 million numbers."""
+    stream = io.BytesIO()
+    zeros = pa.chunked_array([pa.array(np.zeros(10_000_000, bool))] * 11)
+    pq.write_table(pa.table({"time": zeros}), stream, compression="zstd", row_group_size=2**27)
+    return stream.getvalue()
+
+
+def _mat(*elements: tuple[int, bytes]) -> bytes:
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x0100) + b"IM"
+    return head + b"".join(struct.pack("<II", kind, len(data)) + data for kind, data in elements)
+
+
+def _matrix(
+    name: bytes, content: bytes, shape: tuple[int, ...], which: int = 6, kind: int = 9
+) -> bytes:
+    def element(kind: int, data: bytes) -> bytes:
+        return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+    return (
+        element(6, struct.pack("<II", which, 0))
+        + element(5, struct.pack(f"<{len(shape)}i", *shape))
+        + element(1, name)
+        + element(kind, content)
+    )
+
+
+def _bomb() -> bytes:
+    """Return 320 MB of zeros, packed: one block over and over."""
+    packer = zlib.compressobj(9)
+    first = packer.compress(bytes(1 << 20)) + packer.flush(zlib.Z_FULL_FLUSH)
+    again = packer.compress(bytes(1 << 20)) + packer.flush(zlib.Z_FULL_FLUSH)
+    return first + again * 320 + packer.flush()
+
+
+def _folder(folder: Path) -> Sequence[str | Path]:
+    fmu = reference.pack(folder / "a.fmu", reference.members(2))
+    (folder / "in.csv").mkdir()
+    return ["simulate", fmu, "--input", folder / "in.csv"]
+
+
+def _pipe(name: str) -> Callable[[Path], Sequence[str | Path]]:
+    def make(folder: Path) -> Sequence[str | Path]:
+        os.mkfifo(folder / name)
+        if name.startswith("log"):
+            return ["learn", "--log", folder / name, "--check"]
+        fmu = reference.pack(folder / "a.fmu", reference.members(2))
+        return ["simulate", fmu, "--input", folder / name]
+
+    return make
+
+
+def _huge(folder: Path) -> Sequence[str | Path]:
+    """Make a file of 4 GB that takes no room."""
+    with (folder / "log.csv").open("wb") as file:
+        file.write(LOG)
+        file.truncate(1 << 32)
+    return ["learn", "--log", folder / "log.csv", "--check"]
+
+
+INPUTS = [
+    _input("time-falls", "time that goes back", "line 4: time falls from 1.0 to 0.5 s",
+           _rows("0,0", "1,1", "0.5,2")),
+    _input("nan", "a value NaN", "line 3: column 'u': expected a finite number, got 'nan'",
+           _rows("0,0", "1,nan")),
+    _input("infinite-time", "a time inf", "line 3: column 'time': .* got 'inf'",
+           _rows("0,0", "inf,1")),
+    _input("beyond-doubles", "1e999", "column 'u': .* got '1e999'", _rows("0,1e999")),
+    _input("empty-cell", "a cell that is empty", "line 3: column 'u': .* got ''",
+           _rows("0,0", "1,")),
+    _input("text", "text among numbers", "line 2: column 'u': .* got 'on'", _rows("0,on")),
+    _input("digits-of-python", "1_000, a number to Python alone", "got '1_000'", _rows("0,1_000")),
+    _input("ragged", "a row that is too short", "line 3: expected 2 cells, got 1",
+           _rows("0,0", "1")),
+    _input("decimal-comma", "a comma in numbers", "line 2: expected 2 cells, got 4",
+           _rows("0,0,1,5")),
+    _input("semicolons", "semicolons between cells", "separated by commas, got 'time;u'",
+           _rows("0;0", head="time;u")),
+    _input("no-time", "no column time", "'time' among them", _rows("0,0", head="t,u")),
+    _input("column-twice", "two columns of one name", "got 'u' twice",
+           _rows("0,1,2", head="time,u,u")),
+    _input("column-unknown", "a column that is no input", "no exposed input 'v'",
+           _rows("0,1", head="time,v")),
+    _input("held-unknown", "a held column that is not there", "cannot hold v",
+           _rows("0,1"), ".csv", "--hold", "v"),
+    _input("header-only", "names and no values", "no values below", b"time,u\n"),
+    _input("empty", "an empty file", "'time' among them", b""),
+    _input("nul", "NUL bytes", "in.csv", b"time,u\n0,\0\n"),
+    _input("binary", "bytes that are no text", "not a CSV file in UTF-8", bytes(range(256))),
+    _input("long-line", "a line of 3 MB", "line 2: 3000001 characters",
+           lambda: b"time,u\n" + b"1," * 1_500_000 + b"\n"),
+    _input("open-quote", "a quote that never ends", "in.csv", b'time,u\n"' + b"0,1\n" * 60_000),
+    _input("missing", "no file", "in.csv: cannot be read: No such file", None),
+    Case(22, "input-folder", "a folder", _folder, "in.csv: cannot be read: "),
+    Case(22, "input-pipe", "a pipe that nobody writes to", _pipe("in.csv"), "no regular file"),
+    _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8",
+           lambda: _parquet(time=np.arange(99) / 7)),
+    _input("csv-as-parquet", "a CSV file called .parquet", "in.parquet: cannot be read",
+           _rows("0,0"), ".parquet"),
+    _input("parquet-text", "texts in a Parquet file", "column 'u': expected numbers, got .*string",
+           lambda: _parquet(time=[0.0, 1.0], u=["a", "b"]), ".parquet"),
+    _input("parquet-nested", "lists in a Parquet file", "column 'u': expected numbers, got list",
+           lambda: _parquet(time=[0.0], u=[[1.0, 2.0]]), ".parquet"),
+    _input("parquet-nulls", "empty cells in a Parquet file", "not finite",
+           lambda: _parquet(time=[0.0, 1.0], u=[None, 2.0]), ".parquet"),
+    _input("parquet-cut", "half a Parquet file", "in.parquet: cannot be read",
+           lambda: _parquet(time=np.arange(99.0), u=np.arange(99.0))[:400], ".parquet"),
+    _input("parquet-growth", "a small Parquet file of 110 million numbers",
+           "at most 100000000 values", _repeated, ".parquet"),
+]  # fmt: skip
+
+LOGS = [
+    _log("time-falls", "time that goes back", "row 40: time goes back", _changed(40, b"0,1,1")),
+    _log("time-twice", "a time that comes twice", "row 40: time 0.037 s comes twice",
+         _changed(40, b"0.037,1,1")),
+    _log("text", "text among numbers", "column 'x': row 7: expected a number, got 'abc'",
+         _changed(7, b"0.005,abc,1")),
+    _log("ragged", "a row that is too short", "row 9: expected 3 fields", _changed(9, b"0.007")),
+    _log("no-motion", "no column of position or velocity", "no column of position or velocity",
+         LOG.replace(b"t,x,F", b"t,a,F")),
+    _log("few", "three rows", "samples; expected at least", LOG[:120]),
+    _log("header-only", "names and no values", "no row of numbers", b"t,x,F\n"),
+    _log("empty", "an empty file", "empty; expected columns of numbers", b""),
+    _log("binary", "bytes that are no text", "binary, not text", bytes(range(256))),
+    _log("long-line", "a line of 1 MB", "row 2: 1000000 characters",
+         lambda: b"t,x\n" + b"1;" * 500_000 + b"\n1,2\n"),
+    _log("many-lines", "five million lines", "more than 4000000 lines",
+         lambda: b"1\n" * 5_000_000),
+    _log("brackets", "a name of brackets and blanks, slow to search", "no column of time",
+         lambda: b"( " * 30_000 + b",b\n" + b"1,2\n" * 50),
+    _log("spreadsheet", "a spreadsheet", "an archive or a spreadsheet", b"PK\3\4" + bytes(30)),
+    _log("missing", "no file", "log.csv: cannot be read", None),
+    Case(22, "log-pipe", "a pipe that nobody writes to", _pipe("log.csv"), "no regular file"),
+    Case(22, "log-huge", "4 GB", _huge, "4294967296 bytes, at most"),
+    _log("parquet-cut", "half a Parquet file", "not a Parquet file, or damaged",
+         lambda: _parquet(t=np.arange(99.0), x=np.arange(99.0))[:300], ".parquet"),
+    _log("parquet-nested", "a position that is a list", "no column of position",
+         lambda: _parquet(t=np.arange(50.0), x=[[1.0]] * 50), ".parquet"),
+    _log("mat-text", "a text called .mat", "not a MAT file of version 5", LOG, ".mat"),
+    _log("mat-7.3", "a MAT file of version 7.3", "version 7.3",
+         b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
+    _log("mat-cells", "cells instead of numbers", "no vectors of numbers",
+         lambda: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
+    _log("mat-shape", "a vector whose length lies", "'x' of shape .* has 24 bytes",
+         lambda: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
+    _log("mat-size", "an element longer than the file", "ends within a variable",
+         lambda: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
+    _log("mat-dimensions", "an array of a thousand dimensions", "1000 dimensions",
+         lambda: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
+    _log("mat-bomb", "320 MB of zeros, packed", "variables of more than",
+         lambda: _mat((15, _bomb())), ".mat"),
+    _log("mat-damaged", "packed data that is none", "compressed data",
+         lambda: _mat((15, b"x" * 40)), ".mat"),
+]  # fmt: skip
+
+CONFIGS = [
+    _config("syntax", "TOML without a value", "not TOML", b"motion =\n"),
+    _config("twice", "a key that is there twice", "not TOML .*overwrite",
+            b"tau_i = 1\ntau_i = 2\n"),
+    _config("unknown", "a key that means nothing", "no key 'motionn'", b'motionn = "linear"\n'),
+    _config("type", "a list where a number should be", "expected a number", b"tau_i = [1]\n"),
+    _config("nan", "NaN where a number should be", "tau_i = nan", b"tau_i = nan\n"),
+    _config("huge", "an integer of 400 digits", "beyond 1e308", b"tau_i = " + b"9" * 400),
+    _config("endless-digits", "an integer of 5,000 digits", "log.toml: not TOML",
+            b"tau_i = " + b"9" * 5000),
+    _config("deep", "lists a hundred thousand deep", "nested too deeply",
+            b"tau_i = " + b"[" * 100_000),
+    _config("long-name", "a name of a hundred thousand parts", "nested too deeply",
+            b"a." * 100_000 + b"b = 1\n"),
+    _config("encoding", "bytes that are no UTF-8", "line 1: byte 0xff", b"\xff\xfe"),
+    _config("column", "a column that is not there", "no column 'q'",
+            b'[columns]\nposition = "q"\n'),
+    _config("unit", "a position in newtons", "position is in N",
+            b'[columns.position]\nname = "x"\nunit = "N"\n'),
+    _config("date", "a date where a number should be", "expected a number",
+            b"tau_i = 1979-05-27T07:32:00Z\n"),
+]  # fmt: skip
+
+CASES = [*INPUTS, *LOGS, *CONFIGS]

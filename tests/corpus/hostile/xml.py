@@ -1,0 +1,103 @@
+"""Descriptions as files, and XML that attacks whoever reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tests.corpus.hostile.case import Case
+from tests.corpus.hostile.sound import DESCRIPTION, describe, members, replaced, simulating
+from tests.corpus.hostile.zips import Member, zipped
+
+_HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
+_SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+_LAUGHS = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i in range(30))
+
+
+def _xml(group: int, name: str, about: str, says: str, xml: Callable[[], bytes]) -> Case:
+    """Return a case of an FMU with another description."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        return simulating(zipped(describe(xml())))(folder)
+
+    return Case(group, name, about, make, says)
+
+
+def _dtd(name: str, about: str, dtd: str, use: str = "&e;") -> Case:
+    def xml() -> bytes:
+        pairs = (_HEAD, f"{_HEAD}<!DOCTYPE fmiModelDescription {dtd}>"), ("x' = -k x + u", use)
+        return replaced(2, *pairs)
+
+    return _xml(6, name, about, "a DOCTYPE", xml)
+
+
+def _packed(name: str, about: str, says: str, members_: Callable[[], list[Member]]) -> Case:
+    def make(folder: Path) -> Sequence[str | Path]:
+        return simulating(zipped(members_()))(folder)
+
+    return Case(5, name, about, make, says)
+
+
+def _elsewhere(name: str) -> list[Member]:
+    (content,) = (m for m in members() if m.name == DESCRIPTION.encode())
+    return [Member(name.encode(), content.data), *members(2, [DESCRIPTION])]
+
+
+def _system(
+    name: str, about: str, says: str, ssd: str, command: str = "simulate", *options: str
+) -> Case:
+    """Return a case of a package with this structure."""
+
+    def make(folder: Path) -> Sequence[str | Path]:
+        content = [Member(b"SystemStructure.ssd", ssd.encode())]
+        (folder / "a.ssp").write_bytes(zipped(content))
+        return [command, folder / "a.ssp", *options]
+
+    return Case(6, name, about, make, says)
+
+
+_ROOT = f'<s:SystemStructureDescription xmlns:s="{_SSD}" version="1.0" name="a">'
+
+_FILES = [
+    _packed("missing", "no description", "is missing; this is no FMU", lambda: members(2, [DESCRIPTION])),
+    _packed("wrong-case", "ModelDescription.xml", "there is 'ModelDescription.xml'", lambda: _elsewhere("ModelDescription.xml")),
+    _packed("in-a-folder", "packed with its folder", "there is 'model/modelDesc", lambda: _elsewhere(f"model/{DESCRIPTION}")),
+    _packed("two", "two descriptions", "occurs twice", lambda: [*members(), *_elsewhere(DESCRIPTION)[:1]]),
+    _packed("is-a-folder", "the description is a folder", "irectory|missing", lambda: [Member(b"modelDescription.xml/"), *members(2, [DESCRIPTION])]),
+    _xml(5, "utf-16", "text in UTF-16", "UTF-16, expected UTF-8", lambda: replaced(2).decode().replace("UTF-8", "UTF-16").encode("utf-16")),
+    _xml(5, "utf-16-unmarked", "UTF-16 without a mark", "UTF-16", lambda: replaced(2).decode().encode("utf-16-le")),
+    _xml(5, "utf-32", "text in UTF-32", "UTF-16|line 1", lambda: replaced(2).decode().encode("utf-32")),
+    _xml(5, "latin-1", "text in ISO-8859-1", "ISO-8859-1', expected UTF-8", lambda: replaced(2, ("UTF-8", "ISO-8859-1"), ("Input", "\u00e4")).decode().encode("latin-1")),
+    _xml(5, "not-utf-8", "bytes that are no text", "line", lambda: replaced(2).replace(b"Input", b"\xff\xfe")),
+    _xml(5, "nothing", "a description of 0 bytes", r"modelDescription\.xml: ", bytes),
+    _xml(5, "no-xml", "a picture", r"modelDescription\.xml: ", lambda: b"\x89PNG\r\n\x1a\n"),
+    _xml(5, "cut-off", "half a description", "line", lambda: replaced(2)[:2000]),
+    _xml(5, "nul-in-text", "a NUL in the text", "line", lambda: replaced(2).replace(b"Input", b"\0")),
+    _xml(5, "prefix", "a prefix that is not declared", "prefix", lambda: replaced(2, ("<LogCategories>", "<osp:a/><LogCategories>"))),
+    _xml(5, "other-root", "a web page", "root element is 'html'", lambda: b"<html/>"),
+    _xml(5, "no-variables", "no list of variables", "ModelVariables is missing", lambda: replaced(2).replace(b"ModelVariables", b"Variables")),
+    _xml(5, "no-interface", "nothing that can be run", "no Co-Simulation", lambda: replaced(2).replace(b"CoSimulation", b"A").replace(b"ModelExchange", b"B")),
+]  # fmt: skip
+
+_ATTACKS = [
+    _dtd("file-entity", "an entity that is a file", '[<!ENTITY e SYSTEM "file:///etc/passwd">]'),
+    _dtd("web-entity", "an entity from the web", '[<!ENTITY e SYSTEM "http://example.org/e">]'),
+    _dtd("web-dtd", "a DTD from the web", 'SYSTEM "http://example.org/a.dtd"', "a"),
+    _dtd("public-dtd", "a public DTD", 'PUBLIC "a" "http://example.org/a.dtd"', "a"),
+    _dtd("parameter-entity", "a parameter entity", '[<!ENTITY % p SYSTEM "file:///a">%p;]', "a"),
+    _dtd("laughs", "entities in entities: 10^29 of them", f"[{_LAUGHS}]", "&l29;"),
+    _dtd("quadratic", "a long entity, often", f'[<!ENTITY e "{"a" * 50_000}">]', "&e;" * 50_000),
+    _dtd("recursion", "an entity in itself", '[<!ENTITY e "&e;">]'),
+    _dtd("defaults", "attributes by DTD", '[<!ATTLIST Real start CDATA "666">]', "a"),
+    _xml(6, "entity", "an entity that is not defined", "Entity", lambda: replaced(2, ("x' =", "&e;"))),
+    _xml(6, "deep-elements", "200,000 elements deep", "depth", lambda: replaced(2, ("<LogCategories>", "<a>" * 200_000 + "<LogCategories>"))),
+    _xml(6, "attribute", "an attribute of 12 MB", "exceeded|too long", lambda: replaced(2, ("Input", "a" * 12_000_000))),
+    _xml(6, "attributes", "an attribute twice", "redefined", lambda: replaced(2, ('name="u"', 'name="u" name="u"'))),
+    _xml(6, "second-root", "a second root", "line", lambda: replaced(2) + b"<a/>"),
+    _xml(6, "hidden", "a DOCTYPE behind a comment", "a DOCTYPE", lambda: replaced(2, (_HEAD, f"{_HEAD} <!-- > --> <?a ?> <!DOCTYPE a>"))),
+    _system("system-entity", "an entity that is a file, in a system", r"SystemStructure\.ssd: a DOCTYPE", f'<!DOCTYPE a [<!ENTITY e SYSTEM "file:///etc/passwd">]>{_ROOT}&e;</s:SystemStructureDescription>'),
+    _system("system-laughs", "entities in entities, in a system", "a DOCTYPE", f"<!DOCTYPE a [{_LAUGHS}]>{_ROOT}&l29;</s:SystemStructureDescription>", "export", "--as", "fmu"),
+    _system("system-deep", "100,000 systems in one another", "depth", _ROOT + "<s:System>" * 100_000),
+]  # fmt: skip
+
+CASES = [*_FILES, *_ATTACKS]
