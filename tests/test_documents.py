@@ -12,7 +12,7 @@ DOCUMENTS = [
     *(ROOT / "docs").rglob("*.md"),
     *(ROOT / "models").rglob("*.md"),
 ]
-GENERATED = {"hostile.md", "check-defects.md"}  # they quote messages and names of defects
+REWRITTEN = [path for path in DOCUMENTS if path.parent.name in ("decisions", "measurements")]
 REPLACED = (
     *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),
     *("replica", "replicas", "valley", "valleys", "stand-in", "facade", "knock", "foretell"),
@@ -60,7 +60,7 @@ def test_relative_links_lead_to_files(path):
     assert not missing
 
 
-@pytest.mark.parametrize("path", [p for p in DOCUMENTS if p.parent.name in ("decisions", "measurements")], ids=name)
+@pytest.mark.parametrize("path", REWRITTEN, ids=name)
 def test_no_replaced_word(path):
     pattern = rf"\b({'|'.join(REPLACED)})\b"
     text = path.read_text(encoding="utf-8")
