@@ -1,10 +1,26 @@
-"""The models, each a folder with model.toml and model.c, and the exporter that makes FMUs of them.
+"""Friction laws, plants, compensators and controllers, and the exporter that makes FMUs of them.
 
 The errors are drawn in ``models/errors.py``.
 """
 
-from models.errors import DescriptionError, LtiError, ModelError, StartValueError, UnknownModel
-from models.export.package import build_fmu, load_model, model_names, write_cross_check
+from models.errors import (
+    DescriptionError,
+    LtiError,
+    ModelError,
+    StartValueError,
+    UnknownLaw,
+    UnknownModel,
+)
+from models.export.description import Model
+from models.export.law import Law, LawParameter
+from models.export.package import (
+    build_fmu,
+    law_names,
+    load_law,
+    load_model,
+    model_names,
+    write_cross_check,
+)
 from models.export.sources import FmiVersion
 from models.lti.file import LtiFile, read_lti
 from models.lti.package import export_lti
@@ -13,14 +29,20 @@ from models.lti.system import LinearSystem
 __all__ = [
     "DescriptionError",
     "FmiVersion",
+    "Law",
+    "LawParameter",
     "LinearSystem",
     "LtiError",
     "LtiFile",
+    "Model",
     "ModelError",
     "StartValueError",
+    "UnknownLaw",
     "UnknownModel",
     "build_fmu",
     "export_lti",
+    "law_names",
+    "load_law",
     "load_model",
     "model_names",
     "read_lti",

@@ -2,7 +2,8 @@
 
 ModelError(toolchain.Fault)
     UnknownModel(ValueError)      no folder of that name in models/
-    DescriptionError(ValueError)  model.toml says something that cannot be built
+    UnknownLaw(ValueError)        no folder of that name in models/laws, or a model without a law
+    DescriptionError(ValueError)  model.toml or law.toml says something that cannot be built
     LtiError(ValueError)          a linear system that cannot be an FMU
     StartValueError(ValueError)   a start value for a variable that has none, or out of its range
 """
@@ -18,8 +19,12 @@ class UnknownModel(ModelError, ValueError):
     """No model of that name exists."""
 
 
+class UnknownLaw(ModelError, ValueError):
+    """No friction law of that name exists, or a model contains none."""
+
+
 class DescriptionError(ModelError, ValueError):
-    """A model.toml is not well formed; the message names file, variable and key."""
+    """A model.toml or law.toml is not well formed; the message names file, variable and key."""
 
 
 class StartValueError(ModelError, ValueError):

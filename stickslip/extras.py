@@ -1,7 +1,7 @@
 """What the compensator's model does not have: every effect of the drive switched on.
 
 The simulated drive of a reproduction has, but for encoder, force steps and current lag, exactly the
-friction that the compensator assumes. ``models/drive/model.toml`` has more.
+friction that the compensator assumes. ``models/plants/drive/model.toml`` has more.
 """
 
 from __future__ import annotations

@@ -104,16 +104,25 @@ def test_public_names_are_listed(package):
     assert all(hasattr(module, name) for name in module.__all__)
 
 
+def described(folder: Path) -> str:
+    return (folder / "README.md").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("name", models.model_names())
 def test_a_model_is_four_files(name):
-    assert {path.name for path in (ROOT / "models" / name).iterdir()} == FOUR_FILES
+    """The expected results of the feedforward compensator lie with its law."""
+    folder = models.load_model(name).folder
+    lacks = {"reference.csv"} if name == "compensator" else set()
+    assert {path.name for path in folder.iterdir()} == FOUR_FILES - lacks
 
 
+@pytest.mark.parametrize("law", models.law_names())
 @pytest.mark.parametrize("name", models.model_names())
-def test_a_readme_explains_every_variable(name):
-    """Every variable of model.toml occurs in the README with its unit."""
-    model = models.load_model(name)
-    text = (ROOT / "models" / name / "README.md").read_text(encoding="utf-8")
+def test_a_readme_explains_every_variable(name, law):
+    """Every variable occurs in the README of its model or of its law, with its unit."""
+    default = models.load_model(name)
+    model = models.load_model(name, law if default.law else None)
+    text = described(model.folder) + (described(model.law.folder) if model.law else "")
     rows = [line for line in text.splitlines() if line.startswith("| ")]
     for variable in model.variables[1:]:
         symbol = re.sub(r"\[.*", "", variable.name)
@@ -124,9 +133,18 @@ def test_a_readme_explains_every_variable(name):
             assert any(f"| {unit} |" in line for line in row), f"{symbol} is not in {unit}"
 
 
-@pytest.mark.parametrize("name", models.model_names())
-def test_physics_knows_no_fmi(name):
-    """model.c names no standard, allocates nothing and keeps nothing between calls."""
-    text = (ROOT / "models" / name / "model.c").read_text(encoding="utf-8")
-    assert not re.search(r"fmi|malloc|calloc|free\(", text, re.IGNORECASE)
-    assert not re.search(r"^static (?!const)\w+ \w+( =|;)", text, re.MULTILINE)
+@pytest.mark.parametrize("name", models.law_names())
+def test_a_law_has_its_files(name):
+    present = {path.name for path in models.load_law(name).folder.iterdir()}
+    assert present >= {"law.toml", "law.c", "README.md", "reference.csv"}
+
+
+@pytest.mark.parametrize("room", ["laws", "plants", "compensators", "controllers"])
+def test_physics_knows_no_fmi(room):
+    """The C names no standard, allocates nothing and keeps nothing between calls."""
+    files = [*(ROOT / "models" / room).rglob("*.[ch]")]
+    assert files
+    for path in files:
+        text = path.read_text(encoding="utf-8")
+        assert not re.search(r"fmi|malloc|calloc|free\(", text, re.IGNORECASE)
+        assert not re.search(r"^static (?!const)\w+ \w+( =|;)", text, re.MULTILINE)

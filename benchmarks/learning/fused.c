@@ -4,8 +4,7 @@
  */
 #include <stddef.h>
 
-#include "friction/lugre.c"
-#include "friction/sliding_mass.c"
+#include "laws/lugre/lugre.c"
 
 #define JOIN(a, b) a##_##b
 #define NAMED(a, b) JOIN(a, b)
@@ -25,23 +24,46 @@
 #define model_continuous NAMED(MODEL, continuous)
 #define model_jacobian NAMED(MODEL, jacobian)
 
+#define Law NAMED(MODEL, Law)
+#define LawState NAMED(MODEL, LawState)
+#define LawRate NAMED(MODEL, LawRate)
+#define LawJacobian NAMED(MODEL, LawJacobian)
+#define law_force NAMED(MODEL, law_force)
+#define law_step NAMED(MODEL, law_step)
+#define law_scaled NAMED(MODEL, law_scaled)
+#define law_rate NAMED(MODEL, law_rate)
+#define law_jacobian NAMED(MODEL, law_jacobian)
+#define law_rows NAMED(MODEL, law_rows)
+
 #define MODEL nominal
+#define VARIABLES "nominal_loop/variables.h"
 #include "nominal_loop/model.c"
 #undef MODEL
 #undef MODEL_H
 #undef VARIABLES_H
+#undef VARIABLES
 #define MODEL compensator
+#define VARIABLES "compensator/variables.h"
 #include "compensator/model.c"
+#include "laws/lugre/law.c"
 #undef MODEL
 #undef MODEL_H
+#undef LAW_H
+#undef LAW_IS_SMOOTH
 #undef VARIABLES_H
+#undef VARIABLES
 #define MODEL controller
+#define VARIABLES "velocity_controller/variables.h"
 #include "velocity_controller/model.c"
 #undef MODEL
 #undef MODEL_H
 #undef VARIABLES_H
+#undef VARIABLES
 #define MODEL drive
+#define VARIABLES "drive/variables.h"
 #include "drive/model.c"
+#include "laws/lugre/law.c"
+#include "laws/lugre/motion.c"
 
 /* Run n steps of length h from the start values of inputs and states (in the order of the structs),
  * record position and reference velocity at n + 1 points in time. Returns 0, or 1 if a step failed.

@@ -11,7 +11,7 @@ import cosim
 import models
 import toolchain
 from models.export.headers import variables_header
-from models.export.sources import COMPILER_OPTIONS
+from models.export.sources import COMPILER_OPTIONS, shared_files
 
 MODELS = {
     "nominal": "nominal_loop",
@@ -53,14 +53,16 @@ class FusedLoop:
 
 def _library() -> Path:
     files = {"fused.c": Path(__file__).with_name("fused.c").read_text()}
-    for room in ("friction", "numerics"):
-        for path in (ROOT / room).glob("*.[ch]"):
-            included = path.suffix == ".c"
-            files[f"{room}/{path.name}{'.inc' if included else ''}"] = path.read_text()
-    for model in MODELS.values():
-        files[f"{model}/model.c.inc"] = (ROOT / model / "model.c").read_text()
-        files[f"{model}/model.h"] = (ROOT / "adapter" / "model.h").read_text()
-        files[f"{model}/variables.h"] = variables_header(models.load_model(model))
+    for path in shared_files(models.load_model("drive")):
+        included = path.suffix == ".c"
+        name = f"{path.relative_to(ROOT).as_posix()}{'.inc' if included else ''}"
+        files[name] = path.read_text()
+    files["model.h"] = (ROOT / "adapter" / "model.h").read_text()
+    files["variables.h"] = "#include VARIABLES\n"
+    for name in MODELS.values():
+        model = models.load_model(name)
+        files[f"{name}/model.c.inc"] = (model.folder / "model.c").read_text()
+        files[f"{name}/variables.h"] = variables_header(model)
     files["fused.c"] = files["fused.c"].replace('.c"', '.c.inc"')
     flags = ["-Wno-unused-parameter", "-Wno-unused", *COMPILER_OPTIONS.split()]  # the FMUs' own
     return toolchain.shared_library("fused", files, flags=flags)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from models.errors import DescriptionError, StartValueError
+from models.export.law import Law, merge, read_toml
 from models.export.units import DISPLAY, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
@@ -73,7 +73,7 @@ class Model:
 
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
     ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
-    polylines on a tile of 100 by 100.
+    polylines on a tile of 100 by 100. ``law`` is the friction law that it contains.
     """
 
     name: str
@@ -88,6 +88,7 @@ class Model:
     sampled: bool = False
     terminals: Mapping[str, Terminal] = field(default_factory=dict)
     icon: tuple[tuple[float, ...], ...] = ()
+    law: Law | None = None
 
     @property
     def is_continuous(self) -> bool:
@@ -118,18 +119,18 @@ class Model:
         return replace(self, variables=tuple(variables.values()))
 
 
-def read_model(folder: Path) -> Model:
-    """Read ``model.toml`` in a model's folder.
+def read_model(folder: Path, law: Law | None = None) -> Model:
+    """Read ``model.toml`` in a model's folder, with the friction law that it contains.
 
     Raises
     ------
     DescriptionError
-        When the file or what it includes is not well formed.
+        When the file is not well formed.
     """
-    content = _read_toml(folder / "model.toml")
+    content = read_toml(folder / "model.toml")
     content.setdefault("parameters", {})
-    for name in content.pop("include", []):
-        content["parameters"] |= _read_toml(folder.parent / name)["parameters"]
+    if law is not None:
+        merge(content, law)
     variables = [Variable("time", "time", "Simulation time", unit="s")]
     fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
     for section, role in _SECTIONS.items():
@@ -149,7 +150,7 @@ def read_model(folder: Path) -> Model:
             )
     try:
         return Model(
-            name=folder.name,
+            name=content.get("name", folder.name),
             title=content["title"],
             description=content["description"],
             version=content["version"],
@@ -161,6 +162,7 @@ def read_model(folder: Path) -> Model:
             terminals=_terminals(content.get("terminals", {}), {v.name for v in variables}),
             icon=tuple(map(tuple, content["icon"])),
             folder=folder,
+            law=law,
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None
@@ -172,13 +174,6 @@ def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:
         if strangers := set(terminal.members.values()) - known:
             raise DescriptionError(f"terminal {name}: there is no variable {min(strangers)}")
     return terminals
-
-
-def _read_toml(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise DescriptionError(f"{path}: {error}") from None
 
 
 def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Iterator[Variable]:

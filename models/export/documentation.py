@@ -38,6 +38,8 @@ def index(model: Model, icon: str) -> str:
     text = f"# {model.title}\n\n{model.description}\n"
     if readme.exists():
         text = readme.read_text(encoding="utf-8")
+    if model.law is not None:
+        text += "\n" + (model.law.folder / "README.md").read_text(encoding="utf-8")
     body = "\n".join(_blocks(text))
     return _PAGE.format(title=html.escape(model.title), icon=icon, body=body)
 

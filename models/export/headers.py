@@ -27,7 +27,7 @@ def variables_header(model: Model) -> str:
         lines.append("typedef struct {")
         lines += [f"    double {_member(field)};" for field in fields]
         lines += [f"}} {struct};", ""]
-    return "\n".join([*lines, *_jacobian(model), "#endif", ""])
+    return "\n".join([*lines, *_jacobian(model), *_law(model), "#endif", ""])
 
 
 def _member(field: tuple[str, tuple[int, ...]]) -> str:
@@ -54,6 +54,42 @@ def _jacobian(model: Model) -> list[str]:
         f"        Gradient {rows['output']};",
         "    } y;",
         "} Jacobian;",
+        "",
+    ]
+
+
+def _law(model: Model) -> list[str]:
+    """Return what laws/law.h calls a law's parameters, states, derivatives and Jacobian."""
+    law = model.law
+    if law is None:
+        return []
+    states = list(law.states)
+    lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}", "typedef Parameters Law;"]
+    lines.append("typedef States LawState;")
+    if not law.is_smooth:
+        return [*lines, ""]
+    columns = ", ".join(["v", *states])
+    lines += ["", "typedef struct {"]
+    lines += ["    struct {", f"        double {columns};", f"    }} {', '.join(['F', *states])};"]
+    lines += ["} LawJacobian;", ""]
+    if not model.is_continuous:
+        members = [f"    double {name};" for name in states]
+        return [*lines, "typedef struct {", *members, "} LawRate;", ""]
+    v = "x.v" if any(v.name == "v" and v.role == "state" for v in model.variables) else "u.v"
+    rows = {"(*F)": "F"} | {f"J->dx.{name}": name for name in states}
+    return [
+        *lines,
+        "typedef Derivatives LawRate;",
+        "",
+        "/* Write the law's Jacobian into the rows of the force and of the law's states. */",
+        "static inline void law_rows(const LawJacobian *law, Gradient *F, Jacobian *J) {",
+        *(
+            f"    {row}.{'x.' * (column != 'v')}{v if column == 'v' else column}"
+            f" = law->{own}.{column};"
+            for row, own in rows.items()
+            for column in ("v", *states)
+        ),
+        "}",
         "",
     ]
 

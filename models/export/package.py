@@ -6,14 +6,16 @@ import hashlib
 import io
 import zipfile
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
-from models.errors import UnknownModel
+from models.errors import UnknownLaw, UnknownModel
 from models.export import fmi2, fmi3, icon
 from models.export.description import Model, read_model
 from models.export.documentation import index
 from models.export.headers import table_header
-from models.export.reference import cross_check, layered_standard
+from models.export.law import Law, read_law, read_toml
+from models.export.reference import cross_check, layered_standard, reference_file
 from models.export.sources import (
     COMPILER_OPTIONS,
     MODELS,
@@ -34,29 +36,72 @@ from toolchain import (
     write_whole,
 )
 
+_ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
 _DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
 
 
+@cache
+def _folders() -> dict[str, Path]:
+    """Return the folder of each model; a model.toml may give another name than its folder's."""
+    found = {}
+    for room in _ROOMS:
+        for path in (MODELS / room).glob("*/model.toml"):
+            found[read_toml(path).get("name", path.parent.name)] = path.parent
+    return dict(sorted(found.items()))
+
+
 def model_names() -> list[str]:
-    """Return the names of all models: the folders that have a model.toml."""
-    return sorted(path.parent.name for path in MODELS.glob("*/model.toml"))
+    """Return the names of all models: plants, compensators and controllers."""
+    return list(_folders())
 
 
-def load_model(name: str) -> Model:
+def law_names() -> list[str]:
+    """Return the names of all friction laws: the folders that have a law.toml."""
+    return sorted(path.parent.name for path in (MODELS / "laws").glob("*/law.toml"))
+
+
+def load_law(name: str) -> Law:
+    """Read a friction law by name.
+
+    Raises
+    ------
+    UnknownLaw
+        When there is no such law.
+    DescriptionError
+        When its law.toml is not well formed.
+    """
+    if name not in law_names():
+        raise UnknownLaw(f"there is no friction law '{name}'; there are {', '.join(law_names())}")
+    return read_law(MODELS / "laws" / name)
+
+
+def load_model(name: str, law: str | None = None) -> Model:
     """Read a model by name.
+
+    Parameters
+    ----------
+    name : a model of ``model_names()``
+    law : a friction law of ``law_names()`` in place of the one that model.toml names
 
     Raises
     ------
     UnknownModel
         When there is no such model.
+    UnknownLaw
+        When there is no such law, or the model contains none.
     DescriptionError
-        When its model.toml is not well formed.
+        When its model.toml or law.toml is not well formed.
     """
-    if name not in model_names():
+    folder = _folders().get(name)
+    if folder is None:
         raise UnknownModel(f"there is no model '{name}'; there are {', '.join(model_names())}")
-    return read_model(MODELS / name)
+    default = read_toml(folder / "model.toml").get("law")
+    if law is not None and default is None:
+        raise UnknownLaw(f"model '{name}' contains no friction law, so it cannot have '{law}'")
+    chosen = law or default
+    return read_model(folder, load_law(chosen) if chosen else None)
 
 
 def build_fmu(
@@ -66,6 +111,7 @@ def build_fmu(
     fmi: FmiVersion = 2,
     platforms: Iterable[Platform] | None = None,
     start: Mapping[str, float] | None = None,
+    law: str | None = None,
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
 
@@ -76,18 +122,20 @@ def build_fmu(
     fmi : version of the standard
     platforms : what to build for; this machine by default
     start : parameter -> start value, in the unit of model.toml, instead of the one there
+    law : a friction law of ``law_names()`` in place of the model's default
 
     Raises
     ------
-    UnknownModel, StartValueError
+    UnknownModel, UnknownLaw, StartValueError
     toolchain.ToolchainError
         When the C does not compile.
     OSError
         When the file cannot be written.
     """
-    model = load_model(name).with_start(start or {})
-    # What is expected is so for the start values of model.toml.
-    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=not start)
+    model = load_model(name, law).with_start(start or {})
+    # The reference holds for the start values of model.toml and law.toml.
+    expected = not start and reference_file(model) is not None
+    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=expected)
 
 
 def pack_fmu(
@@ -100,7 +148,7 @@ def pack_fmu(
 ) -> Path:
     """Write ``folder/NAME.fmu`` of any model and return its path.
 
-    ``model.folder`` has its C and README.md. With ``reference`` its reference.csv goes inside. The
+    ``model.folder`` has its C and README.md. With ``reference`` its expected results go inside. The
     rest is as for ``build_fmu``.
     """
     token = _token(model, fmi)

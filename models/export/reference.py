@@ -1,13 +1,16 @@
-"""What an FMU's results must be: models/*/reference.csv, as other people's formats have it."""
+"""What an FMU's results must be: reference.csv of models/, as other people's formats have it."""
 
 from __future__ import annotations
 
 import csv
 import io
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from models.errors import UnknownLaw
 from models.export import xml
 from models.export.description import Model
+from models.export.law import read_toml
 from models.export.sources import text
 
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
@@ -16,12 +19,29 @@ _DESCRIPTION = "Layered Standard providing information on related files included
 _MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 
 
+def reference_file(model: Model) -> Path | None:
+    """Return the table of what a model does in a short run, None where there is none.
+
+    A law's is that of the feedforward compensator; a plant's is for its default law.
+    """
+    law = model.law
+    own = model.folder / "reference.csv"
+    if law is None or (own.exists() and law.name == read_toml(model.folder / "model.toml")["law"]):
+        return own
+    if model.name == "compensator":
+        return law.folder / "reference.csv"
+    return None
+
+
 def tables(model: Model) -> tuple[str, str]:
     """Return inputs and expected outputs, each a CSV with the time in its first column [s].
 
     The inputs are those at the beginning of each step of Co-Simulation.
     """
-    head, *rows = csv.reader(io.StringIO(text(model.folder / "reference.csv")))
+    path = reference_file(model)
+    if path is None:
+        raise UnknownLaw(f"there are no expected results of {model.name} with its friction law")
+    head, *rows = csv.reader(io.StringIO(text(path)))
     inputs = {v.name for v in model.variables if v.role == "input"}
     chosen = [
         [k for k, name in enumerate(head) if name == "time" or (name in inputs) == wanted]

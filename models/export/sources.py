@@ -19,7 +19,6 @@ MODELS = Path(__file__).parent.parent
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
 # took a tenth more time.
 COMPILER_OPTIONS = "-O2 -ffp-contract=off -fno-tree-slp-vectorize"
-_SHARED = ("friction", "numerics")  # C that several models use
 
 
 def text(path: Path) -> str:
@@ -34,14 +33,26 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
         for path in sorted((MODELS / "adapter").glob("*.[ch]"))
         if not path.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
-    for room in _SHARED:
-        for path in sorted((MODELS / room).glob("*.[ch]")):
-            files[f"{room}/{path.name}"] = text(path)
     return files | {
+        **{path.relative_to(MODELS).as_posix(): text(path) for path in shared_files(model)},
         **{path.name: text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.c": table_source(model),
     }
+
+
+def shared_files(model: Model) -> list[Path]:
+    """Return the C files that a model has from other rooms: numerics, its law and its motion."""
+    files = [*(MODELS / "numerics").glob("*.[ch]")]
+    if model.law is not None:
+        files += [MODELS / "laws" / "law.h", *model.law.folder.glob("*.[ch]")]
+        if model.folder.parent.name == "plants":
+            own = model.law.folder / "motion.c"
+            general = MODELS / "plants" / "midpoint.c"
+            files += [MODELS / "plants" / "motion.h", *([] if own.exists() else [general])]
+        else:
+            files = [path for path in files if path.name != "motion.c"]
+    return sorted(files)
 
 
 def compiled(files: Iterable[str]) -> list[str]:

@@ -17,6 +17,7 @@ UNITS: dict[str, dict[str, int]] = {
     "N": {"kg": 1, "m": 1, "s": -2},
     "N/m": {"kg": 1, "s": -2},
     "N.s/m": {"kg": 1, "s": -1},
+    "N/s": {"kg": 1, "m": 1, "s": -3},
     "N/(m.s)": {"kg": 1, "s": -3},
     "s": {"s": 1},
     "1/s": {"s": -1},
@@ -38,6 +39,13 @@ def rate_unit(unit: str) -> str:
     exponents["s"] -= 1
     wanted = {base: power for base, power in exponents.items() if power}
     return next(name for name, known in UNITS.items() if known == wanted)
+
+
+def force_and_length(unit: str) -> tuple[int, int]:
+    """Return the powers of force and length in a unit of ``UNITS``: (1, -1) for N/m and for kg."""
+    base = UNITS[unit]
+    mass = base.get("kg", 0)
+    return mass, base.get("m", 0) - mass
 
 
 # symbol -> factor and exponents of kg, m, s, A, K, mol, cd, rad

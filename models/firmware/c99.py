@@ -10,10 +10,10 @@ import re
 from pathlib import Path
 
 from models.export.description import Model, Role
+from models.export.sources import shared_files
 from models.firmware.amalgam import needed, pieces, without_comments
 from models.firmware.variables import explained, unit
 
-_MODELS = Path(__file__).parent.parent
 _SINGLE = Path(__file__).with_name("single.h")
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",
@@ -90,10 +90,8 @@ def _header(model: Model) -> str:
 
 def _source(model: Model) -> str:
     name, upper, struct = model.name, model.name.upper(), _struct(model)
-    shared = [
-        p for room in ("numerics", "friction") for p in sorted((_MODELS / room).glob("*.[ch]"))
-    ]
-    texts = [path.read_text(encoding="utf-8") for path in [*shared, model.folder / "model.c"]]
+    sources = [*shared_files(model), model.folder / "model.c"]
+    texts = [path.read_text(encoding="utf-8") for path in sources]
     found = pieces(texts)
     order = sorted(
         needed(found, _ROOTS), key=lambda piece: "static " in found[piece]
@@ -112,7 +110,8 @@ def _source(model: Model) -> str:
         [
             f'#include "{name}.h"\n\n#include <stddef.h>\n#include <stdint.h>',
             f"typedef {name}_real real;\n#define R(x) ((real)(x))",
-            "\n".join(f"typedef {struct}{s} {s};" for s in _STRUCTS.values()),
+            "\n".join(f"typedef {struct}{s} {s};" for s in _STRUCTS.values())
+            + "\ntypedef Parameters Law;\ntypedef States LawState;",
             f"#ifdef {upper}_FLOAT",
             *pieces([_SINGLE.read_text(encoding="utf-8")]).values(),
             "#else",

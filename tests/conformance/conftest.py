@@ -22,12 +22,27 @@ from tests.corpus.fuzz_calls import find_compiler
 STEP = 5e-4  # s
 
 
+def load(target: str) -> models.Model:
+    """Return the description of ``stage`` or, with another law, of ``stage+gms``."""
+    name, _, law = target.partition("+")
+    return models.load_model(name, law or None)
+
+
+WITH_A_LAW = [name for name in models.model_names() if load(name).law]
+TARGETS = models.model_names() + [
+    f"{name}+{law}"
+    for name in WITH_A_LAW
+    for law in models.law_names()
+    if law != load(name).law.name
+]
+
+
 class Fmu:
     """A built model: ``model`` as model.toml tells it, ``description`` as FMPy reads it."""
 
-    def __init__(self, path: Path, version: int) -> None:
-        self.path, self.version = path, version
-        self.model = models.load_model(path.stem)
+    def __init__(self, path: Path, version: int, target: str) -> None:
+        self.path, self.version, self.target = path, version, target
+        self.model = load(target)
         self.folder = path.with_suffix("")
         if not self.folder.exists():
             with zipfile.ZipFile(path) as archive:
@@ -205,22 +220,24 @@ def same_bits(a: object, b: object) -> bool:
 
 @pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]:
-    """Build a model once: ``build("stage", 3)``."""
+    """Build a model once: ``build("stage", 3)``, with another law ``build("stage+gms", 3)``."""
     folder = tmp_path_factory.mktemp("built")
     built: dict[tuple[str, int], Fmu] = {}
 
     def build(name: str, version: int) -> Fmu:
         if (name, version) not in built:
-            path = models.build_fmu(name, folder / f"fmi{version}", fmi=version)
-            built[name, version] = Fmu(path, version)
+            model, _, law = name.partition("+")
+            into = folder / f"fmi{version}" / law
+            path = models.build_fmu(model, into, fmi=version, law=law or None)
+            built[name, version] = Fmu(path, version, name)
         return built[name, version]
 
     return build
 
 
-@pytest.fixture(params=models.model_names())
+@pytest.fixture(params=TARGETS)
 def name(request: pytest.FixtureRequest) -> str:
-    """Name each folder in models/ in turn."""
+    """Name each model, and each with every friction law that is not its default, in turn."""
     return request.param
 
 

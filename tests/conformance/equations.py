@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -9,29 +10,32 @@ import numpy as np
 Values = Mapping[str, complex]
 
 
-def bristle(v: complex, z: complex, p: Values) -> tuple[complex, complex]:
+Law = Callable[[complex, Values, Values], tuple[dict[str, complex], complex]]
+
+
+def lugre(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:
     """Return dz/dt, equation (2), and the friction force, equation (3)."""
     speed = v if np.real(v) >= 0 else -v
     g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((speed / p["v_s"]) ** p["delta"]))
-    dz = v - p["sigma_0"] * speed / g * z
-    return dz, p["sigma_0"] * z + p["sigma_1"] * dz
+    dz = v - p["sigma_0"] * speed / g * x["z"]
+    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
 
 
-def stage(x: Values, p: Values) -> dict[str, complex]:
-    dz, F_f = bristle(x["v"], x["z"], p)
+def stage(law: Law, x: Values, p: Values) -> dict[str, complex]:
+    rates, F_f = law(x["v"], x, p)
     dv = (x["u"] - p["b"] * x["v"] - F_f) / p["m"]
-    return {"der(x)": x["v"], "der(v)": dv, "der(z)": dz, "F_f": F_f, "x": x["x"], "v": x["v"]}
+    return {"der(x)": x["v"], "der(v)": dv, **rates, "F_f": F_f, "x": x["x"], "v": x["v"]}
 
 
-def compensator(x: Values, p: Values) -> dict[str, complex]:
-    dz, F_f = bristle(x["v"], x["z"], p)
+def compensator(law: Law, x: Values, p: Values) -> dict[str, complex]:
+    rates, F_f = law(x["v"], x, p)
     total = F_f + p["b"] * x["v"]
-    return {"der(z)": dz, "F_f": total, "F_mean": total}
+    return {**rates, "F_f": total, "F_mean": total}
 
 
 OF: dict[str, Callable[[Values, Values], dict[str, complex]]] = {
-    "stage": stage,
-    "compensator": compensator,
+    "stage": functools.partial(stage, lugre),
+    "compensator": functools.partial(compensator, lugre),
 }
 
 

@@ -55,9 +55,12 @@ def test_units_are_those_of_model_toml(fmu):
 
 
 def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):
-    variables = models.load_model(name).variables
+    model = build(name, 2).model
+    variables = model.variables
     first = next(v for v in variables if v.role == "parameter" and v.start)
-    path = models.build_fmu(name, tmp_path, start={first.name: 2 * first.start})
+    path = models.build_fmu(
+        model.name, tmp_path, start={first.name: 2 * first.start}, law=model.law and model.law.name
+    )
     description = fmpy.read_model_description(str(path))
     start = {v.name: v.start for v in description.modelVariables}
     assert float(start[first.name]) == 2 * first.start

@@ -66,11 +66,11 @@ def test_two_halves_equal_the_whole(fmu, slave, identical):
 
 RESUME = """
 import importlib.util, pathlib, sys
-conftest, path, version, state = sys.argv[1:]
+conftest, path, version, target, state = sys.argv[1:]
 spec = importlib.util.spec_from_file_location("conformance", conftest)
 module = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(module)
-slave = module.Slave(module.Fmu(pathlib.Path(path), int(version)))
+slave = module.Slave(module.Fmu(pathlib.Path(path), int(version), target))
 slave.api.setFMUState(slave.api.deserializeFMUState(bytes.fromhex(state)))
 print(slave.run(30, 60).tobytes().hex())
 """
@@ -84,7 +84,7 @@ def test_a_serialised_state_goes_on_in_another_process(fmu, slave):
     instance.api.freeFMUState(state)
     conftest = Path(__file__).with_name("conftest.py")
     resumed = subprocess.run(
-        [sys.executable, "-c", RESUME, conftest, fmu.path, str(fmu.version), stored],
+        [sys.executable, "-c", RESUME, conftest, fmu.path, str(fmu.version), fmu.target, stored],
         capture_output=True,
         text=True,
         check=True,

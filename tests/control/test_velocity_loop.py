@@ -54,7 +54,7 @@ def transfer_function(axis: Axis, K_p: float, K_i: float, tau_f: float) -> contr
     return controller * way * estimate
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(axes, specifications)
 def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     try:
@@ -77,7 +77,7 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     assert loop.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.builds(Axis, m=log_uniform(2.0, 50.0), b=st.just(6.6), tau_i=st.just(1e-4)),
     log_uniform(10.0, 100.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import os
 import pickle
 import threading
@@ -124,6 +125,22 @@ def test_after_a_fork_an_isolated_one_belongs_to_the_parent(system, tmp_path):
                 return own.run({"b.k": 2.0}, {"u": 1.0})["b.y"][-1]
 
         assert float(in_a_fork(another)) == pytest.approx(4.0)
+
+
+@forks
+@silent
+def test_a_fork_that_forgets_an_isolated_one_leaves_it_to_the_parent(system):
+    forgotten = [system.prepare(step=STEP, stop=1.0, isolation="process")]
+    child = forgotten[0]._process
+
+    def forget():
+        forgotten.clear()
+        gc.collect()
+
+    assert in_a_fork(forget) == "None"
+    forgotten[0].run()
+    assert forgotten[0]._process is child  # no other one had to be started
+    forgotten[0].close()
 
 
 @forks

@@ -199,15 +199,16 @@ def test_a_reset_that_does_nothing(rigs, version, kind, caplog, monkeypatch):
     np.testing.assert_array_equal(rig.counts(), before)
 
 
+@pytest.mark.parametrize(("step", "longest", "parts"), [(0.1, 30, 4), (1.0, 1, 1024)])
 @pytest.mark.parametrize("version", [2, 3])
-def test_discarded_steps_are_tried_in_parts(rigs, version):
-    """With a step of 0.1 s that it discards above 30 ms, as with steps of 25 ms."""
+def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts):
+    """A step (s) that the FMU discards above so many ms gives what so many short steps give."""
     rig = rigs(version, "plain")
     rig.arm()
-    with rig.system.prepare(step=0.025, stop=1.0) as fine:
-        expected = fine.run({"a.u": 1.0}).values[::4]
-    with rig.prepare() as simulation:
-        rig.arm("Long 30 0")
+    with rig.system.prepare(step=step / parts, stop=1.0) as fine:
+        expected = fine.run({"a.u": 1.0}).values[::parts]
+    with rig.system.prepare(step=step, stop=1.0) as simulation:
+        rig.arm(f"Long {longest} 0")
         for _ in range(2):
             result = simulation.run({"a.u": 1.0})
             assert result.stopped is None

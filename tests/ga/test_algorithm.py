@@ -25,7 +25,7 @@ def new(preset, seed=0, repair=None):
 
 
 @PRESETS
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**64), data=st.data())
 def test_the_best_cost_never_rises_whatever_the_costs(preset, seed, data):
     algorithm = new(preset, seed)
@@ -42,7 +42,7 @@ def test_the_best_cost_never_rises_whatever_the_costs(preset, seed, data):
 
 
 @PRESETS
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32))
 def test_candidates_stay_in_their_bounds(preset, seed):
     algorithm = run(new(preset, seed), 10)

@@ -21,7 +21,7 @@ def ranked(points, costs):
     return points[order], costs[order]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(k=st.integers(1, 6), seed=st.integers(0, 2**32))
 def test_the_bottom_of_a_paraboloid_is_found_in_a_few_steps(k, seed):
     lowest, cost = paraboloid(k, seed)
@@ -78,7 +78,7 @@ def test_an_archive_keeps_the_cheapest_in_order(monkeypatch):
     np.testing.assert_array_equal(archive.strings, cheapest[:, 1:])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(k=st.integers(1, 8), seed=st.integers(0, 2**32))
 def test_the_bottom_of_a_round_bowl_is_exact_wherever_the_points_are(k, seed):
     rng = np.random.default_rng(seed)

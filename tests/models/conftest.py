@@ -12,6 +12,8 @@ import pytest
 import cosim
 import models
 import toolchain
+from models.export.headers import variables_header
+from models.export.sources import shared_files
 
 MODELS = Path(models.__file__).parent
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
@@ -47,13 +49,11 @@ def alone(fmus: Path) -> Prepare:
 @pytest.fixture(scope="session")
 def library() -> ctypes.CDLL:
     """Compile the shared C of models/ with ``probe.c``, which exports it."""
-    files = {
-        f"{path.parent.name}/{path.name}": path.read_text()
-        for room in ("numerics", "friction")
-        for path in (MODELS / room).glob("*.[ch]")
-    }
+    model = models.load_model("stage")
+    files = {path.relative_to(MODELS).as_posix(): path.read_text() for path in shared_files(model)}
+    files["variables.h"] = variables_header(model)
     # The probe takes the step apart, so it includes this file instead of linking it.
-    files["friction/sliding_mass.inc"] = files.pop("friction/sliding_mass.c")
+    files["laws/lugre/motion.inc"] = files.pop("laws/lugre/motion.c")
     files["probe.c"] = Path(__file__).with_name("probe.c").read_text()
     return ctypes.CDLL(str(toolchain.shared_library("probe", files, flags=["-lm"])))
 

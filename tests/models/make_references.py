@@ -1,4 +1,4 @@
-"""Writes models/*/reference.csv: what each model does in a short run, calculated without it.
+"""Writes each reference.csv of models/: what each model does in a short run, calculated without it.
 
     python tests/models/make_references.py [FOLDER]
 
@@ -19,7 +19,10 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import models
+from models.export.reference import reference_file
 from toolchain import write_whole
+
+ROOT = Path(models.__file__).parent
 
 Columns = dict[str, np.ndarray]
 Parameters = dict[str, float]
@@ -195,8 +198,9 @@ def main(folder: Path) -> None:
         name = calculate.__name__
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
-        write_whole(folder / name / "reference.csv", text)
+        path = reference_file(models.load_model(name))
+        write_whole(folder / path.relative_to(ROOT), text)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(models.__file__).parent)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT)

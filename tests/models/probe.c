@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "friction/lugre.h"
-#include "friction/sliding_mass.inc"
+#include "laws/lugre/lugre.h"
+#include "laws/lugre/motion.inc"
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
 #include "numerics/sampling.h"
@@ -55,8 +55,7 @@ double probe_g(double v, const double p[6], double *slope) {
 }
 
 /* The equations of the paper once more, with the C library's exp. y: x, v, z */
-static void derivative(const double y[3], double u, const SlidingMass *s, double dy[3]) {
-    const LuGre *p = &s->contact;
+static void derivative(const double y[3], double u, const Mass *s, const LuGre *p, double dy[3]) {
     const double speed = fabs(y[1]);
     const double g = p->F_c + (p->F_s - p->F_c) * exp(-pow(speed * p->per_v_s, p->delta));
     dy[0] = y[1];
@@ -64,14 +63,14 @@ static void derivative(const double y[3], double u, const SlidingMass *s, double
     dy[1] = (u - s->b * y[1] - p->sigma_0 * y[2] - p->sigma_1 * dy[2]) * s->per_m;
 }
 
-static void rk4(double h, double y[3], double u, const SlidingMass *s) {
+static void rk4(double h, double y[3], double u, const Mass *s, const LuGre *p) {
     static const double place[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
     double k[3] = {0}, sum[3] = {0};
     for (int stage = 0; stage < 4; stage++) {
         double at[3];
         for (int i = 0; i < 3; i++)
             at[i] = y[i] + place[stage] * h * k[i];
-        derivative(at, u, s, k);
+        derivative(at, u, s, p, k);
         for (int i = 0; i < 3; i++)
             sum[i] += weight[stage] * k[i];
     }
@@ -85,21 +84,28 @@ EXPORT void probe_run(int method, int pieces, double h, size_t n, const double u
                       double motion[][3]);
 void probe_run(int method, int pieces, double h, size_t n, const double u[], const double mass[2],
                const double p[6], const double start[3], double motion[][3]) {
+    const LuGre contact = contact_of(p);
+    const Law law = {
+        .F_s = p[0], .F_c = p[1], .v_s = p[2], .sigma_0 = p[3], .sigma_1 = p[4], .delta = p[5]};
     double y[3] = {start[0], start[1], start[2]}, dt = 0.0;
     for (size_t i = 0; i < n; i++) {
-        const SlidingMass s = {
-            .per_m = 1.0 / mass[0], .b = mass[1], .u = u[i], .contact = contact_of(p)};
-        Motion now = {y[0], y[1], y[2]};
-        if (method == 0 && !sliding_mass_step(h, &now, &s, &dt))
-            now.v = NAN;
+        const Mass s = {.per_m = 1.0 / mass[0], .b = mass[1], .u = u[i]};
+        Sliding now = {y[0], y[1], y[2]};
+        if (method == 0) {
+            Motion motion = {now.x, now.v};
+            LawState state = {.z = now.z};
+            if (!motion_step(h, &motion, &state, &s, &law, &dt))
+                motion.v = NAN;
+            now = (Sliding){motion.x, motion.v, state.z};
+        }
         for (int k = 0; method == 1 && k < pieces; k++) {
-            Motion next;
-            try_step(h / pieces, &now, u[i], 1.0, &s, &next);
+            Sliding next;
+            try_step(h / pieces, &now, u[i], 1.0, &s, &contact, &next);
             now = next;
         }
         y[0] = now.x, y[1] = now.v, y[2] = now.z;
         for (int k = 0; method == 2 && k < pieces; k++)
-            rk4(h / pieces, y, u[i], &s);
+            rk4(h / pieces, y, u[i], &s, &contact);
         for (int k = 0; k < 3; k++)
             motion[i][k] = y[k];
     }

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import models
+from models.export.reference import reference_file
 
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.
@@ -19,7 +20,7 @@ import models
 def test_reference_is_up_to_date(name):
     script = runpy.run_path(str(Path(__file__).with_name("make_references.py")))
     fresh = pd.DataFrame(script[name](script["start_values"](name)))
-    kept = pd.read_csv(Path(models.__file__).parent / name / "reference.csv")
+    kept = pd.read_csv(reference_file(models.load_model(name)))
     assert list(kept) == list(fresh)
     # Matrix exponentials of two processors were seen to differ by 1e-11.
     np.testing.assert_allclose(kept, fresh, rtol=1e-10, atol=1e-12)

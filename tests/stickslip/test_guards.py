@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from cosim.control import Axis, close_velocity_loop, design_velocity_loop
 from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.guards import Trial, hunting, inspect, stribeck, tolerance, try_out
 from stickslip.guards.stribeck import growth_rate
+from stickslip.guards.tolerance import _at_bounds
 from stickslip.guards.worth import Tried, Worth
 from stickslip.loop import build_fmus
 from stickslip.parameters import at_share
@@ -151,11 +153,20 @@ def test_friction_that_is_not_there_is_refused_or_reduced(make_trial):
     assert max(row.ratio for row in worth.full) > 1.5
 
 
-@pytest.mark.parametrize("bad", [np.inf, np.nan])
-def test_an_error_that_is_not_finite_is_worse(bad):
-    row = Tried(0.04, "friction as fitted", bad, bad)
-    assert not Worth(1.0, (row,), (row,)).harmless
-    assert Worth(1.0, (replace(row, without=1.0, compensated=1.02),), (row,)).harmless
+@pytest.mark.parametrize("without", [1.0, 0.0, np.inf, np.nan])
+@pytest.mark.parametrize("compensated", [1.0, 1.02, 1.03, np.inf, np.nan])
+def test_an_error_that_is_not_finite_is_worse(without, compensated):
+    """Harmless needs two errors that can be compared; the worst row is named in any order."""
+    fine = Tried(0.04, "friction as fitted", 1.0, 1.0)
+    row = Tried(0.004, "another friction", without, compensated)
+    finite = np.isfinite(compensated) and (without == 1.0 or without == np.inf)
+    assert np.isfinite(row.ratio) == finite
+    assert not np.isnan(row.ratio)
+    for rows in ((fine, row), (row, fine)):
+        worth = Worth(1.0, rows, rows)
+        assert worth.harmless == (finite and compensated <= 1.02 * without)
+        worst = max(rows, key=lambda row: row.ratio)  # the first of equals, as a ratio is no NaN
+        assert worst.drive in worth.reason
 
 
 @pytest.mark.parametrize("v", [2e-4, 5e-4, 1e-3])
@@ -203,6 +214,21 @@ def test_a_parameter_that_may_be_anything_is_told(make_trial):
     assert finding.guard == "uncertainty"
     assert "sigma_0 = 391.6, a bound of its 95 % interval" in finding.message
     assert finding.figure > finding.limit
+
+
+def test_a_bound_is_two_standard_errors_away():
+    """Of a normal distribution 95 % lie within 1.96 standard errors."""
+    friction = {"F_s": 9.0, "F_c": 6.0}
+    tried = []
+
+    def error(compensator=friction):
+        tried.append(compensator["F_s"])
+        return 0.5
+
+    run = SimpleNamespace(trial=SimpleNamespace(compensator=friction), error=error)
+    _at_bounds(run, 1.0, {"F_s": 0.1})
+    draws = np.random.default_rng(0).normal(9.0, 0.1, 100_000)
+    assert np.mean((draws > min(tried)) & (draws < max(tried))) == pytest.approx(0.95, abs=0.003)
 
 
 def test_stick_and_slip_is_told(make_trial):

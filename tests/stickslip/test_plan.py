@@ -37,7 +37,7 @@ def check_limits(limits: Limits, show=()) -> None:
     rate=st.sampled_from([100.0, 333.3, 1000.0]),
     show=st.lists(st.sampled_from(sorted(PAPER)), max_size=3),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show):
     check_limits(Limits(stroke, speed, acceleration, duration, rate), show)
 

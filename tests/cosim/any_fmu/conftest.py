@@ -106,6 +106,7 @@ MODELS = {
         Var("k", 2, "Float64", "parameter", "fixed", "4"),
         Var("force", 3, "Float64", "input", "continuous", "0"),
         Var("gain", 4, "Float64", "output", "continuous"),
+        Var("events", 5, "Int32", "output", "discrete"),
     ],
     "stair": [
         Var("count", 0, "Int32", "output", "discrete"),

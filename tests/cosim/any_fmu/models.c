@@ -32,7 +32,7 @@ typedef struct {
 enum { SUM = 100, S, BYTES, BIG, N_BYTES, TOLD };   /* FEEDTHROUGH; 0 .. 29 in, 30 .. 59 out */
 enum { N, A, U = A + 64, Y = U + 8, X0 = Y + 8 };   /* STATE_SPACE */
 enum { H, V, G, E, BOUNCES, HEIGHT };               /* BALL */
-enum { POS, VEL, K, FORCE, GAIN };                  /* OSCILLATOR */
+enum { POS, VEL, K, FORCE, GAIN, EVENTS };          /* OSCILLATOR */
 enum { COUNT, PERIOD, LAST, TRIGGER, SEEN, LEVEL }; /* STAIR */
 /* CLOCKED: clocks, whether they tick, how often they did, the time of the last; 5 each */
 enum { EVERY, GROWING, AFTER, BY_HAND, ASKED, N_CLOCKS, TICKED = 5, TICKS = 10, AT = 15 };
@@ -284,7 +284,10 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     return ((Model *)c)->initializing = true, fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return begin(c), fmi2OK; }
-fmi2Status fmi2EnterEventMode(fmi2Component c) { return (void)c, fmi2OK; }
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    ((Model *)c)->v[EVENTS].i += MODEL == OSCILLATOR;
+    return fmi2OK;
+}
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (void)c, fmi2OK; }
 fmi2Status fmi2Terminate(fmi2Component c) { return (void)c, fmi2OK; }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last) {
@@ -422,7 +425,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float6
     return ((Model *)c)->initializing = true, fmi3OK;
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return begin(c), fmi3OK; }
-fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (void)c, fmi3OK; }
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (fmi3Status)fmi2EnterEventMode(c); }
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n,
                         const fmi3Clock values[]) {
     for (size_t i = 0; i < n; i++) {

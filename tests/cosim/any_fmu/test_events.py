@@ -42,6 +42,27 @@ def test_a_discrete_input_that_jumps_is_an_event(export, interfaces):
     np.testing.assert_array_equal(result["a.level"], [0, 0, 0, 0, 10, 10, 10, 10, 20, 20, 20])
 
 
+@pytest.mark.parametrize(
+    ("version", "interfaces"), [(3, "CS events"), (2, "ME"), (3, "ME")], ids=str
+)
+def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
+    """Neither from outside nor from another FMU; a table that jumps between points is one."""
+    path = export("oscillator", version, interfaces)
+    system = cosim.System()
+    system.add("a", path)
+    system.add("b", path)
+    system.expose("u", "a.force")
+    system.connect("a.position", "b.force")
+    with system.prepare(step=0.125, stop=1.0) as simulation:
+        result = simulation.run(inputs={"u": np.sin(simulation.time)})
+        assert not result["a.events"].any()
+        assert not result["b.events"].any()
+        jump = cosim.Table([0.0, 0.3], [0, 1], held=True)
+        result = simulation.run(inputs={"u": jump})
+        assert result["a.events"][-1] == (interfaces == "ME")
+        assert not result["b.events"].any()
+
+
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfaces):

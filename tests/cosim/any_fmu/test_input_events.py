@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import cosim
+from cosim.span import slack
 
 STEP, STOP = 0.1, 2.0
 KINDS = {"force": "f8", "trigger": "?"}
@@ -61,6 +62,19 @@ def test_a_jump_a_rounding_error_beside_a_point_lies_at_it():
         assert jump.sample(np.array([n * 0.001])) == 1
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
+    """To the last bit, so that neither a point in time nor an event is on both sides of it."""
+    system = cosim.System()
+    system.add("a", export("stair", version, "ME"), {"period": 1e9})
+    system.expose("u", "a.trigger")
+    with system.prepare(step=0.125, stop=1.0) as simulation:
+        latest = 0.125 + slack(1.0, 0.125)
+        for jump, row in ((0.125, 1), (latest, 1), (np.nextafter(latest, 1.0), 2)):
+            result = simulation.run(inputs={"u": cosim.Table([0.0, jump], [0, 1])})
+            assert np.argmax(result["a.level"] == 10) == row
+
+
 def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(export):
     system = cosim.System()
     system.add("a", export("stair", 2, "CS"))
@@ -89,6 +103,23 @@ def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
         np.testing.assert_array_equal(simulation.run().values, free.values)
     np.testing.assert_array_equal(looked.values, whole.values)
     np.testing.assert_array_equal(half.values, whole.values[:11])
+
+
+@pytest.mark.parametrize("kind", ["CS", "ME"])
+def test_a_jump_in_the_last_step_before_a_halt_is_made(export, kind):
+    """Every step has a jump, so each end of a run has one in the step before it."""
+    system = cosim.System()
+    system.add("a", export("oscillator", 2, kind))
+    system.expose("u", "a.force")
+    table = {"u": cosim.Table(0.0375 + 0.125 * np.arange(8), np.arange(8) ** 2, held=True)}
+    with system.prepare(step=0.125, stop=1.0) as simulation:
+        whole = simulation.run(inputs=table)["a.position"]
+        for n in range(1, 8):
+            head = simulation.run(inputs=table, until=0.125 * n)["a.position"]
+            np.testing.assert_array_equal(head, whole[: n + 1])
+        with system.prepare(step=0.0125, stop=1.0) as fine:  # the jumps lie on its points
+            expected = fine.run(inputs=table)["a.position"][::10]
+    np.testing.assert_allclose(whole, expected, atol=2e-2 if kind == "CS" else 1e-4)
 
 
 @pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])

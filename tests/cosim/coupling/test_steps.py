@@ -40,6 +40,25 @@ def test_adaptive_steps_take_fewer_steps_for_the_same_error(transient_pair, line
     assert few["rejected"] > 0
 
 
+def test_a_step_is_kept_just_when_its_prediction_holds(linear):
+    """A line through the last two points misses y'' = 1 by h^2 after a step of h."""
+    system = cosim.System("parabola")
+    system.add("source", linear(), {"a12": 1.0, "f2": 0.0, "b22": 1.0, "c11": 1.0, "f1": 1e3})
+    system.add("sink", linear(), {"b11": 1.0, "c11": 1.0})
+    system.expose("u", "source.u2")
+    system.connect("source.y1", "sink.u1")
+    effort = {}
+    for share in (0.99, 1.01):  # of the miss that the tolerance allows
+        adaptive = cosim.Adaptive(share * 0.1**2 / 1e3)
+        coupling = cosim.Coupling("jacobi", degree=1, adaptive=adaptive)
+        with system.prepare(step=0.1, stop=1.0, coupling=coupling) as simulation:
+            result = simulation.run(inputs={"u": 1.0})
+            effort[share] = simulation.effort
+        np.testing.assert_allclose(result["source.y1"], 1e3 + result.time**2 / 2, rtol=1e-12)
+    assert effort[0.99]["rejected"] > 0
+    assert (effort[1.01]["rejected"], effort[1.01]["steps"]) == (0, 10)
+
+
 @pytest.mark.parametrize("interpolates", [True, False])
 @pytest.mark.parametrize("method", ["jacobi", "gauss_seidel", "iterative"])
 def test_the_error_falls_with_the_tolerance(two_masses, linear, method, interpolates):

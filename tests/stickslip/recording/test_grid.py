@@ -65,6 +65,21 @@ def test_short_gaps_are_filled_and_long_ones_cut():
     assert "rows 1001 to 2900" in said(grid)
 
 
+def test_the_longest_gap_that_is_filled():
+    """Five missing samples in a row are filled in, six split the log: rows or numbers."""
+    for n in range(1, 8):
+        missing = np.arange(1000, 1000 + n)
+        rows = np.delete(np.arange(3000), missing)
+        force = DRIVE.force.copy()
+        force[missing] = np.nan
+        for t, signals in (
+            (DRIVE.t[rows], {"position": DRIVE.position[rows]}),
+            (DRIVE.t, {"position": DRIVE.position, "force": force}),
+        ):
+            used = 3000 if n <= 5 else 2000 - n
+            assert len(even_grid(TABLE, t, signals).t) == used
+
+
 def test_numbers_that_are_missing():
     force = DRIVE.force.copy()
     force[[50, 51, 700]] = np.nan, np.inf, np.nan

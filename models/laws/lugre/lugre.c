@@ -1,4 +1,4 @@
-#include "friction/lugre.h"
+#include "laws/lugre/lugre.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,9 +2,9 @@
 
 #include <stddef.h>
 
-#include "friction/sliding_mass.h"
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
+#include "plants/motion.h"
 
 static const double TWO_PI = 6.283185307179586;
 
@@ -17,6 +17,10 @@ static double roughness(double x, double v, const void *context) {
     if (p->position_dependent != 0.0)
         factor *= 1.0 + p->position_amplitude * elementary_sin(TWO_PI * x / p->position_period);
     return factor;
+}
+
+static bool is_rough(const Parameters *p) {
+    return p->asymmetric != 0.0 || p->position_dependent != 0.0;
 }
 
 static double ripple(double x, const void *context) {
@@ -38,15 +42,14 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
 }
 
 bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    SlidingMass mass = {
+    Mass mass = {
         .per_m = 1.0 / p->m,
         .b = p->b,
-        .contact = LUGRE_OF(p),
         .ripple = p->ripple != 0.0 ? ripple : NULL,
-        .roughness = p->asymmetric != 0.0 || p->position_dependent != 0.0 ? roughness : NULL,
+        .roughness = is_rough(p) ? roughness : NULL,
         .context = p,
     };
-    Motion motion = {x->x, x->v, x->z};
+    Motion motion = {x->x, x->v};
     const double target = amplified(u->u, p);
     double lagging = 0.0; /* [s] */
     if (p->current_loop != 0.0) {
@@ -58,16 +61,17 @@ bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const
         const double left = 1.0 - y * mean; /* e^-y */
         lagging = 2.0 * p->tau_i * (1.0 - left / mean);
         mass.u = target + gap * mean * h / lagging;
-        if (!sliding_mass_step(lagging, &motion, &mass, &w->dt))
+        if (!motion_step(lagging, &motion, x, &mass, p, &w->dt))
             return false;
         w->F_motor = target + gap * left;
     } else {
         w->F_motor = target;
     }
     mass.u = target;
-    if (!sliding_mass_step(h - lagging, &motion, &mass, &w->dt))
+    if (!motion_step(h - lagging, &motion, x, &mass, p, &w->dt))
         return false;
-    *x = (States){motion.x, motion.v, motion.z};
+    x->x = motion.x;
+    x->v = motion.v;
     w->n += 1.0;
     return true;
 }
@@ -76,11 +80,12 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
                    Outputs *y) {
     y->x_enc = x->x;
     y->F_m = w->F_motor;
-    LuGre contact = LUGRE_OF(p);
-    const double factor = roughness(x->x, x->v, p);
-    contact.F_s *= factor;
-    contact.F_c *= factor;
-    y->F_f = lugre_force(x->v, x->z, &contact);
+    if (is_rough(p)) {
+        const Law here = law_scaled(p, roughness(x->x, x->v, p));
+        y->F_f = law_force(x->v, x, &here);
+    } else {
+        y->F_f = law_force(x->v, x, p);
+    }
     if (p->noise != 0.0) {
         y->x_enc += p->noise_x * noise_draw(p->seed, 0, w->n);
         y->F_m += p->noise_F * noise_draw(p->seed, 1, w->n);

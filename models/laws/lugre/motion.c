@@ -1,7 +1,16 @@
-#include "friction/sliding_mass.h"
+/* A mass on a LuGre contact.
+ *
+ * Bristle and velocity are stiff together: sigma_0 |v| / g(v) spans three decades while a search
+ * varies the parameters. The step is Rodas3 (Sandu et al., Atmospheric Environment 31, 1997): a
+ * Rosenbrock method of order 3 with an error estimate of order 2, stiffly accurate and L-stable,
+ * so it needs no iteration and holds for every parameter vector.
+ */
+#include "plants/motion.h"
 
 #include <stddef.h>
 #include <stdint.h>
+
+#include "laws/lugre/lugre.h"
 
 /* Local error allowed per sub-step, relative to the motion itself and absolute. */
 static const double RELATIVE = 1e-6;
@@ -9,6 +18,11 @@ static const double ABSOLUTE_V = 1e-8; /* [m/s] */
 static const double ABSOLUTE_F = 1e-5; /* [N], as bristle force sigma_0 z */
 
 enum { MAX_SUBSTEPS = 10000000 }; /* in one step: seconds of work */
+
+/* What moves; z [m] is the bristle deflection. */
+typedef struct {
+    double x, v, z;
+} Sliding;
 
 /* dv/dt and dz/dt under force u, and their Jacobian in (v, z). */
 typedef struct {
@@ -20,9 +34,8 @@ typedef struct {
 
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
-static Rate rate(double v, double z, double u, double scale, const SlidingMass *s,
+static Rate rate(double v, double z, double u, double scale, const Mass *s, const LuGre *p,
                  Matrix *jacobian) {
-    const LuGre *p = &s->contact;
     double slope;
     const double g = scale * lugre_g(v, p, &slope);
     const double per_reach = p->sigma_0 / g; /* [1/m] */
@@ -46,8 +59,8 @@ static Matrix resolvent(double c, const Matrix *J) {
 }
 
 /* One stage of the method: solve (2/h I - J) k = r by the inverse W; x follows v. */
-static Motion stage(double h, const Matrix *W, double rx, double rv, double rz) {
-    Motion k;
+static Sliding stage(double h, const Matrix *W, double rx, double rv, double rz) {
+    Sliding k;
     k.v = W->vv * rv + W->vz * rz;
     k.z = W->zv * rv + W->zz * rz;
     k.x = (rx + k.v) * (0.5 * h);
@@ -55,26 +68,26 @@ static Motion stage(double h, const Matrix *W, double rx, double rv, double rz) 
 }
 
 /* Trial step of Rodas3 from y; returns the scaled error of the embedded method. */
-static double try_step(double h, const Motion *y, double u, double scale, const SlidingMass *s,
-                       Motion *next) {
+static double try_step(double h, const Sliding *y, double u, double scale, const Mass *s,
+                       const LuGre *p, Sliding *next) {
     const double c1 = 1.0 / h, c4 = 4.0 * c1, w = 8.0 / 3.0;
     Matrix J;
-    Rate f = rate(y->v, y->z, u, scale, s, &J);
+    Rate f = rate(y->v, y->z, u, scale, s, p, &J);
     const Matrix W = resolvent(2.0 * c1, &J);
-    const Motion a = stage(h, &W, y->v, f.dv, f.dz);
-    const Motion b = stage(h, &W, y->v + c4 * a.x, f.dv + c4 * a.v, f.dz + c4 * a.z);
+    const Sliding a = stage(h, &W, y->v, f.dv, f.dz);
+    const Sliding b = stage(h, &W, y->v + c4 * a.x, f.dv + c4 * a.v, f.dz + c4 * a.z);
     const double v3 = y->v + 2.0 * a.v, z3 = y->z + 2.0 * a.z;
-    f = rate(v3, z3, u, scale, s, NULL);
-    const Motion c =
+    f = rate(v3, z3, u, scale, s, p, NULL);
+    const Sliding c =
         stage(h, &W, v3 + c1 * (a.x - b.x), f.dv + c1 * (a.v - b.v), f.dz + c1 * (a.z - b.z));
     const double v4 = v3 + c.v, z4 = z3 + c.z;
-    f = rate(v4, z4, u, scale, s, NULL);
-    const Motion d = stage(h, &W, v4 + c1 * (a.x - b.x - w * c.x),
-                           f.dv + c1 * (a.v - b.v - w * c.v), f.dz + c1 * (a.z - b.z - w * c.z));
-    *next = (Motion){y->x + 2.0 * a.x + c.x + d.x, v4 + d.v, z4 + d.z};
+    f = rate(v4, z4, u, scale, s, p, NULL);
+    const Sliding d = stage(h, &W, v4 + c1 * (a.x - b.x - w * c.x),
+                            f.dv + c1 * (a.v - b.v - w * c.v), f.dz + c1 * (a.z - b.z - w * c.z));
+    *next = (Sliding){y->x + 2.0 * a.x + c.x + d.x, v4 + d.v, z4 + d.z};
     const double error_v = absolute(d.v) / (ABSOLUTE_V + RELATIVE * absolute(next->v));
-    const double error_z = s->contact.sigma_0 * absolute(d.z) /
-                           (ABSOLUTE_F + RELATIVE * s->contact.sigma_0 * absolute(next->z));
+    const double error_z =
+        p->sigma_0 * absolute(d.z) / (ABSOLUTE_F + RELATIVE * p->sigma_0 * absolute(next->z));
     return error_v > error_z ? error_v : error_z;
 }
 
@@ -95,17 +108,20 @@ static double step_factor(double error) {
     return 0.8 / 3.0 * r * (4.0 - error * r * r * r);
 }
 
-bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *dt) {
+bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, const Law *law,
+                 double *dt) {
+    const LuGre contact = LUGRE_OF(law);
+    Sliding now = {motion->x, motion->v, state->z};
     double t = 0.0;
     double trial = *dt > 0.0 && *dt < h ? *dt : h;
     for (int n = 0; t < h; n++) {
         const bool last = t + trial * 1.000001 >= h;
         const double step = last ? h - t : trial;
-        const double middle = motion->x + 0.5 * step * motion->v;
-        const double u = s->u + (s->ripple ? s->ripple(middle, s->context) : 0.0);
-        const double scale = s->roughness ? s->roughness(middle, motion->v, s->context) : 1.0;
-        Motion next;
-        const double error = try_step(step, motion, u, scale, s, &next);
+        const double middle = now.x + 0.5 * step * now.v;
+        const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
+        const double scale = mass->roughness ? mass->roughness(middle, now.v, mass->context) : 1.0;
+        Sliding next;
+        const double error = try_step(step, &now, u, scale, mass, &contact, &next);
         if (error != error || n == MAX_SUBSTEPS)
             return false;
         const double proposal = step * step_factor(error);
@@ -117,9 +133,11 @@ bool sliding_mass_step(double h, Motion *motion, const SlidingMass *s, double *d
         }
         if (!last || proposal > trial)
             trial = proposal;
-        *motion = next;
+        now = next;
         t = last ? h : t + step;
     }
     *dt = trial;
+    *motion = (Motion){now.x, now.v};
+    state->z = now.z;
     return true;
 }

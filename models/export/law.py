@@ -1,0 +1,185 @@
+"""law.toml: the one place where a friction law's states and parameters are written down."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from models.errors import DescriptionError
+from models.export.units import force_and_length
+
+Coordinate = Literal["log", "linear"]
+_KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by")
+
+
+@dataclass(frozen=True)
+class LawParameter:
+    """One parameter of a law, with what estimation and reports need to know of it.
+
+    Attributes
+    ----------
+    name, unit, description, start, low, high : as in the FMU; ``start`` has one value an element
+    display : unit in which people read it, None for ``unit``
+    symbol : formula, for matplotlib and LaTeX
+    coordinate : ``log`` or ``linear``, in which it is searched
+    at_least : name of the parameter that it must not fall below, None for none
+    spread : standard deviation of its natural logarithm when a data sheet or a single slow run is
+        all that is known, None where nothing is known
+    shown_by : the experiment that shows it, None for a parameter that is chosen and not estimated
+    force, length : powers of the units of force and length in its unit. The parameters with
+        ``force == 1`` are those to multiply for a share of the force at the same motion
+    """
+
+    name: str
+    unit: str
+    description: str
+    start: tuple[float, ...]
+    low: float
+    high: float
+    display: str | None
+    symbol: str
+    coordinate: Coordinate
+    at_least: str | None
+    spread: float | None
+    shown_by: str | None
+    force: int
+    length: int
+
+
+@dataclass(frozen=True)
+class Law:
+    """A friction law.
+
+    Attributes
+    ----------
+    name : of its folder in models/laws
+    title, description : for people
+    is_smooth : whether its equations are differential ones without events, which a solver can take
+    parameters : by name, in the order of law.toml
+    states : tables of law.toml by name
+    """
+
+    name: str
+    title: str
+    description: str
+    is_smooth: bool
+    parameters: Mapping[str, LawParameter]
+    states: Mapping[str, Mapping[str, Any]]
+    folder: Path
+    tables: Mapping[str, Mapping[str, Any]]
+
+    def share(self, values: Mapping[str, float], share: float) -> dict[str, float]:
+        """Return parameters whose force is a share of that of ``values`` at the same motion."""
+        scaled = {name for name, parameter in self.parameters.items() if parameter.force}
+        return {
+            name: share * value if name.partition("[")[0] in scaled else value
+            for name, value in values.items()
+        }
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Raises
+    ------
+    DescriptionError
+        When the file is not well formed.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise DescriptionError(f"{path}: {error}") from None
+
+
+def read_law(folder: Path) -> Law:
+    """Read ``law.toml`` in a law's folder.
+
+    Raises
+    ------
+    DescriptionError
+        When the file is not well formed.
+    """
+    content = read_toml(folder / "law.toml")
+    try:
+        tables = content["parameters"]
+        law = Law(
+            name=folder.name,
+            title=content["title"],
+            description=content["description"],
+            is_smooth=content["smooth"],
+            parameters={name: _parameter(name, table) for name, table in tables.items()},
+            states=content.get("states", {}),
+            folder=folder,
+            tables={
+                name: {key: value for key, value in table.items() if key not in _KNOWLEDGE}
+                for name, table in tables.items()
+            },
+        )
+    except KeyError as missing:
+        raise DescriptionError(f"{folder.name}/law.toml: key {missing} is missing") from None
+    for parameter in law.parameters.values():
+        if parameter.at_least not in (None, *law.parameters):
+            raise DescriptionError(
+                f"{folder.name}/law.toml, parameter {parameter.name}: at_least names "
+                f"{parameter.at_least}, which is not a parameter; there are {list(tables)}"
+            )
+    return law
+
+
+def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
+    start = table["start"] if isinstance(table["start"], list) else [table["start"]]
+    force, length = force_and_length(table["unit"])
+    return LawParameter(
+        name=name,
+        unit=table["unit"],
+        description=table["description"],
+        start=tuple(map(float, start)),
+        low=table["min"],
+        high=table["max"],
+        display=table.get("display"),
+        symbol=table["symbol"],
+        coordinate=table.get("coordinate", "linear"),
+        at_least=table.get("at_least"),
+        spread=table.get("spread"),
+        shown_by=table.get("shown_by"),
+        force=force,
+        length=length,
+    )
+
+
+def merge(content: dict[str, Any], law: Law) -> None:
+    """Add a law's states and parameters to the content of a model.toml.
+
+    In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
+    force depends on. Where a state of the model has no derivative, the law's have none either.
+    """
+    own = content.setdefault("states", {})
+    states = {name: dict(table) for name, table in law.states.items()}
+    integrated = law.is_smooth and all("derivative" in table for table in own.values())
+    if not integrated:
+        for table in (*own.values(), *states.values()):
+            table.pop("derivative", None)
+            table.pop("uses", None)
+    hidden = {} if integrated else law.states
+    for table in (*own.values(), *content["outputs"].values()):
+        for key in {"depends", "derivative"} & table.keys():
+            if table[key].pop("law", None) and integrated:
+                table[key] |= dict.fromkeys(law.states, "dependent")
+        if "law" in table.get("uses", ()):
+            used = [name for name in table["uses"] if name != "law"]
+            table["uses"] = [*used, *_elements(hidden), *_elements(law.tables)]
+    own |= states
+    content["parameters"] |= law.tables
+    content |= {key: content[key].format(law=law.title) for key in ("title", "description")}
+
+
+def _elements(tables: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the names of scalar variables; the arrays of a law have one dimension."""
+    for name, table in tables.items():
+        sizes = table.get("size", [])
+        yield from (f"{name}[{k + 1}]" for n in sizes for k in range(n))
+        if not sizes:
+            yield name
