@@ -12,7 +12,11 @@ DOCUMENTS = [
     *(ROOT / "docs").rglob("*.md"),
     *(ROOT / "models").rglob("*.md"),
 ]
-REWRITTEN = [path for path in DOCUMENTS if path.parent.name in ("decisions", "measurements")]
+REWRITTEN = [
+    path
+    for path in DOCUMENTS
+    if "docs" in path.parts and path.name not in ("hostile.md", "check-defects.md")
+]
 REPLACED = (
     *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),
     *("replica", "replicas", "valley", "valleys", "stand-in", "facade", "knock", "foretell"),
@@ -67,6 +71,7 @@ def test_no_replaced_word(path):
     found = {
         f"line {number}: {match[0]}"
         for number, line in enumerate(text.splitlines(), 1)
-        for match in re.finditer(pattern, line, re.IGNORECASE)
+        if not line.startswith("    ")  # what a command prints
+        for match in re.finditer(pattern, re.sub(r"`[^`]*`", "", line), re.IGNORECASE)
     }
     assert not found

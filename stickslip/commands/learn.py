@@ -26,7 +26,7 @@ from stickslip.parameters import unit_of
 from stickslip.recording import Description, Finding, raise_errors
 from stickslip.result_folder import reserved
 
-JUDGES: dict[str, JudgeName] = {
+CRITERIA: dict[str, JudgeName] = {
     "auto": "auto",
     "loop": "output error",
     "inverse": "inverse model",
@@ -47,11 +47,18 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="write results and report there")
     parser.add_argument(
-        "--judge",
-        choices=sorted(JUDGES),
+        "--criterion",
+        choices=sorted(CRITERIA),
         default="auto",
-        help="loop: run the known loop again (output error); inverse: the force that the motion "
-        "implies; auto: what the log allows",
+        help="loop: output error of the simulated closed loop; inverse: force predicted from the "
+        "motion; auto: the one that the log allows",
+    )
+    parser.add_argument(  # the old spelling
+        "--judge",
+        dest="criterion",
+        choices=sorted(CRITERIA),
+        default=argparse.SUPPRESS,
+        help=argparse.SUPPRESS,
     )
     parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
     parser.add_argument(
@@ -92,7 +99,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         learned = learn_from_log(
             options.log,
             description,
-            judge=JUDGES[options.judge],
+            judge=CRITERIA[options.criterion],
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
@@ -129,8 +136,8 @@ def _print_findings(findings: Iterable[Finding]) -> None:
 
 
 def print_estimation(estimation: Estimation) -> None:
-    """Print judge, parameters with intervals, and relative errors."""
-    print(f"\njudged by the {estimation.judge}: {estimation.reason}")
+    """Print criterion, parameters with intervals, and relative errors."""
+    print(f"\ncriterion: {estimation.judge} ({estimation.reason})")
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
