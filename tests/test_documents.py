@@ -12,11 +12,8 @@ DOCUMENTS = [
     *(ROOT / "docs").rglob("*.md"),
     *(ROOT / "models").rglob("*.md"),
 ]
-REWRITTEN = [
-    path
-    for path in DOCUMENTS
-    if "docs" in path.parts and path.name not in ("hostile.md", "check-defects.md")
-]
+GENERATED = ("hostile.md", "check-defects.md")  # they quote messages and names of defects
+WRITTEN = [path for path in DOCUMENTS if path.name not in (*GENERATED, "ARCHITECTURE.md")]
 REPLACED = (
     *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),
     *("replica", "replicas", "valley", "valleys", "stand-in", "facade", "knock", "foretell"),
@@ -64,7 +61,7 @@ def test_relative_links_lead_to_files(path):
     assert not missing
 
 
-@pytest.mark.parametrize("path", REWRITTEN, ids=name)
+@pytest.mark.parametrize("path", WRITTEN, ids=name)
 def test_no_replaced_word(path):
     pattern = rf"\b({'|'.join(REPLACED)})\b"
     text = path.read_text(encoding="utf-8")
