@@ -33,10 +33,6 @@ PACKAGES = {
     "/usr/aarch64-linux-gnu": "libc6-arm64-cross",
     "wine": "wine",
 }
-    "qemu-aarch64": "qemu-user",
-    "/usr/aarch64-linux-gnu": "libc6-arm64-cross",
-    "wine": "wine",
-}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
