@@ -7,11 +7,11 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-import fmucheck
 from benchmarks.defects import binaries, descriptions, files
 from benchmarks.defects.peers import fmpy_complains, toolbox_complains
 from benchmarks.defects.reference import members, pack
 from benchmarks.defects.seed import Seed
+from stickslip import fmucheck
 
 SEEDS = [*files.SEEDS, *descriptions.SEEDS, *binaries.SEEDS]
 RUNS = ("running", "rerunning", "ending")

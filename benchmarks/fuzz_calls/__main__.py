@@ -6,8 +6,8 @@ import tempfile
 import time
 from pathlib import Path
 
-import models
 from benchmarks.fuzz_calls import Fuzzer, find_compiler
+from stickslip import models
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ import fmpy
 
 from benchmarks.hostile import CASES, GROUPS, Case
 from benchmarks.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, judge
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "hostile.md"
 

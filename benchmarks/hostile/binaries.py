@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cosim
 from benchmarks.hostile import fmus
 from benchmarks.hostile.case import Case, Make
+from stickslip import cosim
 
 _ISOLATED = ("--isolate", "--memory", "200", "--timeout")
 

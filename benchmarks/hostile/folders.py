@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.hostile.case import Case
-from toolchain import lock
+from stickslip.fmi.toolchain import lock
 
 LEARNING = 23
 DIGEST = hashlib.sha256(b"a").hexdigest()

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import cosim
 from benchmarks.hostile import faults
 from benchmarks.hostile.case import Case
 from benchmarks.hostile.faults import Kind
+from stickslip import cosim
 
 _SAVE = ("--until", "0.5", "--save", "state")
 

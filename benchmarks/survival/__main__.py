@@ -14,9 +14,13 @@ from benchmarks.survival.disk import (
 )
 from benchmarks.survival.killing import kill_at_each_operation, kill_at_random
 from benchmarks.survival.sets import plain
-from stickslip.loop import build_fmus
-from stickslip.reproduction import Options, Reproduction, reproduce
-from stickslip.results import write_results
+from stickslip.pipeline.reproduction import (
+    Options,
+    Reproduction,
+    reproduce,
+)
+from stickslip.results.reproduction_folder import write_results
+from stickslip.servo.systems import build_fmus
 
 KILLS = 50
 

@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.survival.faults import fault, full, once
 from benchmarks.survival.sets import Files, holds, plain, write
 from stickslip.errors import ResultsError, UsageError
-from stickslip.result_folder import verify
+from stickslip.results.folder import verify
 
 EXPECTED = (OSError, ResultsError, UsageError)
 

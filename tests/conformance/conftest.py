@@ -16,8 +16,8 @@ import pytest
 from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
-import models
 from benchmarks.fuzz_calls import find_compiler
+from stickslip import models
 
 STEP = 5e-4  # s
 

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 from benchmarks.fuzz_calls import SANITIZE
-from models.export.sources import fmi_headers
+from stickslip.models.export.sources import fmi_headers
 
 
 def test_a_whole_life_is_clean(fmu, compiler, tmp_path):

@@ -10,9 +10,9 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
 from benchmarks.hostile import fmus
-from cosim.kernel.arithmetic import plain_arithmetic
+from stickslip import cosim
+from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 

@@ -8,9 +8,10 @@ import logging
 import numpy as np
 import pytest
 
-import cosim
 from benchmarks.hostile import faults
-from cosim import Adaptive, Coupling, resets
+from stickslip import cosim
+from stickslip.cosim import Adaptive, Coupling
+from stickslip.cosim.run import resets
 
 # function -> (its name in FMI 2.0 and 3.0, which call fails)
 COMMON = {

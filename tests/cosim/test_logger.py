@@ -9,8 +9,8 @@ import threading
 
 import pytest
 
-import cosim
 from benchmarks.hostile import faults
+from stickslip import cosim
 
 FOREIGN = ["(void*)1", "NULL"]
 ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]

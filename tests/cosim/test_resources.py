@@ -8,8 +8,8 @@ import zipfile
 
 import pytest
 
-import cosim
 from benchmarks.hostile import fmus
+from stickslip import cosim
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import cosim
 from benchmarks.defects import reference
-from cosim.checkpoint import Checkpoint
+from stickslip import cosim
+from stickslip.cosim.run.checkpoint import Checkpoint
 
 
 @pytest.fixture

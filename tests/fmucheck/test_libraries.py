@@ -6,11 +6,11 @@ import zipfile
 
 import pytest
 
-import models
-import toolchain
 from benchmarks.defects.reference import pack
-from fmucheck import check
-from fmucheck.binaries.library import read_library
+from stickslip import models
+from stickslip.fmi import toolchain
+from stickslip.fmucheck import check
+from stickslip.fmucheck.binaries.library import read_library
 
 # Windows is left out: its C library takes minutes to build on a cold cache.
 NAMES = [name for name in toolchain.PLATFORMS if "windows" not in name]

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-import fmucheck
-import toolchain
 from benchmarks.hostile import fmus
+from stickslip import fmucheck
+from stickslip.fmi import toolchain
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="hostile.c is for POSIX")
 

@@ -4,9 +4,9 @@ import warnings
 
 import pytest
 
-import fmucheck
 from benchmarks.defects import binaries, descriptions, files
 from benchmarks.defects.reference import members, pack
+from stickslip import fmucheck
 
 RUNS = ("running", "rerunning", "ending")  # stages that load the binary
 TIMEOUT = 2.0  # s, for those that hang

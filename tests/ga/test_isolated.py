@@ -8,9 +8,8 @@ from math import floor
 
 import pytest
 
-import cosim
-import ga
 from benchmarks.hostile import fmus
+from stickslip import cosim, ga
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the FMU is for Linux")
 

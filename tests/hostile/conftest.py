@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.defects import reference
 from benchmarks.hostile import fmus
-from cosim import kernel
+from stickslip.cosim import kernel
 
 
 @pytest.fixture(scope="session", autouse=True)

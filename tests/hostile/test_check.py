@@ -8,10 +8,10 @@ import warnings
 
 import pytest
 
-import fmucheck
 from benchmarks.hostile import CASES, archives, fmus
 from benchmarks.hostile.sound import members
 from benchmarks.hostile.zips import zipped
+from stickslip import fmucheck
 from stickslip.cli import main
 
 DESCRIPTIONS = [case for case in CASES if 5 <= case.group <= 13]

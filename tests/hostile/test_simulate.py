@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-import toolchain
 from benchmarks.hostile import fmus
 from stickslip.cli import main
+from stickslip.fmi import toolchain
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="apart by default on Linux only")
 

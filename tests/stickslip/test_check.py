@@ -5,8 +5,8 @@ import zipfile
 
 import pytest
 
-import models
 from benchmarks.defects import binaries
+from stickslip import models
 from stickslip.cli import main
 
 

@@ -14,8 +14,8 @@ from random import Random
 
 from benchmarks.fuzz.mutation import TOKENS
 from benchmarks.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
-from cosim.archive.errors import Refused
-from cosim.archive.members import extract
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.members import extract
 
 EXPECTED = (Refused,)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
-import cosim
 from benchmarks.fuzz.tokens import by_tokens
+from stickslip import cosim
 
 EXPECTED = (cosim.SignalError,)
 _WORDS = (

@@ -10,8 +10,8 @@ from lxml import etree
 
 from benchmarks.defects.reference import HERE
 from benchmarks.fuzz.mutation import NUMBERS
-from cosim.description import DescriptionFault, read_description
-from cosim.document import Malformed, parse_xml
+from stickslip.cosim.description import DescriptionFault, read_description
+from stickslip.cosim.document import Malformed, parse_xml
 
 EXPECTED = (Malformed, DescriptionFault)
 

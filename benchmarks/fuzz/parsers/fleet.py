@@ -7,8 +7,8 @@ from pathlib import Path
 from random import Random
 from unittest import mock
 
-import models
 from benchmarks.fuzz.tokens import by_tokens
+from stickslip import models
 from stickslip.errors import UsageError
 from stickslip.fleet import read_fleet
 

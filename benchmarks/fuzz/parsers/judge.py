@@ -6,9 +6,9 @@ import zipfile
 from pathlib import Path
 from random import Random
 
-import fmucheck
 from benchmarks.defects.reference import members
 from benchmarks.fuzz.parsers import description
+from stickslip import fmucheck
 
 _PLACES = {
     b"<fmiBuildDescription": "sources/buildDescription.xml",

@@ -8,8 +8,8 @@ from random import Random
 
 from benchmarks.fuzz.tokens import by_tokens
 from stickslip.errors import StickslipError
-from stickslip.log_learning import read_and_check
-from stickslip.recording import Description, raise_errors
+from stickslip.logs import Description, raise_errors
+from stickslip.pipeline.log_learning import read_and_check
 
 EXPECTED = (StickslipError,)
 _WORDS = (

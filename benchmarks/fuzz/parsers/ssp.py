@@ -8,12 +8,12 @@ from pathlib import Path
 from random import Random
 from unittest import mock
 
-import cosim
 from benchmarks.defects.reference import members, pack
 from benchmarks.fuzz.tokens import by_tokens
-from cosim.ssp.package import Package
-from cosim.ssp.read import read_package
-from cosim.ssp.schema import violation
+from stickslip import cosim
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.read import read_package
+from stickslip.cosim.ssp.schema import violation
 
 EXPECTED = (cosim.CosimError,)
 _BETWEEN = b"\n<!-- next file -->\n"
@@ -166,7 +166,7 @@ def parse(data: bytes, folder: Path) -> None:
 
 def _schemas(data: bytes) -> tuple[str, object]:
     """Let half of the inputs meet no schema, as where those of SSP 2.0 are not installed."""
-    return "cosim.ssp.markup.violation", violation if len(data) % 2 else lambda *_: None
+    return "stickslip.cosim.ssp.markup.violation", violation if len(data) % 2 else lambda *_: None
 
 
 def mutate(rng: Random, data: bytes) -> bytes:

@@ -10,9 +10,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-import cosim
 from benchmarks.fuzz.mutation import mutated
-from cosim.checkpoint import Checkpoint
+from stickslip import cosim
+from stickslip.cosim.run.checkpoint import Checkpoint
 
 EXPECTED = (cosim.SimulationError,)
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from random import Random
 
 from benchmarks.fuzz.tokens import by_tokens
-from models.errors import LtiError
-from models.lti.file import read_lti
 from stickslip.errors import UsageError
-from stickslip.recording import load_description
+from stickslip.logs import load_description
+from stickslip.models.errors import LtiError
+from stickslip.models.lti.file import read_lti
 
 EXPECTED = (UsageError, LtiError)
 _WORDS = (

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.hostile.zips import DEFLATE, STORED, Member, zipped
-from cosim.archive.directory import check_members
-from cosim.archive.errors import Refused
-from cosim.archive.members import extract
-from cosim.archive.names import place
+from stickslip.fmi.archive.directory import check_members
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.members import extract
+from stickslip.fmi.archive.names import place
 
 LETTERS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=9)
 PARTS = st.one_of(LETTERS, st.sampled_from(["..", ".", "", "con", "C:", "a.", "\\", "a\0", "\n"]))

@@ -8,9 +8,13 @@ import zipfile
 
 import pytest
 
-import cosim
 from benchmarks.hostile.zips import DEFLATE, Member, zipped
-from cosim.archive import members, unpack, unpacked
+from stickslip import cosim
+from stickslip.fmi.archive import (
+    members,
+    unpack,
+    unpacked,
+)
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}
 

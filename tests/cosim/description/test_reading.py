@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import cosim
 from benchmarks.defects import reference
 from benchmarks.hostile.sound import describe, replaced
 from benchmarks.hostile.zips import zipped
-from cosim.description import DescriptionFault, read_description
-from cosim.document import Malformed, parse_xml
+from stickslip import cosim
 from stickslip.cli import main
+from stickslip.cosim.description import DescriptionFault, read_description
+from stickslip.cosim.document import Malformed, parse_xml
 
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
 RATE = 'min="0" max="10" start="2"'

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-import cosim
 from benchmarks.hostile import fmus
+from stickslip import cosim
 
 Hostile = Callable[..., cosim.System]
 
