@@ -3,12 +3,23 @@
 The errors are drawn in ``models/errors.py``.
 """
 
-from models.errors import DescriptionError, LtiError, ModelError, StartValueError, UnknownModel
-from models.export.package import build_fmu, load_model, model_names, write_cross_check
-from models.export.sources import FmiVersion
-from models.lti.file import LtiFile, read_lti
-from models.lti.package import export_lti
-from models.lti.system import LinearSystem
+from stickslip.models.errors import (
+    DescriptionError,
+    LtiError,
+    ModelError,
+    StartValueError,
+    UnknownModel,
+)
+from stickslip.models.export.package import (
+    build_fmu,
+    load_model,
+    model_names,
+    write_cross_check,
+)
+from stickslip.models.export.sources import FmiVersion
+from stickslip.models.lti.file import LtiFile, read_lti
+from stickslip.models.lti.package import export_lti
+from stickslip.models.lti.system import LinearSystem
 
 __all__ = [
     "DescriptionError",

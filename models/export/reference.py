@@ -6,9 +6,9 @@ import csv
 import io
 from xml.etree import ElementTree as ET
 
-from models.export import xml
-from models.export.description import Model
-from models.export.sources import text
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
+from stickslip.models.export.sources import text
 
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
 # The schema of the standard allows no other.

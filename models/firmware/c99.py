@@ -9,9 +9,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from models.export.description import Model, Role
-from models.firmware.amalgam import needed, pieces, without_comments
-from models.firmware.variables import explained, unit
+from stickslip.models.export.description import Model, Role
+from stickslip.models.firmware.amalgam import (
+    needed,
+    pieces,
+    without_comments,
+)
+from stickslip.models.firmware.variables import explained, unit
 
 _MODELS = Path(__file__).parent.parent
 _SINGLE = Path(__file__).with_name("single.h")

@@ -12,8 +12,7 @@ import libcosimpy.CosimSlave
 import numpy as np
 import pytest
 
-import cosim
-import models
+from stickslip import cosim, models
 
 STEP = 5e-4  # s
 

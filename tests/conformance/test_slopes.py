@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-import models
+from stickslip import models
 
 spec = importlib.util.spec_from_file_location("equations", Path(__file__).with_name("equations.py"))
 equations = importlib.util.module_from_spec(spec)

@@ -18,8 +18,8 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-import models
-from toolchain import write_whole
+from stickslip import models
+from stickslip.fmi.toolchain import write_whole
 
 Columns = dict[str, np.ndarray]
 Parameters = dict[str, float]

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import models
+from stickslip import models
 
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.

@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 STEP, STOP = 0.1, 2.0
 KINDS = {"force": "f8", "trigger": "?"}
