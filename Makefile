@@ -26,7 +26,9 @@ test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, li
 check: .venv/checked ## lint, types and C format
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	@mkdir -p .typed/stickslip # the packages as they are when installed
+	@ln -sfn $(addprefix $(CURDIR)/,$(wildcard stickslip/*) cosim fmi fmucheck ga models) .typed/stickslip
+	cd .typed && ../$(BIN)/mypy --config-file ../pyproject.toml
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 
 format: .venv/checked ## format Python and C
@@ -49,14 +51,14 @@ clean: ## remove the environment and all that git ignores
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
 
-.venv/installed: pyproject.toml | .venv/bin/python
+.venv/installed: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
-.venv/tested: pyproject.toml | .venv/bin/python
+.venv/tested: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	touch $@ .venv/installed
 
-.venv/checked: pyproject.toml | .venv/bin/python
+.venv/checked: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[check]'
 	touch $@ .venv/installed

@@ -34,7 +34,7 @@ from stickslip.logs import (
 from stickslip.pipeline.log_learning import (
     FILES,
     LogLearning,
-    learn_from_log,
+    learn,
     read_and_check,
     write_learned,
 )
@@ -110,7 +110,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
     if not options.out and options.checkpoint is None:
         execution = replace(execution, checkpoint=None)
     with TerminalProgress(sys.stderr) as progress, keeping(execution, options):
-        learned = learn_from_log(
+        learned = learn(
             options.log,
             description,
             judge=CRITERIA[options.criterion],
