@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test test-platforms check format sanitize bench clean
+.PHONY: help setup reproduce test quick test-platforms check format sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -19,6 +19,9 @@ reproduce: .venv/installed ## reproduce the paper into results/paper, with all t
 
 test: .venv/tested ## run the tests, on all cores
 	$(BIN)/python -m pytest $(SPREAD)
+
+quick: .venv/tested ## run the quick tier of the tests, a minute on two cores
+	$(BIN)/python -m pytest $(SPREAD) --quick
 
 test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine
 	$(BIN)/python -m pytest -m platforms
