@@ -41,7 +41,11 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser("compensator", help="the tuned compensator: FMU, C or PLC code")
     parser.add_argument(
-        "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
+        "--parameters",
+        type=Path,
+        required=True,
+        metavar="FILE.json",
+        help="parameters of the compensator: a learned.json",
     )
     parser.add_argument(
         "--as",
@@ -88,10 +92,10 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     """
     document = read_document(path)
     if (refusal := document.get("refusal")) and not force:
-        raise HarmfulError(f"{path}: learn refused it: {refusal}; --force exports all the same")
+        raise HarmfulError(f"{path}: learn refused it: {refusal}; --force exports it anyway")
     loop = read_loop(path)
     if loop is None:
-        _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
+        _warn(f"{path} contains no loop, so the effect of this compensator is not checked")
         return 1.0
     command, feed = read_validation(path), read_feed(path)
     duration = command.corners()[-1] + command.begin
@@ -113,7 +117,7 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     if not worth.harmless:
         print_worth(worth, sys.stderr)
         if not force:
-            raise HarmfulError(f"{path}: {worth.refusal}; --force exports all the same")
+            raise HarmfulError(f"{path}: {worth.refusal}; --force exports it anyway")
         _warn(worth.refusal)
     elif worth.share < 1.0:
         fate = "the whole force" if force else f"{worth.share:g} of the force"

@@ -20,8 +20,8 @@ from stickslip.servo.rig import rig_of
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write identified.json there")
-    add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for identified.json")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE")
     parser.set_defaults(run=run)
 
 

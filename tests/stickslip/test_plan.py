@@ -165,7 +165,7 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
     assert main([*arguments, "--out", str(out), "--plot", str(plot)]) == 0
     said = capsys.readouterr().out
     assert "small moves" in said
-    assert "rad of room" in said
+    assert "rad below the start" in said
     assert plot.read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv(out)
     assert list(table.columns) == ["time", "velocity_command", "position_command"]

@@ -24,8 +24,8 @@ from stickslip.results.folder.publishing import (
 )
 
 NOTES = {
-    "learning.checkpoint*.json": "of a learning that did not end; go on with --resume",
-    "unfinished/*": "of a study that did not end; go on with --resume",
+    "learning.checkpoint*.json": "of a learning that did not end; continue with --resume",
+    "unfinished/*": "of a study that did not end; continue with --resume",
     f"{OURS}*": "of a process that writes, or was killed; the next that writes deletes it",
 }
 """Files that may be there beside results, by pattern."""

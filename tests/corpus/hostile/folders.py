@@ -144,9 +144,9 @@ CASES = [
         "two-learnings-one-checkpoint",
         "the checkpoint of another learning in the folder",
         lambda f: ["reproduce", "--out", results(f, **{"learning.checkpoint.json": "{}"})],
-        ".*learning.checkpoint.json: an earlier run did not end; go on with --resume",
+        ".*learning.checkpoint.json: an earlier run did not end; continue with --resume",
     ),
-    Case(LEARNING, "two-studies-one-folder", "an unfinished study of a fleet in the folder", _fleet, ".*unfinished: an earlier study did not end; go on with --resume"),
+    Case(LEARNING, "two-studies-one-folder", "an unfinished study of a fleet in the folder", _fleet, ".*unfinished: an earlier study did not end; continue with --resume"),
     Case(LEARNING, "file-as-a-folder", "a folder of the name that a file is to have", lambda f: ["plan", "--out", _folder(f, "plan.csv")], ".*plan.csv: is a folder, expected a plain file"),
     Case(LEARNING, "file-as-a-link", "a link of the name that a file is to have", lambda f: ["plan", "--out", _link(f)], ".*plan.csv: is a symbolic link, expected a plain file"),
     Case(
