@@ -172,16 +172,20 @@ def pack_fmu(
     return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
-def write_cross_check(name: str, folder: Path | str) -> list[Path]:
+def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> list[Path]:
     """Write what the FMI Cross-Check wants beside an FMU: inputs, expected outputs, options.
+
+    Nothing is written for a plant with another law than its default, whose outputs are not known.
 
     Raises
     ------
     UnknownModel
+    UnknownLaw
     OSError
         When a file cannot be written.
     """
-    files = cross_check(load_model(name))
+    model = load_model(name, law)
+    files = cross_check(model) if reference_file(model) is not None else {}
     return [write_whole(Path(folder) / path, content) for path, content in files.items()]
 
 
