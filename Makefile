@@ -20,7 +20,7 @@ reproduce: .venv/installed ## reproduce the paper into results/paper, with all t
 test: .venv/tested ## run the tests, on all cores
 	$(BIN)/python -m pytest $(SPREAD)
 
-test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine64
+test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine
 	$(BIN)/python -m pytest -m platforms
 
 check: .venv/checked ## lint, types and C format

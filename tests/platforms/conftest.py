@@ -27,6 +27,12 @@ RUNNERS = {
     "aarch64-linux": ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"],
     "x86_64-windows": ["wine"],
 }
+# What brings them, on Debian and Ubuntu.
+PACKAGES = {
+    "qemu-aarch64": "qemu-user",
+    "/usr/aarch64-linux-gnu": "libc6-arm64-cross",
+    "wine": "wine",
+}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -34,6 +40,26 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(HERE):
             item.add_marker(pytest.mark.platforms)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """End the session where tests that lie here were asked for and cannot run."""
+    asked = any(item.path.is_relative_to(HERE) for item in session.items)
+    if not asked or session.config.option.collectonly:
+        return
+    needed = {
+        word
+        for platform, words in RUNNERS.items()
+        for word in words
+        if platform != toolchain.host_platform().tuple and word in PACKAGES
+    }
+    missing = sorted(word for word in needed if not (shutil.which(word) or Path(word).is_dir()))
+    if missing:
+        pytest.exit(
+            f"programs of other platforms cannot run here, {' and '.join(missing)} missing;"
+            f" install: apt-get install {' '.join(PACKAGES[word] for word in missing)}",
+            returncode=1,
+        )
 
 
 def run_table(fmu: Path, version: int) -> str:
@@ -113,9 +139,6 @@ def run(tmp_path: Path, emulators: dict[str, str]) -> Callable[[str, int, str], 
     """Run a model on a platform: ``run("stage", 2, "aarch64-linux")`` returns (STEPS, shown)."""
 
     def run(name: str, version: int, tuple_: str) -> np.ndarray:
-        runner = RUNNERS[tuple_]
-        if runner and shutil.which(runner[0]) is None:
-            pytest.skip(f"{runner[0]}, which runs {tuple_} programs here, is missing")
         folder = tmp_path / tuple_
         platform = PLATFORMS[tuple_]
         fmu = models.build_fmu(name, folder, fmi=version, platforms=[platform])
@@ -128,7 +151,7 @@ def run(tmp_path: Path, emulators: dict[str, str]) -> Callable[[str, int, str], 
             (folder / Path(library).name).write_bytes(archive.read(library))
         program = _compile_driver(folder, platform)
         done = subprocess.run(
-            [*runner, str(program)], cwd=folder, env=emulators, capture_output=True
+            [*RUNNERS[tuple_], str(program)], cwd=folder, env=emulators, capture_output=True
         )
         assert done.returncode == 0, done
         return np.frombuffer(done.stdout).reshape(STEPS, -1)

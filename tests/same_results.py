@@ -1,0 +1,251 @@
+"""``python -m tests.same_results COMMIT COMMIT``: do two commits compute the same results?
+
+Each commit is exported to a temporary folder, installed with pip beside this interpreter's own
+packages, and runs `COMMANDS`. The second commit must give the bytes of every CSV table of the
+first, and every number, truth value and unit in ``learned.json``. New files and new keys are
+listed and count as equal, as do texts in ``learned.json`` that are worded differently.
+The exit status is 1 if anything differs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import hashlib
+import itertools
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+COMMANDS = {
+    "drive": "reproduce",
+    "record": "reproduce --mode record",
+    "learn": "learn --log log.csv --column force=F_motor --controller PI"
+    " --gain K_p=1681 K_i=137167 tau_f=5e-4 --encoder-step 4e-7",  # by the output error
+    "learn_inverse": "learn --log log.csv --column force=F_motor",  # by the inverse model
+}
+COMPLETE = {"complete": "reproduce --complete"}
+EXCLUDED = {
+    "versions": "versions of stickslip and of packages",
+    "second_opinion.tool": "the version of FMPy",
+}
+"""Keys of learned.json that are not compared, with all that lies below them."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What comparing one file, or one key of it, gave."""
+
+    name: str
+    result: str
+    detail: str = ""
+
+
+def simulate_log(path: Path, seed: int = 0) -> None:
+    """Write 20 s of a stage with LuGre friction, PI controller and encoder; no stickslip in it."""
+    m, b, F_s, F_c, v_s, sigma_0, sigma_1 = 5.5, 7.0, 9.0, 6.0, 5e-4, 4e5, 4.5e3
+    K_p, K_i, T_s, substeps, encoder = 1681.0, 137167.0, 5e-4, 10, 4e-7
+    h = T_s / substeps
+    noise = random.Random(seed)  # noqa: S311 (no secret)
+    x = v = z = integral = x_last = v_meas = force = 0.0
+    with path.open("w", encoding="utf-8") as file:
+        file.write("t [s],v_cmd [m/s],x_enc [m],F_motor [N]\n")
+        for step in range(40_001):
+            t = step * T_s
+            x_enc = round((x + noise.gauss(0.0, 5e-8)) / encoder) * encoder
+            v_meas += 0.5 * ((x_enc - x_last) / T_s - v_meas)
+            x_last = x_enc
+            command = commanded_velocity(t)
+            integral += K_i * T_s * (command - v_meas)
+            force = K_p * (command - v_meas) + integral
+            file.write(f"{t:.4f},{command:.9g},{x_enc:.9g},{force:.9g}\n")
+            for _ in range(substeps):
+                g = F_c + (F_s - F_c) * math.exp(-((v / v_s) ** 2))
+                rate = sigma_0 * abs(v) / g
+                held = v / rate if rate else 0.0
+                decay = -math.expm1(-rate * h)
+                dz = (held - z) * decay if rate else 0.0
+                z += dz
+                v += h / m * (force - sigma_0 * z - sigma_1 * dz / h - b * v)
+                x += h * v
+
+
+def commanded_velocity(t: float) -> float:
+    """Return small moves, slow reversals, constant speeds, quick ramps and a sine sweep, in m/s."""
+    if t < 3.0:
+        return 2e-6 * (1 + t) * 40.0 * math.cos(40.0 * t)
+    if t < 8.0:
+        return 1e-3 * math.sin(2 * math.pi * (t - 3.0))
+    if t < 11.0:
+        return (5e-3, -5e-3, 2e-2, -2e-2, 4e-2, -4e-2)[int(2 * (t - 8.0))]
+    if t < 13.0:
+        return 4e-2 * (2 * abs(2 * ((2 * (t - 11.0)) % 1.0) - 1) - 1)
+    return 4e-2 * math.sin(2 * math.pi * (t - 13.0) * (1 + 0.4 * (t - 13.0)))
+
+
+def install(commit: str, folder: Path) -> dict[str, str]:
+    """Install a commit into a folder; return the environment in which Python imports it."""
+    tree, packages = folder / "tree", folder / "packages"
+    tree.mkdir()
+    archive = subprocess.Popen(
+        ["git", "archive", commit],  # noqa: S607
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+    )
+    subprocess.run(["tar", "-x", "-C", tree], stdin=archive.stdout, check=True)  # noqa: S607
+    if archive.wait():
+        sys.exit(f"same_results: git archive {commit} failed")
+    quiet = ["--quiet", "--disable-pip-version-check", "--no-deps", "--target", str(packages)]
+    subprocess.run([sys.executable, "-m", "pip", "install", *quiet, str(tree)], check=True)
+    environment = os.environ | {"PYTHONPATH": str(packages)}
+    where = "import stickslip; print(stickslip.__file__)"
+    found = subprocess.run(
+        [sys.executable, "-P", "-c", where],
+        cwd=folder, env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    if not Path(found.stdout.strip()).is_relative_to(packages):
+        sys.exit(f"same_results: stickslip is imported from {found.stdout.strip()}, not {packages}")
+    return environment
+
+
+def results(commit: str, commands: dict[str, str], keep: Path) -> Path:
+    """Return the folder of a commit's results, computed if ``keep`` does not hold it."""
+    sha = subprocess.run(
+        ["git", "rev-parse", "--verify", f"{commit}^{{commit}}"],  # noqa: S607
+        cwd=ROOT, check=True, capture_output=True, text=True,
+    ).stdout.strip()  # fmt: skip
+    whole = keep / f"{sha[:12]}-{_fingerprint(commands)}"
+    if whole.is_dir():
+        return whole
+    keep.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=keep, prefix="unfinished-") as name:
+        folder = Path(name)
+        environment = install(sha, folder)
+        simulate_log(folder / "log.csv")
+        for out, command in commands.items():
+            print(f"{sha[:12]}: stickslip {command}", file=sys.stderr, flush=True)
+            arguments = [*command.split(), "--out", f"results/{out}"]
+            done = subprocess.run(
+                [sys.executable, "-P", "-m", "stickslip", *arguments],
+                cwd=folder, env=environment, stdout=subprocess.DEVNULL,
+            )  # fmt: skip
+            if done.returncode:
+                sys.exit(f"same_results: {commit}: stickslip {command}: status {done.returncode}")
+        (folder / "results").replace(whole)
+    return whole
+
+
+def _fingerprint(commands: dict[str, str]) -> str:
+    """Return a hash of what is run and of the source that simulates the log."""
+    text = repr(commands) + Path(__file__).read_text(encoding="utf-8").partition("def install")[0]
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def compare(first: Path, second: Path) -> Iterator[Outcome]:
+    """Yield what became of every table and every learned value of the first folder."""
+    files = {
+        path.relative_to(folder)
+        for folder in (first, second)
+        for pattern in ("*.csv", "learned.json")
+        for path in folder.rglob(pattern)
+    }
+    for name in sorted(files):
+        old, new = first / name, second / name
+        if not (old.exists() and new.exists()):
+            yield Outcome(str(name), "new" if new.exists() else "DIFFERS", _presence(old))
+        elif old.read_bytes() == new.read_bytes():
+            yield Outcome(str(name), "equal")
+        elif name.suffix == ".csv":
+            yield Outcome(str(name), "DIFFERS", first_difference(old, new))
+        else:
+            yield from compare_learned(str(name), _flat(old), _flat(new))
+
+
+def _presence(old: Path) -> str:
+    return "missing in the second" if old.exists() else "only in the second"
+
+
+def first_difference(old: Path, new: Path) -> str:
+    """Name the first cell in which two CSV files differ: the first number, else the first text."""
+    a, b = (list(csv.reader(path.open(encoding="utf-8", newline=""))) for path in (old, new))
+    if len(a) != len(b):
+        return f"{len(a)} rows against {len(b)}"
+    texts = ""
+    for number, rows in enumerate(zip(a, b, strict=True), start=1):
+        for place, cells in enumerate(itertools.zip_longest(*rows, fillvalue="nothing")):
+            if cells[0] != cells[1]:
+                column = a[0][place] if place < len(a[0]) else f"column {place + 1}"
+                detail = f"row {number}, {column}: {cells[0]} against {cells[1]}"
+                if any(map(_is_number, cells)):
+                    return detail
+                texts = texts or f"texts only: {detail}"
+    return texts or "the same cells in other bytes"
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def compare_learned(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Outcome]:
+    """Yield one row for the file, and one for each key that differs or is new."""
+    rows = []
+    for key in dict.fromkeys([*old, *new]):
+        if any(key == out or key.startswith(f"{out}.") for out in EXCLUDED):
+            continue
+        a, b = old.get(key, "nothing"), new.get(key, "nothing")
+        if key not in old:
+            rows.append(Outcome(f"{name}: {key}", "new", str(b)))
+        elif repr(a) != repr(b):
+            text = isinstance(a, str) and key.rpartition(".")[2] != "unit"
+            rows.append(
+                Outcome(f"{name}: {key}", "text" if text else "DIFFERS", f"{a} against {b}")
+            )
+    same = all(row.result != "DIFFERS" for row in rows)
+    yield Outcome(name, "equal" if same else "DIFFERS", "by value" if same else "")
+    yield from rows
+
+
+def _flat(path: Path) -> dict[str, Any]:
+    """Return the document's values by their keys, joined by dots."""
+
+    def walk(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+        if not isinstance(value, (dict, list)) or not value:
+            yield key, value
+            return
+        for part, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from walk(f"{key}.{part}" if key else str(part), inner)
+
+    return dict(walk("", json.loads(path.read_text(encoding="utf-8"))))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("commits", nargs=2, metavar="COMMIT")
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="of results, to use again")
+    parser.add_argument("--complete", action="store_true", help="also run reproduce --complete")
+    options = parser.parse_args()
+    commands = COMMANDS | (COMPLETE if options.complete else {})
+    with tempfile.TemporaryDirectory() as temporary:
+        keep = (options.keep or Path(temporary)).resolve()
+        outcomes = list(compare(*(results(commit, commands, keep) for commit in options.commits)))
+    for outcome in outcomes:
+        print(f"{outcome.name:50} {outcome.result:8} {outcome.detail}".rstrip())
+    print("not compared in learned.json:", "; ".join(f"{k}: {v}" for k, v in EXCLUDED.items()))
+    sys.exit(any(outcome.result == "DIFFERS" for outcome in outcomes))
+
+
+if __name__ == "__main__":
+    main()
