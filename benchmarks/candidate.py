@@ -7,7 +7,7 @@ from pathlib import Path
 from fmpy.fmi2 import FMU2Slave
 
 from benchmarks.loop import INPUTS, specification
-from cosim.names import component_of
+from stickslip.cosim.fmu.names import component_of
 
 REPEATS = 11
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-import cosim
 from benchmarks import fmpy_container
 from benchmarks.loop import STOP, specification
 from benchmarks.timing import interleaved
+from stickslip import cosim
 
 REPEATS = 21
 

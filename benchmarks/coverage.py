@@ -20,14 +20,18 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.coverage_picture import draw
-from cosim.control import VelocityLoop, design_velocity_loop
-from stickslip.estimation import Task, candidate_fmus, learn
-from stickslip.loop import servo_loop
-from stickslip.parameters import PAPER, UNITS
+from stickslip.catalog.parameters import PAPER, UNITS
+from stickslip.identification.estimation import (
+    Task,
+    candidate_fmus,
+    learn,
+)
+from stickslip.logs import Recording
+from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
 from stickslip.plan import plan
-from stickslip.record_mode import COMMISSIONING, gains_of
-from stickslip.recording import Recording
-from stickslip.setup import Datasheet
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import servo_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 MASS = (3.0, 12.0)  # [kg]
 F_C = (2.0, 12.0)  # [N]

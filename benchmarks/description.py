@@ -4,9 +4,9 @@ from pathlib import Path
 
 import fmpy
 
-import cosim
 from benchmarks.coupling import ring
 from benchmarks.timing import interleaved
+from stickslip import cosim
 
 N = 100_000
 

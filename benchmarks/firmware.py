@@ -3,9 +3,9 @@
 import ctypes
 from pathlib import Path
 
-import toolchain
 from benchmarks.timing import interleaved
-from models.firmware import write_compensator
+from stickslip.fmi import toolchain
+from stickslip.models.firmware import write_compensator
 
 N = 200_000
 

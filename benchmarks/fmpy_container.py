@@ -9,8 +9,8 @@ from fmpy.container_fmu.cli import create_container_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable
 
-import cosim
-from cosim.names import component_of
+from stickslip import cosim
+from stickslip.cosim.fmu.names import component_of
 
 
 def write(system: cosim.System, path: Path, step: float, output: str) -> Path:

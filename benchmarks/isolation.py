@@ -5,10 +5,10 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import cosim
 from benchmarks import loop
 from benchmarks.coupling import ring
 from benchmarks.timing import interleaved
+from stickslip import cosim
 
 STEPS, REPEATS = 10_000, 101
 

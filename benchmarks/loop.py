@@ -2,11 +2,15 @@
 
 from pathlib import Path
 
-import cosim
-from cosim.control import VelocityLoop, design_velocity_loop
-from stickslip.loop import build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.setup import LOOP, TRAINING, Datasheet
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    Datasheet,
+)
+from stickslip.servo.systems import build_fmus, paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 STOP = 10.0
 COMPENSATOR = {name: PAPER[name] for name in LUGRE}

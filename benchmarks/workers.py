@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.loop import COMPENSATOR, INPUTS, specification
-from ga import SimulatedCost
+from stickslip.ga import SimulatedCost
 
 CANDIDATES = 40
 

@@ -8,9 +8,8 @@
 >>> result["drive.v"]
 """
 
-from cosim.container import write_fmu
-from cosim.coupling import Adaptive, Coupling
-from cosim.errors import (
+from stickslip.cosim.container import write_fmu
+from stickslip.cosim.errors import (
     ConnectionFault,
     CosimError,
     ExperimentError,
@@ -22,21 +21,35 @@ from cosim.errors import (
     SimulationError,
     SspError,
 )
-from cosim.experiment import DefaultExperiment
-from cosim.fmu import Fmu
-from cosim.isolation.settings import Isolation
-from cosim.record import Deviation, Record
-from cosim.result import Result
-from cosim.scaling import Link, Scaling, ValueMap
-from cosim.scenario import Scenario
-from cosim.signals import Signal, SineSweep, Table, Trapezoid
-from cosim.simulation import Simulation
-from cosim.specification import Specification
-from cosim.ssp import read_ssp, variants, write_ssp
-from cosim.system import System
-from cosim.tables import read_tables
-from cosim.units import Unit
-from cosim.variables import Variable
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.isolation.settings import Isolation
+from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.scenario import Scenario
+from stickslip.cosim.signals.signals import (
+    Signal,
+    SineSweep,
+    Table,
+    Trapezoid,
+)
+from stickslip.cosim.signals.tables import read_tables
+from stickslip.cosim.ssp import (
+    read_ssp,
+    variants,
+    write_ssp,
+)
+from stickslip.cosim.system.coupling import Adaptive, Coupling
+from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.cosim.system.record import Deviation, Record
+from stickslip.cosim.system.scaling import (
+    Link,
+    Scaling,
+    ValueMap,
+)
+from stickslip.cosim.system.specification import Specification
+from stickslip.cosim.system.system import System
 
 __all__ = [
     "Adaptive",

@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from cosim.names import printable, shown
+from stickslip.cosim.fmu.names import printable, shown
 
 MAX_BYTES = 512 * 1024**2
 

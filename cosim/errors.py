@@ -12,7 +12,7 @@ CosimError(toolchain.Fault)
     SharedSimulation(RuntimeError) two threads, or a forked process, use one simulation
 """
 
-from toolchain import Fault
+from stickslip.fmi.toolchain import Fault
 
 
 class CosimError(Fault):

@@ -15,8 +15,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-import cosim
-import models
+from stickslip import cosim, models
 
 matplotlib.use("Agg")  # draw into files, on machines without a screen too
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="closed_loop_"))

@@ -17,9 +17,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-import cosim
-import ga
-import models
+from stickslip import cosim, ga, models
 
 matplotlib.use("Agg")  # draw into files, on machines without a screen too
 TRUE = {"stage.F_c": 4.2, "stage.sigma_0": 2.5e5}  # N, N/m: what is to be found

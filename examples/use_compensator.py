@@ -17,8 +17,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-import cosim
-import models
+from stickslip import cosim, models
 
 matplotlib.use("Agg")  # draw into files, on machines without a screen too
 LEARNED = Path(__file__).parent.parent / "results" / "paper" / "learned.json"

@@ -5,9 +5,13 @@ A room of its own: it shares no reader with the importer, which forgives what th
 
 from importlib import import_module
 
-from fmucheck.checker import check
-from fmucheck.finding import Finding, Report, Severity
-from fmucheck.rules import RULES, Rule
+from stickslip.fmucheck.checker import check
+from stickslip.fmucheck.finding import (
+    Finding,
+    Report,
+    Severity,
+)
+from stickslip.fmucheck.rules import RULES, Rule
 
 __all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmucheck.archive.reading import read_archive, unpack
-from fmucheck.description.reading import read_description
-from fmucheck.document import claimed_version, judged_version
-from fmucheck.finding import Report
-from fmucheck.fmu import Fmu
-from fmucheck.rules import stage
-from fmucheck.running.parent import TIMEOUT, findings_of_runs
-from fmucheck.xml import read_document
-from toolchain import temporary_folder
+from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmucheck.archive.reading import read_archive, unpack
+from stickslip.fmucheck.description.reading import read_description
+from stickslip.fmucheck.document import claimed_version, judged_version
+from stickslip.fmucheck.finding import Report
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import stage
+from stickslip.fmucheck.running.parent import TIMEOUT, findings_of_runs
+from stickslip.fmucheck.xml import read_document
 
 _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import codecs
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.xml import Document, violations
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.xml import Document, violations
 
 SCHEMAS = {2: "fmi2/fmi2ModelDescription.xsd", 3: "fmi3/fmi3ModelDescription.xsd"}
 

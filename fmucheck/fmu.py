@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from fmucheck.description.model import Description
+from stickslip.fmucheck.description.model import Description
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.exchange import finished
-from fmucheck.running.repeating import difference
-from fmucheck.running.saving import half_way, resumed
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.exchange import finished
+from stickslip.fmucheck.running.repeating import difference
+from stickslip.fmucheck.running.saving import half_way, resumed
 
 
 @rule(

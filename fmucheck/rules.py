@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from fmucheck.finding import Finding, Severity
+from stickslip.fmucheck.finding import Finding, Severity
 
 Claim = tuple[str, str]
 """Place and message."""

@@ -22,9 +22,18 @@ as published.
 
 from typing import TYPE_CHECKING
 
-from ga.adaptive import crossover_probability
-from ga.algorithm import GeneticAlgorithm
-from ga.errors import (
+from stickslip.ga.algorithms.by_name import ALGORITHMS, optimiser
+from stickslip.ga.algorithms.generation import Candidate
+from stickslip.ga.algorithms.genetic import GeneticAlgorithm
+from stickslip.ga.algorithms.limits import Limits
+from stickslip.ga.algorithms.optimiser import Optimiser
+from stickslip.ga.algorithms.settings import (
+    DEFAULT,
+    PAPER,
+    PRESETS,
+    Settings,
+)
+from stickslip.ga.errors import (
     CallOrderError,
     CandidateFailed,
     CostError,
@@ -34,20 +43,16 @@ from ga.errors import (
     SettingsError,
     StateError,
 )
-from ga.executors import executor
-from ga.fitness import fitness
-from ga.gene import Gene
-from ga.generation import Candidate
-from ga.learning import Learned, learn
-from ga.limits import Limits
-from ga.named import ALGORITHMS, optimiser
-from ga.optimiser import Optimiser
-from ga.problem import Problem
-from ga.repair import AtLeast
-from ga.settings import DEFAULT, PAPER, PRESETS, Settings
+from stickslip.ga.execution.executors import executor
+from stickslip.ga.execution.learning import Learned, learn
+from stickslip.ga.operators.adaptive import crossover_probability
+from stickslip.ga.operators.fitness import fitness
+from stickslip.ga.problem.gene import Gene
+from stickslip.ga.problem.problem import Problem
+from stickslip.ga.problem.repair import AtLeast
 
 if TYPE_CHECKING:
-    from ga.candidates import SimulatedCost
+    from stickslip.ga.problem.candidates import SimulatedCost
 
 __all__ = [
     "ALGORITHMS",
@@ -83,7 +88,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     """Import cosim when `SimulatedCost` is first asked for, not before."""
     if name == "SimulatedCost":
-        from ga.candidates import SimulatedCost
+        from stickslip.ga.problem.candidates import SimulatedCost
 
         return SimulatedCost
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,7 +3,7 @@
 The errors are drawn in ``models/errors.py``.
 """
 
-from models.errors import (
+from stickslip.models.errors import (
     DescriptionError,
     LtiError,
     ModelError,
@@ -11,9 +11,9 @@ from models.errors import (
     UnknownLaw,
     UnknownModel,
 )
-from models.export.description import Model
-from models.export.law import Law, LawParameter
-from models.export.package import (
+from stickslip.models.export.description import Model
+from stickslip.models.export.law import Law, LawParameter
+from stickslip.models.export.package import (
     build_fmu,
     law_names,
     load_law,
@@ -21,10 +21,10 @@ from models.export.package import (
     model_names,
     write_cross_check,
 )
-from models.export.sources import FmiVersion
-from models.lti.file import LtiFile, read_lti
-from models.lti.package import export_lti
-from models.lti.system import LinearSystem
+from stickslip.models.export.sources import FmiVersion
+from stickslip.models.lti.file import LtiFile, read_lti
+from stickslip.models.lti.package import export_lti
+from stickslip.models.lti.system import LinearSystem
 
 __all__ = [
     "DescriptionError",

@@ -8,7 +8,7 @@ ModelError(toolchain.Fault)
     StartValueError(ValueError)   a start value for a variable that has none, or out of its range
 """
 
-from toolchain import Fault
+from stickslip.fmi.toolchain import Fault
 
 
 class ModelError(Fault):

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from threadpoolctl import threadpool_limits
 
-import toolchain
+from stickslip.fmi import toolchain
 
 COMMANDS = {
     "reproduce": "reproduce the paper: identify, learn, validate, report",

@@ -8,7 +8,7 @@ StickslipError(toolchain.Fault)
     ResultsError(RuntimeError)          a folder of results that is not what its manifest says
 """
 
-from toolchain import Fault
+from stickslip.fmi.toolchain import Fault
 
 
 class StickslipError(Fault):

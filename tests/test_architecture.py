@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-import models
+from stickslip import models
 
 ROOT = Path(models.__file__).parent.parent
 ALLOWED = {
@@ -84,7 +84,7 @@ def public(package: str) -> Iterator[tuple[str, object]]:
                     yield f"{package}.{name}.{key}", function
 
 
-@pytest.mark.parametrize("package", [*ALLOWED, "cosim.control"])
+@pytest.mark.parametrize("package", [*ALLOWED, "stickslip.cosim.control"])
 def test_public_names_have_docstrings(package):
     """A dataclass without one would get its signature for a docstring, which does not count."""
     silent = [

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-import toolchain
 from benchmarks.coupling import ring
+from stickslip.fmi import toolchain
 
 _CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode")
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-import cosim
 from benchmarks import fmpy_container as sealed
 from benchmarks.coupling import ring
+from stickslip import cosim
 
 LINKS = [
     (source.split("."), target.split("."))
@@ -52,7 +52,7 @@ def fmpy_container(folder: Path, n: int) -> float:
 
 def our_container(folder: Path, n: int) -> float:
     """The same by cosim."""
-    path = folder / "cosim.fmu"
+    path = folder / "stickslip.cosim.fmu.fmu"
     if not path.exists():
         cosim.write_fmu(ring.system(folder, 2), path, step=ring.STEP, coupling="jacobi")
     return _one_call(path, n)

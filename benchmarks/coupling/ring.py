@@ -6,8 +6,8 @@ from pathlib import Path
 
 import fmpy
 
-import cosim
-import toolchain
+from stickslip import cosim
+from stickslip.fmi import toolchain
 
 HERE = Path(__file__).parent
 STEP = 1e-4

@@ -8,11 +8,11 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
-import cosim
 from benchmarks.coupling import ring
 from benchmarks.coupling.loops import Loops, sources
 from benchmarks.coupling.peers import PEERS
 from benchmarks.timing import interleaved
+from stickslip import cosim
 
 N = 100_000  # steps
 CANDIDATE = 10_000

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import mannwhitneyu
 
-import ga
 from benchmarks.learning.functions import FURTHER, STANDARD, Function, Instance
 from benchmarks.learning.racers import Racer, cma, ours, pymoo_ga, race_one, scipy_de
+from stickslip import ga
 
 OURS = "ours"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import ga
+from stickslip import ga
 
 SCHWEFEL = 420.9687462275036
 STYBLINSKI = -2.9035340277711772

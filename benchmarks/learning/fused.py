@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-import cosim
-import models
-import toolchain
-from models.export.headers import variables_header
-from models.export.sources import COMPILER_OPTIONS, shared_files
+from stickslip import cosim, models
+from stickslip.fmi import toolchain
+from stickslip.models.export.headers import variables_header
+from stickslip.models.export.sources import COMPILER_OPTIONS, shared_files
 
 MODELS = {
     "nominal": "nominal_loop",
@@ -23,7 +22,7 @@ ROOT = Path(models.__file__).parent
 
 
 class FusedLoop:
-    """Runs a system of `stickslip.loop.paper_loop` for a command (n + 1,) [m/s]."""
+    """Runs a system of `stickslip.servo.systems.paper_loop` for a command (n + 1,) [m/s]."""
 
     def __init__(self, system: cosim.System, step: float, command: np.ndarray) -> None:
         self._run = ctypes.CDLL(str(_library())).run

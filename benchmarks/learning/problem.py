@@ -6,14 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-import cosim
-import ga
 from benchmarks.loop import design
-from cosim import SineSweep
-from stickslip.learning import CONSTRAINT, VelocityCost
-from stickslip.loop import build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER, UNITS
-from stickslip.setup import LOOP
+from stickslip import cosim, ga
+from stickslip.catalog.parameters import (
+    LUGRE,
+    PAPER,
+    UNITS,
+)
+from stickslip.cosim import SineSweep
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.systems import build_fmus, paper_loop
+from stickslip.tuning.learning import CONSTRAINT, VelocityCost
 
 COARSENESS = dict(zip(LUGRE, (0.3, 0.1, 0.8, 0.3, 0.5), strict=True))
 """Standard deviation of what was identified, as a logarithm."""

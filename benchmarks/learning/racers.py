@@ -15,8 +15,8 @@ from importlib.util import find_spec
 import numpy as np
 from scipy.optimize import differential_evolution
 
-import ga
-from ga.encoding import Encoding
+from stickslip import ga
+from stickslip.ga.problem.encoding import Encoding
 
 Judge = Callable[[np.ndarray], float]
 Racer = Callable[[Judge, ga.Problem, int, int], None]

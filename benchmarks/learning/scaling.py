@@ -7,9 +7,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import ga
 from benchmarks.learning import figures
 from benchmarks.learning.problem import cost, problem
+from stickslip import ga
 
 GOALS = {"threads": 1.9, "processes": 1.9, "Dask": 1.7}
 PLACES = {"threads": "threads", "processes": "processes", "Dask": "local"}

@@ -8,11 +8,10 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
-import cosim
-import ga
 from benchmarks.learning.fused import FusedLoop
 from benchmarks.learning.problem import cost, problem
-from stickslip.parameters import LUGRE, PAPER
+from stickslip import cosim, ga
+from stickslip.catalog.parameters import LUGRE, PAPER
 
 DURATION = 10.0
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-import ga
 from benchmarks.learning.problem import cost, problem
+from stickslip import ga
 
 KILLS, EVALUATIONS = 20, 600
 

@@ -1,5 +1,5 @@
 """Whole systems as FMUs for other tools."""
 
-from cosim.container.write import write_fmu
+from stickslip.cosim.container.write import write_fmu
 
 __all__ = ["write_fmu"]

@@ -9,9 +9,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from xml.etree import ElementTree as ET
 
-from cosim.container.variables import Shown
-from cosim.experiment import DefaultExperiment
-from cosim.units import BASE_UNITS
+from stickslip.cosim.container.variables import Shown
+from stickslip.cosim.fmu.units import BASE_UNITS
+from stickslip.cosim.system.experiment import DefaultExperiment
 
 _TAGS = {
     2: {"REAL": "Real", "INTEGER": "Integer", "BOOLEAN": "Boolean"},

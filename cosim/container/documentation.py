@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cosim.system import System
+    from stickslip.cosim.system.system import System
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">

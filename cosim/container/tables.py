@@ -6,15 +6,15 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cosim import kernel
-from cosim.container.variables import TYPES, Shown
-from cosim.errors import ParameterError
-from cosim.layout import Layout
-from cosim.names import component_of
-from cosim.variables import Value
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.container.variables import TYPES, Shown
+from stickslip.cosim.errors import ParameterError
+from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.variables import Value
 
 if TYPE_CHECKING:
-    from cosim.system import System
+    from stickslip.cosim.system.system import System
 
 
 def system_header(

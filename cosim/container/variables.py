@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal
 
-from cosim.errors import ConnectionFault, ParameterError
-from cosim.names import suggestion
-from cosim.units import Unit
-from cosim.variables import Value, Variable
+from stickslip.cosim.errors import ConnectionFault, ParameterError
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Value, Variable
 
 if TYPE_CHECKING:
-    from cosim.system import System
+    from stickslip.cosim.system.system import System
 
 Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]
 

@@ -11,26 +11,30 @@ from typing import TYPE_CHECKING, Literal
 
 import fmpy
 
-import toolchain
-from cosim import kernel
-from cosim.container.description import model_description
-from cosim.container.documentation import index, licences
-from cosim.container.faces import refusals
-from cosim.container.tables import system_header
-from cosim.container.variables import shown_variables
-from cosim.coupling import Coupling
-from cosim.errors import ConnectionFault, ExperimentError, FmuError
-from cosim.experiment import DefaultExperiment
-from cosim.kernel.unrolled import unroll
-from cosim.layout import Layout
-from cosim.library import UnloadedLibrary
-from cosim.loops import algebraic_loop, group
-from cosim.record import Record
-from cosim.ssp.members import zipped
-from cosim.wiring import wire
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.assembly.wiring import wire
+from stickslip.cosim.container.description import model_description
+from stickslip.cosim.container.documentation import index, licences
+from stickslip.cosim.container.faces import refusals
+from stickslip.cosim.container.tables import system_header
+from stickslip.cosim.container.variables import shown_variables
+from stickslip.cosim.errors import (
+    ConnectionFault,
+    ExperimentError,
+    FmuError,
+)
+from stickslip.cosim.fmu.library import UnloadedLibrary
+from stickslip.cosim.kernel.unrolled import unroll
+from stickslip.cosim.ssp.members import zipped
+from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.cosim.system.loops import algebraic_loop, group
+from stickslip.cosim.system.record import Record
+from stickslip.fmi import toolchain
 
 if TYPE_CHECKING:
-    from cosim.system import System
+    from stickslip.cosim.system.system import System
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c"]

@@ -4,16 +4,16 @@ ControlError(ValueError)         no controller meets the specification
 LinearisationError(CosimError)   an FMU or system has not the states, inputs or outputs it needs
 """
 
-from cosim.control.axis import Axis, ControlError
-from cosim.control.errors import LinearisationError
-from cosim.control.linearise import linearise, nonlinear_system
-from cosim.control.sweep import MeasuredResponse, measure_response
-from cosim.control.velocity_filter import (
+from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.control.linearise import linearise, nonlinear_system
+from stickslip.cosim.control.sweep import MeasuredResponse, measure_response
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.velocity_filter import (
     FilterSpecification,
     VelocityFilter,
     design_velocity_filter,
 )
-from cosim.control.velocity_loop import (
+from stickslip.servo.velocity_loop import (
     LoopSpecification,
     VelocityLoop,
     close_velocity_loop,

@@ -1,6 +1,6 @@
 """Errors of the control room; the tree is drawn in ``cosim/control/__init__.py``."""
 
-from cosim.errors import CosimError
+from stickslip.cosim.errors import CosimError
 
 
 class LinearisationError(CosimError, ValueError):

@@ -12,11 +12,11 @@ from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
 from numpy.typing import NDArray
 
-from cosim.control.errors import LinearisationError
-from cosim.description.attributes import flag
-from cosim.fmu import Fmu
-from cosim.kernel.arithmetic import plain_arithmetic
-from cosim.variables import Variable
+from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.description.attributes import flag
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 
 Array = NDArray[np.float64]
 _MOST_EVENTS = 1000

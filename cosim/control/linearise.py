@@ -9,12 +9,12 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.control.errors import LinearisationError
-from cosim.control.exchange import Exchange
-from cosim.control.step_map import StepMap, alone
-from cosim.fmu import Fmu
-from cosim.names import suggestion
-from cosim.system import System
+from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.control.exchange import Exchange
+from stickslip.cosim.control.step_map import StepMap, alone
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
 Dynamics = Exchange | StepMap

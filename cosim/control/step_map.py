@@ -8,20 +8,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.control.errors import LinearisationError
-from cosim.errors import SimulationError
-from cosim.fmu import Fmu
-from cosim.signals import Input
-from cosim.simulation import Simulation
-from cosim.system import System
-from cosim.variables import Variable
+from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.errors import SimulationError
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
 _HIDDEN = 1e-2  # of the range in two steps: more than an integrator's tolerance explains
 _VISIBLE = 1e-3  # of the range in many, beside the errors that the integrator makes
 _TOLERANCE = 1e-6  # of an integrator, relative to the size of a variable
 _WINDOWS = 8, 64, 512  # steps in which a state that cannot be set comes to light
-_MEASURE = "measure its frequency response (cosim.control.measure_response) instead"
+_MEASURE = "measure its frequency response (stickslip.cosim.control.measure_response) instead"
 _INSTEAD = f"export it for Model Exchange and leave out step=, or {_MEASURE}"
 
 

@@ -14,10 +14,10 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cosim.errors import ExperimentError
-from cosim.result import Result
-from cosim.signals import Input
-from cosim.system import System
+from stickslip.cosim.errors import ExperimentError
+from stickslip.cosim.run.result import Result
+from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

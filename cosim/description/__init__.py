@@ -1,7 +1,7 @@
 """modelDescription.xml of FMI 2.0 and 3.0: read, and checked as far as a run depends on it."""
 
-from cosim.description.faults import DescriptionFault
-from cosim.description.model import Description
-from cosim.description.reading import read_description
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.description.model import Description
+from stickslip.cosim.description.reading import read_description
 
 __all__ = ["Description", "DescriptionFault", "read_description"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cosim.description.faults import DescriptionFault
-from cosim.names import shown
-from cosim.variables import Variable
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.fmu.names import shown
+from stickslip.cosim.fmu.variables import Variable
 
 
 def check_distinct(

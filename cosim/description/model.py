@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cosim.description.clocks import Clock
-from cosim.experiment import DefaultExperiment
-from cosim.units import Unit
-from cosim.variables import Variable
+from stickslip.cosim.description.clocks import Clock
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.system.experiment import DefaultExperiment
 
 
 @dataclass(frozen=True)

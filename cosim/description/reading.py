@@ -7,22 +7,27 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
-from cosim.description import checks
-from cosim.description.attributes import name_of, real, whole, whole_of
-from cosim.description.clocks import read_clocks
-from cosim.description.faults import DescriptionFault
-from cosim.description.model import Description
-from cosim.description.structure import read_derivatives, read_unknowns
-from cosim.description.types import read_types, read_units
-from cosim.description.variables import (
+from stickslip.cosim.description import checks
+from stickslip.cosim.description.attributes import (
+    name_of,
+    real,
+    whole,
+    whole_of,
+)
+from stickslip.cosim.description.clocks import read_clocks
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.description.model import Description
+from stickslip.cosim.description.structure import read_derivatives, read_unknowns
+from stickslip.cosim.description.types import read_types, read_units
+from stickslip.cosim.description.variables import (
     MAX_REFERENCE,
     Lengths,
     read_variable,
     typed_element,
 )
-from cosim.experiment import DefaultExperiment
-from cosim.names import shown
-from cosim.variables import MAX_ELEMENTS, Variable
+from stickslip.cosim.fmu.names import shown
+from stickslip.cosim.fmu.variables import MAX_ELEMENTS, Variable
+from stickslip.cosim.system.experiment import DefaultExperiment
 
 _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from cosim.description.attributes import whole
-from cosim.description.faults import DescriptionFault
-from cosim.description.model import Unknown
-from cosim.names import shown
+from stickslip.cosim.description.attributes import whole
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.description.model import Unknown
+from stickslip.cosim.fmu.names import shown
 
 Places = Mapping[str, str]
 """Index or value reference, in digits -> name of the variable."""

@@ -6,9 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cosim.description.attributes import finite, name_of, whole
-from cosim.description.faults import DescriptionFault
-from cosim.units import BASE_UNITS, Unit
+from stickslip.cosim.description.attributes import (
+    finite,
+    name_of,
+    whole,
+)
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.fmu.units import BASE_UNITS, Unit
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,26 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cosim.description.attributes import WORDS, flag, name_of, real, whole, whole_of
-from cosim.description.faults import DescriptionFault
-from cosim.description.types import TypeDefinition
-from cosim.names import shown
-from cosim.variables import FLOATS, MAX_ELEMENTS, NOT_NUMBERS, SETTERS, Scalar, Value, Variable
+from stickslip.cosim.description.attributes import (
+    WORDS,
+    flag,
+    name_of,
+    real,
+    whole,
+    whole_of,
+)
+from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.cosim.description.types import TypeDefinition
+from stickslip.cosim.fmu.names import shown
+from stickslip.cosim.fmu.variables import (
+    FLOATS,
+    MAX_ELEMENTS,
+    NOT_NUMBERS,
+    SETTERS,
+    Scalar,
+    Value,
+    Variable,
+)
 
 MAX_REFERENCE = 2**32 - 1
 

@@ -15,12 +15,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cosim import resets
-from cosim.isolation.answers import LOST, receive, send
-from cosim.isolation.shared import Shared
-from cosim.kernel import marks
-from cosim.result import Array, Result
-from cosim.simulation import Simulation
+from stickslip.cosim.isolation.answers import (
+    LOST,
+    receive,
+    send,
+)
+from stickslip.cosim.isolation.shared import Shared
+from stickslip.cosim.kernel import marks
+from stickslip.cosim.run import resets
+from stickslip.cosim.run.result import Array, Result
+from stickslip.cosim.run.simulation import Simulation
 
 
 def main(name: str, size: int, token: bytes) -> None:

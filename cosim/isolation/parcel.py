@@ -12,13 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cosim.fmu import Fmu
-from cosim.scenario import Scenario
-from cosim.signals import Array, Input, sampled
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.signals.scenario import Scenario
+from stickslip.cosim.signals.signals import (
+    Array,
+    Input,
+    sampled,
+)
 
 if TYPE_CHECKING:
-    from cosim.scenario import Tables
-    from cosim.specification import Specification
+    from stickslip.cosim.signals.scenario import Tables
+    from stickslip.cosim.system.specification import Specification
 
 
 class _Packer(pickle.Pickler):
@@ -61,7 +65,7 @@ def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input
 
 def _is_portable(signal: Input) -> bool:
     if hasattr(signal, "sample"):
-        return type(signal).__module__ == "cosim.signals"
+        return type(signal).__module__ == "stickslip.cosim.signals.signals"
     return isinstance(signal, int | float | np.ndarray)
 
 

@@ -17,17 +17,24 @@ from pathlib import Path
 from queue import Empty
 from typing import IO, TYPE_CHECKING, NoReturn
 
-from cosim import kernel, resets
-from cosim.errors import FmuCrashed
-from cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
-from cosim.isolation.parcel import pack
-from cosim.isolation.settings import Isolation
-from cosim.isolation.shared import Made
-from cosim.isolation.verdict import Death, crashed
-from toolchain import check_interruption, held
+from stickslip.cosim import kernel
+from stickslip.cosim.errors import FmuCrashed
+from stickslip.cosim.isolation.answers import (
+    NONSENSE,
+    TOKEN_SIZE,
+    Answers,
+    Reply,
+    ThreadedAnswers,
+)
+from stickslip.cosim.isolation.parcel import pack
+from stickslip.cosim.isolation.settings import Isolation
+from stickslip.cosim.isolation.shared import Made
+from stickslip.cosim.isolation.verdict import Death, crashed
+from stickslip.cosim.run import resets
+from stickslip.fmi.toolchain import check_interruption, held
 
 if TYPE_CHECKING:
-    from cosim.specification import Specification
+    from stickslip.cosim.system.specification import Specification
 
 MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, Self
 
-from cosim.errors import ExperimentError
+from stickslip.cosim.errors import ExperimentError
 
 
 @dataclass(frozen=True)

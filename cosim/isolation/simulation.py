@@ -13,28 +13,36 @@ from weakref import finalize
 
 import numpy as np
 
-import cosim.errors
-from cosim import resets
-from cosim.coupling import Coupling
-from cosim.errors import CosimError, FmuCrashed, SimulationError
-from cosim.exclusive import Exclusive
-from cosim.experiment import check_memory, check_tolerance, count_steps
-from cosim.isolation.answers import Reply
-from cosim.isolation.parcel import Tabulated, portable_inputs
-from cosim.isolation.process import Process
-from cosim.isolation.settings import Isolation
-from cosim.isolation.verdict import called
-from cosim.layout import Layout
-from cosim.loops import group
-from cosim.pace import Pace
-from cosim.record import Record
-from cosim.result import Result
-from cosim.scenario import Scenario
-from cosim.signals import Input
-from cosim.simulation import Simulation
+import stickslip.cosim.errors
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.errors import (
+    CosimError,
+    FmuCrashed,
+    SimulationError,
+)
+from stickslip.cosim.isolation.answers import Reply
+from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
+from stickslip.cosim.isolation.process import Process
+from stickslip.cosim.isolation.settings import Isolation
+from stickslip.cosim.isolation.verdict import called
+from stickslip.cosim.run import resets
+from stickslip.cosim.run.exclusive import Exclusive
+from stickslip.cosim.run.real_time import Pace
+from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.scenario import Scenario
+from stickslip.cosim.signals.signals import Input
+from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.experiment import (
+    check_memory,
+    check_tolerance,
+    count_steps,
+)
+from stickslip.cosim.system.loops import group
+from stickslip.cosim.system.record import Record
 
 if TYPE_CHECKING:
-    from cosim.specification import Specification
+    from stickslip.cosim.system.specification import Specification
 
 
 _log = logging.getLogger(__name__)

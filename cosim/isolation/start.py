@@ -12,6 +12,6 @@ if __name__ == "__main__":
     package = ModuleType("cosim")
     package.__path__ = [str(Path(__file__).parent.parent)]
     sys.modules["cosim"] = package
-    from cosim.isolation.child import main
+    from stickslip.cosim.isolation.child import main
 
     main(sys.argv[1], int(sys.argv[2]), bytes.fromhex(sys.argv[3]))

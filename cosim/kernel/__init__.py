@@ -24,8 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import toolchain
-from cosim.kernel import marks
+from stickslip.cosim.kernel import marks
+from stickslip.fmi import toolchain
 
 
 class Setting(Structure):

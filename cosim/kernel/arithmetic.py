@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from ctypes import Structure, byref, c_uint16, c_uint64
 
-from cosim import kernel
+from stickslip.cosim import kernel
 
 
 class Arithmetic(Structure):

@@ -21,7 +21,11 @@ from ctypes import (
     c_void_p,
 )
 
-from cosim.kernel import Answers, Log, load
+from stickslip.cosim.kernel import (
+    Answers,
+    Log,
+    load,
+)
 
 # In the order of ``enum Stored``; what is none of these is text.
 STORED = (

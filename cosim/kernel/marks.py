@@ -46,7 +46,7 @@ def note(name: str, call: str) -> None:
 
 def library(steps: str | None) -> Path | None:
     """Return the library that takes notes, None where there are no notes."""
-    from cosim import kernel
+    from stickslip.cosim import kernel
 
     for _, path in _place:
         return path if steps is None else kernel.built(steps, marked=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim import kernel
+from stickslip.cosim import kernel
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
 

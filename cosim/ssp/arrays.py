@@ -6,10 +6,15 @@ from dataclasses import replace
 from itertools import product
 from math import prod
 
-from cosim.errors import SspError
-from cosim.ssp.graph import Edge, End, Graph, label
-from cosim.ssp.markup import place
-from cosim.variables import parse_element
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.variables import parse_element
+from stickslip.cosim.ssp.graph import (
+    Edge,
+    End,
+    Graph,
+    label,
+)
+from stickslip.cosim.ssp.markup import place
 
 Shape = tuple[int, ...]
 MOST_ELEMENTS = 1_000_000

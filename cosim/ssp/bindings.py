@@ -8,17 +8,37 @@ from typing import Any
 
 from lxml import etree
 
-from cosim.errors import SspError
-from cosim.names import component_of, variable_of
-from cosim.ssp.compose import add, group, new_root, text_of
-from cosim.ssp.edit import Editor
-from cosim.ssp.members import Members, file_name, free_name
-from cosim.ssp.names import component, path_of, tag
-from cosim.ssp.package import Package
-from cosim.ssp.parameters import read_parameters
-from cosim.ssp.values import add_values, can_change, change, file_of, parameter_set, whole_arrays
-from cosim.system import System
-from cosim.variables import Value
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import component_of, variable_of
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.ssp.compose import (
+    add,
+    group,
+    new_root,
+    text_of,
+)
+from stickslip.cosim.ssp.edit import Editor
+from stickslip.cosim.ssp.members import (
+    Members,
+    file_name,
+    free_name,
+)
+from stickslip.cosim.ssp.names import (
+    component,
+    path_of,
+    tag,
+)
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.parameters import read_parameters
+from stickslip.cosim.ssp.values import (
+    add_values,
+    can_change,
+    change,
+    file_of,
+    parameter_set,
+    whole_arrays,
+)
+from stickslip.cosim.system.system import System
 
 
 def edit_parameters(

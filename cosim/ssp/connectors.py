@@ -6,11 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cosim.errors import SspError
-from cosim.names import shown
-from cosim.ssp.markup import attribute, find, integer, local, number, place
-from cosim.ssp.names import NAMESPACES, tag
-from cosim.units import BASE_UNITS, Unit
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import shown
+from stickslip.cosim.fmu.units import BASE_UNITS, Unit
+from stickslip.cosim.ssp.markup import (
+    attribute,
+    find,
+    integer,
+    local,
+    number,
+    place,
+)
+from stickslip.cosim.ssp.names import NAMESPACES, tag
 
 Items = Mapping[str, int]
 """Names of the values of an enumeration."""

@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
-from cosim.errors import SspError
-from cosim.fmu import Fmu
-from cosim.scaling import IDENTITY, PLAIN, Link
-from cosim.ssp.compose import add, add_connector, add_units, discard, group
-from cosim.ssp.connectors import Connector
-from cosim.ssp.graph import Edge, End, Graph
-from cosim.ssp.names import FMU, Path, component
-from cosim.ssp.structure import Document, Node
-from cosim.ssp.transformation import add_transformation
-from cosim.units import Unit
-from cosim.variables import Variable
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.ssp.compose import (
+    add,
+    add_connector,
+    add_units,
+    discard,
+    group,
+)
+from stickslip.cosim.ssp.connectors import Connector
+from stickslip.cosim.ssp.graph import (
+    Edge,
+    End,
+    Graph,
+)
+from stickslip.cosim.ssp.names import (
+    FMU,
+    Path,
+    component,
+)
+from stickslip.cosim.ssp.structure import Document, Node
+from stickslip.cosim.ssp.transformation import add_transformation
+from stickslip.cosim.system.scaling import (
+    IDENTITY,
+    PLAIN,
+    Link,
+)
 
 _TEXTS = {"String", "Binary"}
 

@@ -7,17 +7,35 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cosim.errors import SspError
-from cosim.fmu import Fmu
-from cosim.names import suggestion
-from cosim.scaling import IDENTITY, PLAIN, Link, Scaling, Transform
-from cosim.ssp.connectors import FAMILY, Connector, Items
-from cosim.ssp.markup import attribute, place, truth
-from cosim.ssp.names import NAMESPACES, Path, component
-from cosim.ssp.structure import Node
-from cosim.ssp.transformation import check_types, transform_of
-from cosim.units import Unit
-from cosim.variables import Variable, parse_element
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Variable, parse_element
+from stickslip.cosim.ssp.connectors import (
+    FAMILY,
+    Connector,
+    Items,
+)
+from stickslip.cosim.ssp.markup import (
+    attribute,
+    place,
+    truth,
+)
+from stickslip.cosim.ssp.names import (
+    NAMESPACES,
+    Path,
+    component,
+)
+from stickslip.cosim.ssp.structure import Node
+from stickslip.cosim.ssp.transformation import check_types, transform_of
+from stickslip.cosim.system.scaling import (
+    IDENTITY,
+    PLAIN,
+    Link,
+    Scaling,
+    Transform,
+)
 
 End = tuple[Path, str]
 """Path of an element and name of its connector; a dictionary ends its path with a blank name.

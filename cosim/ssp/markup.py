@@ -10,12 +10,18 @@ from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
-import toolchain
-from cosim.document import Malformed, parse_xml
-from cosim.errors import SspError
-from cosim.names import printable, shown
-from cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
-from cosim.ssp.schema import violation
+from stickslip.cosim.document import Malformed, parse_xml
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import printable, shown
+from stickslip.cosim.ssp.names import (
+    NAMESPACES,
+    OSP,
+    ROOTS,
+    VERSIONS,
+    tag,
+)
+from stickslip.cosim.ssp.schema import violation
+from stickslip.fmi import toolchain
 
 MOST_BYTES = 1 << 26
 

@@ -6,11 +6,11 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.archive import unpack
-from cosim.errors import SspError
-from cosim.names import suggestion
-from cosim.ssp.markup import attribute, parse
-from cosim.ssp.names import STRUCTURE
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.ssp.markup import attribute, parse
+from stickslip.cosim.ssp.names import STRUCTURE
+from stickslip.fmi.archive import unpack
 
 
 @dataclass(frozen=True)

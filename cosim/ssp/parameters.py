@@ -6,18 +6,40 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cosim.archive import unpack
-from cosim.errors import SspError
-from cosim.names import suggestion
-from cosim.scaling import IDENTITY, Transform, ValueMap
-from cosim.ssp.connectors import FAMILY, Definitions, Items
-from cosim.ssp.graph import End, Graph
-from cosim.ssp.markup import attribute, check, find, inside, integer, local, parse, place, truth
-from cosim.ssp.names import NAMESPACES, component, tag
-from cosim.ssp.structure import Node
-from cosim.ssp.transformation import pairs_of_names, transform_of
-from cosim.units import Unit
-from cosim.variables import Value
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.ssp.connectors import (
+    FAMILY,
+    Definitions,
+    Items,
+)
+from stickslip.cosim.ssp.graph import End, Graph
+from stickslip.cosim.ssp.markup import (
+    attribute,
+    check,
+    find,
+    inside,
+    integer,
+    local,
+    parse,
+    place,
+    truth,
+)
+from stickslip.cosim.ssp.names import (
+    NAMESPACES,
+    component,
+    tag,
+)
+from stickslip.cosim.ssp.structure import Node
+from stickslip.cosim.ssp.transformation import pairs_of_names, transform_of
+from stickslip.cosim.system.scaling import (
+    IDENTITY,
+    Transform,
+    ValueMap,
+)
+from stickslip.fmi.archive import unpack
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
 _WORDS = {"true": 1, "false": 0}

@@ -8,19 +8,25 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from cosim.errors import CosimError, SspError
-from cosim.experiment import DefaultExperiment
-from cosim.fmu import Fmu
-from cosim.names import component_of, variable_of
-from cosim.scaling import Link
-from cosim.ssp.arrays import expand
-from cosim.ssp.graph import Graph, label
-from cosim.ssp.markup import number, place
-from cosim.ssp.names import ANNOTATION, NAMESPACES, OSP, Path, component
-from cosim.ssp.package import Package
-from cosim.ssp.parameters import read_parameters
-from cosim.ssp.structure import read_structure
-from cosim.system import System
+from stickslip.cosim.errors import CosimError, SspError
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.names import component_of, variable_of
+from stickslip.cosim.ssp.arrays import expand
+from stickslip.cosim.ssp.graph import Graph, label
+from stickslip.cosim.ssp.markup import number, place
+from stickslip.cosim.ssp.names import (
+    ANNOTATION,
+    NAMESPACES,
+    OSP,
+    Path,
+    component,
+)
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.parameters import read_parameters
+from stickslip.cosim.ssp.structure import read_structure
+from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.cosim.system.scaling import Link
+from stickslip.cosim.system.system import System
 
 
 def read_ssp(

@@ -7,11 +7,32 @@ from dataclasses import dataclass, field
 from pathlib import Path as File
 from typing import Any
 
-from cosim.archive import unpack
-from cosim.errors import SspError
-from cosim.ssp.connectors import Connector, Definitions, read_connectors, read_entries
-from cosim.ssp.markup import attribute, check, find, inside, parse, place
-from cosim.ssp.names import FMU, NAMESPACES, NESTED, SEPARATOR, STRUCTURE, Path, component, tag
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.ssp.connectors import (
+    Connector,
+    Definitions,
+    read_connectors,
+    read_entries,
+)
+from stickslip.cosim.ssp.markup import (
+    attribute,
+    check,
+    find,
+    inside,
+    parse,
+    place,
+)
+from stickslip.cosim.ssp.names import (
+    FMU,
+    NAMESPACES,
+    NESTED,
+    SEPARATOR,
+    STRUCTURE,
+    Path,
+    component,
+    tag,
+)
+from stickslip.fmi.archive import unpack
 
 DEEPEST = 16
 MOST_FILES = 1000

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from cosim.errors import SspError
-from cosim.names import suggestion
-from cosim.scaling import IDENTITY, Scaling, Transform, ValueMap
-from cosim.ssp.compose import add
-from cosim.ssp.connectors import FAMILY, Items
-from cosim.ssp.markup import attribute, integer, local, number, place
-from cosim.ssp.names import NAMESPACES, tag
-from cosim.variables import Variable
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.ssp.compose import add
+from stickslip.cosim.ssp.connectors import FAMILY, Items
+from stickslip.cosim.ssp.markup import (
+    attribute,
+    integer,
+    local,
+    number,
+    place,
+)
+from stickslip.cosim.ssp.names import NAMESPACES, tag
+from stickslip.cosim.system.scaling import (
+    IDENTITY,
+    Scaling,
+    Transform,
+    ValueMap,
+)
 
 _WORDS = {"true": 1, "1": 1, "false": 0, "0": 0}
 _FITS = {

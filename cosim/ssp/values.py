@@ -6,13 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path as File
 from typing import Any
 
-from cosim.errors import SspError
-from cosim.names import component_of
-from cosim.ssp.compose import add, add_units, group, new_root
-from cosim.ssp.markup import local
-from cosim.ssp.names import tag
-from cosim.system import System
-from cosim.variables import Value, Variable
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.cosim.ssp.compose import (
+    add,
+    add_units,
+    group,
+    new_root,
+)
+from stickslip.cosim.ssp.markup import local
+from stickslip.cosim.ssp.names import tag
+from stickslip.cosim.system.system import System
 
 _FLOATS = {"Real", "Float64", "Float32"}
 _TYPES = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-from cosim.errors import CosimError, SspError
-from cosim.names import component_of
-from cosim.scaling import Scaling, Transform
-from cosim.ssp.members import Members
-from cosim.ssp.package import Package
-from cosim.ssp.read import read_package
-from cosim.system import System
-from cosim.variables import Value
-from toolchain import temporary_folder
+from stickslip.cosim.errors import CosimError, SspError
+from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.ssp.members import Members
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.read import read_package
+from stickslip.cosim.system.scaling import Scaling, Transform
+from stickslip.cosim.system.system import System
+from stickslip.fmi.toolchain import temporary_folder
 
 
 def verify(members: Members, structure: str, system: System) -> None:

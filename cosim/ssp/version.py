@@ -6,11 +6,15 @@ from collections.abc import Mapping
 
 from lxml import etree
 
-from cosim.document import Malformed, parse_xml
-from cosim.errors import SspError
-from cosim.ssp.markup import short
-from cosim.ssp.names import NAMESPACES, ROOTS, tag
-from cosim.ssp.schema import violation
+from stickslip.cosim.document import Malformed, parse_xml
+from stickslip.cosim.errors import SspError
+from stickslip.cosim.ssp.markup import short
+from stickslip.cosim.ssp.names import (
+    NAMESPACES,
+    ROOTS,
+    tag,
+)
+from stickslip.cosim.ssp.schema import violation
 
 _WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}

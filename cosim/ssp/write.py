@@ -13,24 +13,41 @@ from typing import Literal
 
 from lxml import etree
 
-import toolchain
-from cosim.errors import CosimError, SspError
-from cosim.experiment import DefaultExperiment
-from cosim.names import component_of, variable_of
-from cosim.scaling import PLAIN, Link
-from cosim.ssp.arrays import expand
-from cosim.ssp.bindings import edit_parameters
-from cosim.ssp.compose import add, group, new_root, text_of
-from cosim.ssp.connectors import Definitions
-from cosim.ssp.edit import Editor
-from cosim.ssp.graph import End, Graph
-from cosim.ssp.members import Members, file_name, free_name, zipped
-from cosim.ssp.names import ANNOTATION, OSP, STRUCTURE, VERSIONS, path_of, tag
-from cosim.ssp.read import read_experiment, read_package
-from cosim.ssp.structure import Document, Node
-from cosim.ssp.verify import verify
-from cosim.ssp.version import as_version
-from cosim.system import System
+from stickslip.cosim.errors import CosimError, SspError
+from stickslip.cosim.fmu.names import component_of, variable_of
+from stickslip.cosim.ssp.arrays import expand
+from stickslip.cosim.ssp.bindings import edit_parameters
+from stickslip.cosim.ssp.compose import (
+    add,
+    group,
+    new_root,
+    text_of,
+)
+from stickslip.cosim.ssp.connectors import Definitions
+from stickslip.cosim.ssp.edit import Editor
+from stickslip.cosim.ssp.graph import End, Graph
+from stickslip.cosim.ssp.members import (
+    Members,
+    file_name,
+    free_name,
+    zipped,
+)
+from stickslip.cosim.ssp.names import (
+    ANNOTATION,
+    OSP,
+    STRUCTURE,
+    VERSIONS,
+    path_of,
+    tag,
+)
+from stickslip.cosim.ssp.read import read_experiment, read_package
+from stickslip.cosim.ssp.structure import Document, Node
+from stickslip.cosim.ssp.verify import verify
+from stickslip.cosim.ssp.version import as_version
+from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.cosim.system.scaling import PLAIN, Link
+from stickslip.cosim.system.system import System
+from stickslip.fmi import toolchain
 
 
 def write_ssp(

@@ -6,7 +6,8 @@ import re
 import unicodedata
 from collections import Counter
 
-from fmucheck.archive.reading import (
+from stickslip.fmi.toolchain import MAX_MEMBERS
+from stickslip.fmucheck.archive.reading import (
     MAX_BYTES,
     Archive,
     is_inflated,
@@ -14,9 +15,8 @@ from fmucheck.archive.reading import (
     is_special,
     is_unsafe,
 )
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from toolchain import MAX_MEMBERS
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 _METHODS = {0: "stored", 8: "deflate", 12: "bzip2", 14: "lzma", 93: "zstandard"}
 _DESCRIPTION = "modelDescription.xml"

@@ -11,7 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from toolchain import MAX_MEMBERS, check_frame, open_plain
+from stickslip.fmi.toolchain import (
+    MAX_MEMBERS,
+    check_frame,
+    open_plain,
+)
 
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of a member that is large when unpacked

@@ -5,7 +5,11 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from toolchain.names import MOST_COMMANDS, Names, checked
+from stickslip.fmi.toolchain.names import (
+    MOST_COMMANDS,
+    Names,
+    checked,
+)
 
 MAGIC = b"\x7fELF"
 

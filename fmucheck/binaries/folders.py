@@ -6,12 +6,12 @@ import posixpath
 import re
 from collections.abc import Iterator
 
-from fmucheck.binaries.functions import required
-from fmucheck.binaries.library import Library, read_library
-from fmucheck.description.values import listed
-from fmucheck.finding import Severity
-from fmucheck.fmu import Fmu
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.binaries.functions import required
+from stickslip.fmucheck.binaries.library import Library, read_library
+from stickslip.fmucheck.description.values import listed
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import Claims, rule
 
 _FMI2 = {
     "win32": "x86-windows",

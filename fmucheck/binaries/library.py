@@ -5,7 +5,11 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from fmucheck.binaries import elf, macho, pe
+from stickslip.fmucheck.binaries import (
+    elf,
+    macho,
+    pe,
+)
 
 
 @dataclass(frozen=True)

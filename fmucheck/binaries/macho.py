@@ -5,7 +5,11 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from toolchain.names import MOST_COMMANDS, Names, checked
+from stickslip.fmi.toolchain.names import (
+    MOST_COMMANDS,
+    Names,
+    checked,
+)
 
 _THIN = {b"\xcf\xfa\xed\xfe": True, b"\xce\xfa\xed\xfe": False}
 _FAT = b"\xca\xfe\xba\xbe"

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import struct
 
-from toolchain.names import MOST_NAMES, MOST_SECTIONS, Names, checked
+from stickslip.fmi.toolchain.names import (
+    MOST_NAMES,
+    MOST_SECTIONS,
+    Names,
+    checked,
+)
 
 MAGIC = b"MZ"
 

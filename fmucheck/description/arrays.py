@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 
-from fmucheck.description.model import Description, Dimension, Variable
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import (
+    Description,
+    Dimension,
+    Variable,
+)
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 _MOST = 10**8  # elements
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fmucheck.description.model import Description
-from fmucheck.description.values import boolean, number
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description
+from stickslip.fmucheck.description.values import boolean, number
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 
 @rule(Severity.ERROR, fmi2="3.3.1", fmi3="2.4.2", advice="declare both, or neither")

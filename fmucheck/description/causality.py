@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from fmucheck.description.model import INITIALS, Description, Variable
-from fmucheck.description.values import FLOATS
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import (
+    INITIALS,
+    Description,
+    Variable,
+)
+from stickslip.fmucheck.description.values import FLOATS
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 
 @rule(Severity.ERROR, fmi2="2.2.7", fmi3="2.4.7.4", advice="see the table in the standard")

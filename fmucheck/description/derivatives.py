@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fmucheck.description.model import Description, Variable
-from fmucheck.description.values import FLOATS
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.description.values import FLOATS
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 _ORDERS = 20  # of derivatives
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from fmucheck.description.model import Description
-from fmucheck.description.values import Number, number
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description
+from stickslip.fmucheck.description.values import Number, number
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 _PLACE = "DefaultExperiment"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from fmucheck.description.model import Description
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _UTC = re.compile(r"\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?Z")

@@ -5,7 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from fmucheck.description.values import Number, boolean, is_number, number
+from stickslip.fmucheck.description.values import (
+    Number,
+    boolean,
+    is_number,
+    number,
+)
 
 Attributes = dict[str, str]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 
-from fmucheck.description.model import Description, Variable
-from fmucheck.description.values import listed
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.description.values import listed
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 # The grammar of structured names (FMI 2.0.5, 2.2.9; FMI 3.0.2, 2.4.7.5.1), token by token.
 _INDICES = r"(\[\d+(,\d+)*\])?"

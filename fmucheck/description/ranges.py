@@ -5,12 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fmucheck.description.arrays import size
-from fmucheck.description.model import Description, Variable
-from fmucheck.description.units import items_of
-from fmucheck.description.values import FLOATS, RANGES, Number, is_number, number
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.arrays import size
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.description.units import items_of
+from stickslip.fmucheck.description.values import (
+    FLOATS,
+    RANGES,
+    Number,
+    is_number,
+    number,
+)
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 
 @rule(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fmucheck.description.model import (
+from stickslip.fmucheck.description.model import (
     INITIALS,
     Attributes,
     Description,
@@ -15,8 +15,8 @@ from fmucheck.description.model import (
     Unknown,
     Variable,
 )
-from fmucheck.description.values import FLOATS, whole
-from fmucheck.xml import Element
+from stickslip.fmucheck.description.values import FLOATS, whole
+from stickslip.fmucheck.xml import Element
 
 _INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
 _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from fmucheck.description.model import Description, Variable
-from fmucheck.description.values import FLOATS, listed
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.description.values import FLOATS, listed
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 
 @rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="refer to a variable that exists")

@@ -6,10 +6,16 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 
-from fmucheck.description.model import Attributes, Description, TypeDefinition, Unit, Variable
-from fmucheck.description.values import boolean, number
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import (
+    Attributes,
+    Description,
+    TypeDefinition,
+    Unit,
+    Variable,
+)
+from stickslip.fmucheck.description.values import boolean, number
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
 
 
 def _with_units(description: Description) -> Iterator[tuple[str, Attributes, Attributes]]:

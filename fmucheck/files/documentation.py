@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-from fmucheck.finding import Severity
-from fmucheck.fmu import Fmu
-from fmucheck.rules import Claims, rule
-from fmucheck.xml import read_document
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.xml import read_document
 
 _ROOMS = ("binaries", "documentation", "extra", "resources", "sources", "terminalsAndIcons")
 _MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"

@@ -6,10 +6,14 @@ import posixpath
 from collections import Counter
 from collections.abc import Iterator
 
-from fmucheck.finding import Severity
-from fmucheck.fmu import Fmu
-from fmucheck.rules import Claims, rule
-from fmucheck.xml import Document, read_document, violations
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.xml import (
+    Document,
+    read_document,
+    violations,
+)
 
 BUILD = "sources/buildDescription.xml"
 _HEADERS = ("fmi3PlatformTypes.h", "fmi3FunctionTypes.h", "fmi3Functions.h")

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from fmucheck.finding import Severity
-from fmucheck.fmu import Fmu
-from fmucheck.rules import Claims, rule
-from fmucheck.xml import Document, Element, read_document, violations
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.xml import (
+    Document,
+    Element,
+    read_document,
+    violations,
+)
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _NAMES = ("variableName", "inStreamVariableName", "outStreamVariableName")

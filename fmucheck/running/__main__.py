@@ -1,7 +1,7 @@
-"""``python -m fmucheck.running JOB REPORT``: a child process."""
+"""``python -m stickslip.fmucheck.running JOB REPORT``: a child process."""
 
 import sys
 
-from fmucheck.running.child import main
+from stickslip.fmucheck.running.child import main
 
 main(*sys.argv[1:])

@@ -18,12 +18,12 @@ from functools import partial
 from pathlib import Path
 from typing import IO
 
-import fmucheck.rules
-from fmucheck.description.model import Description
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed
-from fmucheck.running.loading import GATES, LOADING
-from fmucheck.running.process import settings
+import stickslip.fmucheck.rules
+from stickslip.fmucheck.description.model import Description
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
+from stickslip.fmucheck.running.loading import GATES, LOADING
+from stickslip.fmucheck.running.process import settings
 
 MEMORY = 4 * 1024**3
 

@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from ctypes import byref, c_double, c_size_t
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import status_name
-from fmucheck.running.exchange import ExchangeRun, indicator_count, new_run, state_count
-from fmucheck.running.run import STEPS
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import status_name
+from stickslip.fmucheck.running.exchange import (
+    ExchangeRun,
+    indicator_count,
+    new_run,
+    state_count,
+)
+from stickslip.fmucheck.running.run import STEPS
 
 _GUARD = -1.2345678e-300  # what nothing computes
 _SPARE = 4

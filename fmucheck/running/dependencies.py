@@ -6,17 +6,17 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fmucheck.description.model import Unknown, Variable
-from fmucheck.description.values import FLOATS, listed
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed
-from fmucheck.running.exchange import new_run
-from fmucheck.running.instance import Values
-from fmucheck.running.run import STEPS, Run
-from fmucheck.running.sensitivity import put
-from fmucheck.running.variation import moved, other
+from stickslip.fmucheck.description.model import Unknown, Variable
+from stickslip.fmucheck.description.values import FLOATS, listed
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
+from stickslip.fmucheck.running.exchange import new_run
+from stickslip.fmucheck.running.instance import Values
+from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.sensitivity import put
+from stickslip.fmucheck.running.variation import moved, other
 
 _MOST = 100  # knowns moved
 _STEPS = (1, 4)

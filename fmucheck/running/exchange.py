@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from ctypes import c_double
 
-from fmucheck.description.arrays import size
-from fmucheck.description.model import Description, Variable
-from fmucheck.description.values import whole
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed
-from fmucheck.running.instance import Event, Instance, Values
-from fmucheck.running.run import STEPS, Run
-from fmucheck.running.variation import other
+from stickslip.fmucheck.description.arrays import size
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.description.values import whole
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
+from stickslip.fmucheck.running.instance import (
+    Event,
+    Instance,
+    Values,
+)
+from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.variation import other
 
 
 class ExchangeRun(Run):

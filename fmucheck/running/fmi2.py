@@ -5,8 +5,14 @@ from __future__ import annotations
 from ctypes import Structure, byref, c_char_p, c_double, c_int, c_int32, c_size_t
 from typing import Any, ClassVar
 
-from fmucheck.running.calls import DISCARD, OK, WARNING, CallFailed, references
-from fmucheck.running.instance import Event, Instance
+from stickslip.fmucheck.running.calls import (
+    DISCARD,
+    OK,
+    WARNING,
+    CallFailed,
+    references,
+)
+from stickslip.fmucheck.running.instance import Event, Instance
 
 _TERMINATED = 3  # fmi2StatusKind
 

@@ -22,8 +22,8 @@ from ctypes import (
 )
 from typing import Any, ClassVar
 
-from fmucheck.running.calls import CallFailed, references
-from fmucheck.running.instance import Event, Instance
+from stickslip.fmucheck.running.calls import CallFailed, references
+from stickslip.fmucheck.running.instance import Event, Instance
 
 
 class Instance3(Instance):

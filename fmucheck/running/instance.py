@@ -7,10 +7,14 @@ from collections.abc import Sequence
 from ctypes import byref, c_double, c_size_t, c_void_p
 from typing import Any, ClassVar
 
-from fmucheck.description.arrays import size
-from fmucheck.description.model import Description, Variable
-from fmucheck.running.callbacks import Callbacks
-from fmucheck.running.calls import Binary, pointer, references
+from stickslip.fmucheck.description.arrays import size
+from stickslip.fmucheck.description.model import Description, Variable
+from stickslip.fmucheck.running.callbacks import Callbacks
+from stickslip.fmucheck.running.calls import (
+    Binary,
+    pointer,
+    references,
+)
 
 Values = tuple[Any, ...]
 

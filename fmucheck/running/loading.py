@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from ctypes import c_char_p
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed, status_name
-from fmucheck.running.exchange import finished
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed, status_name
+from stickslip.fmucheck.running.exchange import finished
 
 LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
 """All that is tried of Scheduled Execution."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from ctypes import c_bool, c_char_p, c_int, c_size_t
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.callbacks import Message
-from fmucheck.running.calls import CallFailed, status_name
-from fmucheck.running.exchange import finished
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.callbacks import Message
+from stickslip.fmucheck.running.calls import CallFailed, status_name
+from stickslip.fmucheck.running.exchange import finished
 
 
 def _messages(bench: Bench) -> Iterator[Message]:

@@ -14,14 +14,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import fmucheck.rules
-from fmucheck.binaries.folders import target
-from fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
-from fmucheck.finding import Finding
-from fmucheck.fmu import Fmu
-from fmucheck.running.child import Job
-from fmucheck.running.loading import GATES
-from toolchain import check_interruption, child_process
+import stickslip.fmucheck.rules
+from stickslip.fmi.toolchain import check_interruption, child_process
+from stickslip.fmucheck.binaries.folders import target
+from stickslip.fmucheck.ending import (
+    MOST_TEXT,
+    TELLING,
+    Ending,
+    signal_name,
+)
+from stickslip.fmucheck.finding import Finding
+from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.running.child import Job
+from stickslip.fmucheck.running.loading import GATES
 
 Claim = tuple[str, str]
 
@@ -147,7 +152,7 @@ class _Child:
         job, report, output = (room / name for name in ("job", "report", "output"))
         job.write_bytes(pickle.dumps(self.job))
         report.write_text("")
-        command = [sys.executable, "-m", "fmucheck.running", str(job), str(report)]
+        command = [sys.executable, "-m", "stickslip.fmucheck.running", str(job), str(report)]
         with (
             output.open("wb") as stream,
             child_process(

@@ -10,10 +10,10 @@ import signal
 import sys
 from ctypes import Structure, c_int, c_size_t, c_void_p
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench, Settings
-from fmucheck.running.exchange import finished
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench, Settings
+from stickslip.fmucheck.running.exchange import finished
 
 _CYCLES = 200
 _LEAK = 32  # bytes a cycle that are told

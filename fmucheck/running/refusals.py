@@ -5,12 +5,12 @@ from __future__ import annotations
 from ctypes import byref, c_bool, c_double, c_int, c_size_t, c_void_p
 from typing import Any
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import references
-from fmucheck.running.exchange import new_run
-from fmucheck.running.instance import Instance
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import references
+from stickslip.fmucheck.running.exchange import new_run
+from stickslip.fmucheck.running.instance import Instance
 
 
 def _step(instance: Instance, time: float, step: float) -> int:

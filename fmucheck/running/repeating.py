@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed
-from fmucheck.running.exchange import changes, finished, new_run
-from fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
+from stickslip.fmucheck.running.exchange import (
+    changes,
+    finished,
+    new_run,
+)
+from stickslip.fmucheck.running.run import STEPS, Run
 
 
 def difference(a: list[str], b: list[str]) -> str | None:

@@ -6,10 +6,10 @@ import copy
 import math
 from collections.abc import Sequence
 
-from fmucheck.description.model import Variable
-from fmucheck.running.bench import Bench
-from fmucheck.running.instance import Instance, Values
-from fmucheck.running.variation import other
+from stickslip.fmucheck.description.model import Variable
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.instance import Instance, Values
+from stickslip.fmucheck.running.variation import other
 
 STEPS = 12
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.exchange import finished, new_run
-from fmucheck.running.repeating import difference
-from fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.exchange import finished, new_run
+from stickslip.fmucheck.running.repeating import difference
+from stickslip.fmucheck.running.run import STEPS, Run
 
 _HALF = STEPS // 2
 

@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from ctypes import c_double, c_size_t
 from dataclasses import dataclass
 
-from fmucheck.description.model import Unknown, Variable
-from fmucheck.description.values import whole
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import references, status_name
-from fmucheck.running.exchange import new_run
-from fmucheck.running.instance import Instance
-from fmucheck.running.run import Run
-from fmucheck.running.variation import scale
+from stickslip.fmucheck.description.model import Unknown, Variable
+from stickslip.fmucheck.description.values import whole
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import references, status_name
+from stickslip.fmucheck.running.exchange import new_run
+from stickslip.fmucheck.running.instance import Instance
+from stickslip.fmucheck.running.run import Run
+from stickslip.fmucheck.running.variation import scale
 
 _MOST = 40  # knowns and unknowns compared
 _PLACES = (0, 5)  # steps after which it is compared

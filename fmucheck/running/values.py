@@ -6,16 +6,20 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fmucheck.description.model import Variable
-from fmucheck.description.values import FLOATS, is_number
-from fmucheck.finding import Severity
-from fmucheck.rules import Claims, rule
-from fmucheck.running.bench import Bench
-from fmucheck.running.calls import CallFailed
-from fmucheck.running.exchange import finished, new_run
-from fmucheck.running.instance import Values
-from fmucheck.running.run import STEPS, Run
-from fmucheck.running.variation import other, scale, start_of
+from stickslip.fmucheck.description.model import Variable
+from stickslip.fmucheck.description.values import FLOATS, is_number
+from stickslip.fmucheck.finding import Severity
+from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.calls import CallFailed
+from stickslip.fmucheck.running.exchange import finished, new_run
+from stickslip.fmucheck.running.instance import Values
+from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.variation import (
+    other,
+    scale,
+    start_of,
+)
 
 
 def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fmucheck.description.model import Variable
-from fmucheck.description.units import items_of
-from fmucheck.description.values import FLOATS, RANGES, number
+from stickslip.fmucheck.description.model import Variable
+from stickslip.fmucheck.description.units import items_of
+from stickslip.fmucheck.description.values import (
+    FLOATS,
+    RANGES,
+    number,
+)
 
 
 def start_of(v: Variable) -> tuple[Any, ...] | None:

@@ -8,9 +8,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from models.errors import DescriptionError, StartValueError
-from models.export.law import Law, merge, read_toml
-from models.export.units import DISPLAY, UNITS, rate_unit
+from stickslip.models.errors import DescriptionError, StartValueError
+from stickslip.models.export.law import (
+    Law,
+    merge,
+    read_toml,
+)
+from stickslip.models.export.units import (
+    DISPLAY,
+    UNITS,
+    rate_unit,
+)
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]

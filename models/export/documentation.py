@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from itertools import groupby
 
-from models.export.description import Model
+from stickslip.models.export.description import Model
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from models.export import xml
-from models.export.description import Model, Variable
-from models.export.sources import c_files, compiled
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model, Variable
+from stickslip.models.export.sources import c_files, compiled
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 _INITIAL = {

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from models.export import xml
-from models.export.description import Model
-from models.export.fmi2 import causality, has_start, initial
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
+from stickslip.models.export.fmi2 import (
+    causality,
+    has_start,
+    initial,
+)
 
 _TAGS = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from models.export.description import Model, Role, Variable
+from stickslip.models.export.description import (
+    Model,
+    Role,
+    Variable,
+)
 
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",

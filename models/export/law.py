@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from models.errors import DescriptionError
-from models.export.units import force_and_length
+from stickslip.models.errors import DescriptionError
+from stickslip.models.export.units import force_and_length
 
 Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]

@@ -9,14 +9,34 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-from models.errors import UnknownLaw, UnknownModel
-from models.export import fmi2, fmi3, icon
-from models.export.description import Model, read_model
-from models.export.documentation import index
-from models.export.headers import table_header
-from models.export.law import Law, read_law, read_toml
-from models.export.reference import cross_check, layered_standard, reference_file
-from models.export.sources import (
+from stickslip.fmi.toolchain import (
+    Platform,
+    binaries,
+    host_platform,
+    shared_library,
+    standard_functions,
+    write_whole,
+)
+from stickslip.models.errors import UnknownLaw, UnknownModel
+from stickslip.models.export import (
+    fmi2,
+    fmi3,
+    icon,
+)
+from stickslip.models.export.description import Model, read_model
+from stickslip.models.export.documentation import index
+from stickslip.models.export.headers import table_header
+from stickslip.models.export.law import (
+    Law,
+    read_law,
+    read_toml,
+)
+from stickslip.models.export.reference import (
+    cross_check,
+    layered_standard,
+    reference_file,
+)
+from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
     MODELS,
     FmiVersion,
@@ -26,15 +46,7 @@ from models.export.sources import (
     grouped,
     text,
 )
-from models.export.terminals import terminals_and_icons
-from toolchain import (
-    Platform,
-    binaries,
-    host_platform,
-    shared_library,
-    standard_functions,
-    write_whole,
-)
+from stickslip.models.export.terminals import terminals_and_icons
 
 _ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}

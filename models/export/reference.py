@@ -7,11 +7,11 @@ import io
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from models.errors import UnknownLaw
-from models.export import xml
-from models.export.description import Model
-from models.export.law import read_toml
-from models.export.sources import text
+from stickslip.models.errors import UnknownLaw
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
+from stickslip.models.export.law import read_toml
+from stickslip.models.export.sources import text
 
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
 # The schema of the standard allows no other.

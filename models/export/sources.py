@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree as ET
 
-from models.export import xml
-from models.export.description import Model
-from models.export.headers import table_source, variables_header
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
+from stickslip.models.export.headers import table_source, variables_header
 
 FmiVersion = Literal[2, 3]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as ET
 
-from models.export import xml
-from models.export.description import Model
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
 
 _TILE = {"x1": 0.0, "y1": 0.0, "x2": 100.0, "y2": 100.0}
 

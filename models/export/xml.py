@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
-from models.export.description import Model, Variable
-from models.export.units import DISPLAY, base_unit
+from stickslip.models.export.description import Model, Variable
+from stickslip.models.export.units import DISPLAY, base_unit
 
 Attributes = dict[str, str]
 

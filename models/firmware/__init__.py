@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from models.export.package import load_model
-from models.firmware.c99 import c_files
-from models.firmware.structured_text import st_file
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
+from stickslip.models.export.package import load_model
+from stickslip.models.firmware.c99 import c_files
+from stickslip.models.firmware.structured_text import st_file
 
 Language = Literal["c", "st"]
 

@@ -9,10 +9,14 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from models.export.description import Model, Role
-from models.export.sources import shared_files
-from models.firmware.amalgam import needed, pieces, without_comments
-from models.firmware.variables import explained, unit
+from stickslip.models.export.description import Model, Role
+from stickslip.models.export.sources import shared_files
+from stickslip.models.firmware.amalgam import (
+    needed,
+    pieces,
+    without_comments,
+)
+from stickslip.models.firmware.variables import explained, unit
 
 _SINGLE = Path(__file__).with_name("single.h")
 _STRUCTS: dict[Role, str] = {

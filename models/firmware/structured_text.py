@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from models.export.description import Model, Variable
-from models.firmware.variables import explained
+from stickslip.models.export.description import Model, Variable
+from stickslip.models.firmware.variables import explained
 
 _BODY = Path(__file__).with_name("compensator.st")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from models.export.description import Variable
+from stickslip.models.export.description import Variable
 
 
 def unit(v: Variable) -> str:

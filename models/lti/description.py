@@ -7,8 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from models.export.description import Kind, Model, Role, Variable
-from models.lti.system import Array, LinearSystem
+from stickslip.models.export.description import (
+    Kind,
+    Model,
+    Role,
+    Variable,
+)
+from stickslip.models.lti.system import Array, LinearSystem
 
 # Axes and a step response.
 _ICON = ((16, 14, 16, 82, 86, 82), (16, 82, 26, 56, 36, 34, 46, 27, 56, 31, 66, 36, 86, 36))

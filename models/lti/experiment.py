@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from models.lti.system import LinearSystem
+from stickslip.models.lti.system import LinearSystem
 
 _STEPS = 100_000  # at most
 

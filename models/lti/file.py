@@ -9,10 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from models.errors import LtiError
-from models.lti.realisation import realise
-from models.lti.system import Array, LinearSystem
-from toolchain import MOST_TEXT, parse_json, parse_toml, read_whole
+from stickslip.fmi.toolchain import (
+    MOST_TEXT,
+    parse_json,
+    parse_toml,
+    read_whole,
+)
+from stickslip.models.errors import LtiError
+from stickslip.models.lti.realisation import realise
+from stickslip.models.lti.system import Array, LinearSystem
 
 _KEYS = (
     *("name", "A", "B", "C", "D", "num", "den", "dt"),

@@ -10,14 +10,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import matrix_balance
 
-from models.errors import LtiError
-from models.export.package import pack_fmu
-from models.export.sources import FmiVersion
-from models.lti.description import has_derivatives, model_of, readme
-from models.lti.experiment import proposed
-from models.lti.exponential import exponential
-from models.lti.system import Array, LinearSystem, linear_system
-from toolchain import Platform, temporary_folder
+from stickslip.fmi.toolchain import Platform, temporary_folder
+from stickslip.models.errors import LtiError
+from stickslip.models.export.package import pack_fmu
+from stickslip.models.export.sources import FmiVersion
+from stickslip.models.lti.description import (
+    has_derivatives,
+    model_of,
+    readme,
+)
+from stickslip.models.lti.experiment import proposed
+from stickslip.models.lti.exponential import exponential
+from stickslip.models.lti.system import (
+    Array,
+    LinearSystem,
+    linear_system,
+)
 
 _HERE = Path(__file__).parent
 _LARGEST = 128  # states in continuous time: three matrices of that size lie on the stack

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from models.errors import LtiError
+from stickslip.models.errors import LtiError
 
 Array = NDArray[np.float64]
 

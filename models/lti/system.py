@@ -11,8 +11,8 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.errors import LtiError
-from models.lti.realisation import realise
+from stickslip.models.errors import LtiError
+from stickslip.models.lti.realisation import realise
 
 Array = NDArray[np.float64]
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -6,8 +6,8 @@ import math
 from argparse import ArgumentParser
 from collections.abc import Iterable
 
+from stickslip.catalog.parameters import LUGRE
 from stickslip.errors import UsageError
-from stickslip.parameters import LUGRE
 
 _WORDS = {"true": True, "on": True, "false": False, "off": False}
 

@@ -7,9 +7,9 @@ import itertools
 import os
 from pathlib import Path
 
-import models
+from stickslip import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
-from toolchain import Threads
+from stickslip.fmi.toolchain import Threads
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 

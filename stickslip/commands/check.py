@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-import fmucheck
-from fmucheck import Report, Severity
+from stickslip import fmucheck
+from stickslip.fmucheck import Report, Severity
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -6,12 +6,17 @@ import argparse
 import json
 from pathlib import Path
 
-from cosim.control import Axis, LoopSpecification, VelocityLoop, design_velocity_loop
-from stickslip.loop import nominal_parameters
-from stickslip.parameters import PAPER
-from stickslip.result_folder import staged
-from stickslip.setup import LOOP, Datasheet
-from toolchain import write_whole
+from stickslip.catalog.parameters import PAPER
+from stickslip.fmi.toolchain import write_whole
+from stickslip.results.folder import staged
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.systems import nominal_parameters
+from stickslip.servo.velocity_loop import (
+    LoopSpecification,
+    VelocityLoop,
+    design_velocity_loop,
+)
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

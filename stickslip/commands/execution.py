@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import ga
-from ga.checkpoint import check
+from stickslip import ga
 from stickslip.errors import UsageError
-from stickslip.execution import Execution, processors
+from stickslip.ga.execution.checkpoint import check
+from stickslip.tuning.execution import Execution, processors
 
 
 def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None:

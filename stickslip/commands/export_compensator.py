@@ -10,14 +10,20 @@ from typing import Any
 
 import numpy as np
 
-import models
-from models.firmware import write_compensator
+from stickslip import models
+from stickslip.catalog.parameters import at_share
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.commands.worth import print_worth
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.guards import Trial, inspect, try_out
-from stickslip.learned import read_friction, read_learned
-from stickslip.learned_loop import (
+from stickslip.evaluation.guards import (
+    Trial,
+    inspect,
+    try_out,
+)
+from stickslip.fmi.toolchain import temporary_folder
+from stickslip.models.firmware import write_compensator
+from stickslip.results.learned import read_friction, read_learned
+from stickslip.results.learned_loop import (
     read_datasheet,
     read_document,
     read_feed,
@@ -25,9 +31,7 @@ from stickslip.learned_loop import (
     read_standard_errors,
     read_validation,
 )
-from stickslip.loop import build_fmus
-from stickslip.parameters import at_share
-from toolchain import temporary_folder
+from stickslip.servo.systems import build_fmus
 
 MOST_SAMPLES = 10_000_000
 """Of a validation command."""

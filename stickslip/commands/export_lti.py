@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-import models
+from stickslip import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import cosim
+from stickslip import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.errors import UsageError

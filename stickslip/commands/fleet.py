@@ -12,11 +12,17 @@ import pandas as pd
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
-from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
+from stickslip.fleet import (
+    Drive,
+    Fleet,
+    fleet_table,
+    learn_fleet,
+    read_fleet,
+)
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import files_of, write_fleet
-from stickslip.result_folder import reserved
+from stickslip.results.folder import reserved
+from stickslip.tuning.execution import Execution
 
 VISIBLE = ("well known", "weakly known", "not visible")
 

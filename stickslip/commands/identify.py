@@ -7,15 +7,15 @@ import json
 import sys
 from pathlib import Path
 
+from stickslip.catalog.parameters import UNITS
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.identification import identify
-from stickslip.parameters import UNITS
-from stickslip.reproduction import drive_truth
-from stickslip.result_folder import reserved, staged
-from stickslip.rig import rig_of
-from stickslip.setup import LOOP
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
+from stickslip.identification.stages import identify
+from stickslip.pipeline.reproduction import drive_truth
+from stickslip.results.folder import reserved, staged
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.rig import rig_of
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

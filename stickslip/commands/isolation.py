@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-import cosim
+from stickslip import cosim
 from stickslip.errors import UsageError
 
 

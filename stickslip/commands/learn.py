@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from stickslip.catalog.parameters import unit_of
 from stickslip.commands.execution import (
     add_algorithm_option,
     add_execution_options,
@@ -20,11 +21,24 @@ from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.worth import print_worth
 from stickslip.errors import UsageError
-from stickslip.estimation import Estimation, JudgeName, Search
-from stickslip.log_learning import FILES, LogLearning, learn_from_log, read_and_check, write_learned
-from stickslip.parameters import unit_of
-from stickslip.recording import Description, Finding, raise_errors
-from stickslip.result_folder import reserved
+from stickslip.identification.estimation import (
+    Estimation,
+    JudgeName,
+    Search,
+)
+from stickslip.logs import (
+    Description,
+    Finding,
+    raise_errors,
+)
+from stickslip.pipeline.log_learning import (
+    FILES,
+    LogLearning,
+    learn_from_log,
+    read_and_check,
+    write_learned,
+)
+from stickslip.results.folder import reserved
 
 JUDGES: dict[str, JudgeName] = {
     "auto": "auto",

@@ -8,11 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
-from cosim.names import suggestion
+from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
-from stickslip.recording import ROLES, Column, Description, Kind, load_description
-from stickslip.recording.controller import GAINS
-from stickslip.recording.description import CONFIRMED
+from stickslip.logs import (
+    ROLES,
+    Column,
+    Description,
+    Kind,
+    load_description,
+)
+from stickslip.logs.controller import GAINS
+from stickslip.logs.description import CONFIRMED
 
 _PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"}
 """Options of several ROLE=VALUE, and what of a column they say."""

@@ -8,10 +8,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
-from stickslip.parameters import PAPER
-from stickslip.plan import LINEAR, ROTARY, Stretch, arrange, draw_plan, plan
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
+from stickslip.plan import (
+    LINEAR,
+    ROTARY,
+    Stretch,
+    arrange,
+    draw_plan,
+    plan,
+)
 
 _OPTIONS = {
     "stroke": ("M", "between the two farthest positions"),

@@ -7,7 +7,7 @@ from typing import Self, TextIO
 
 from tqdm import tqdm
 
-import ga
+from stickslip import ga
 
 
 class TerminalProgress:

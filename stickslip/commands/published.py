@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.published import Published
-from stickslip.published.readings import worse
-from stickslip.published.study import PAPER_COST
+from stickslip.tuning.published import Published
+from stickslip.tuning.published.readings import worse
+from stickslip.tuning.published.study import PAPER_COST
 
 
 def print_published(published: Published) -> None:

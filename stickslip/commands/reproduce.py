@@ -26,22 +26,27 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.published import print_published
 from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
-from stickslip.identification import identify
-from stickslip.loop import FEEDS, build_fmus
-from stickslip.published import study_as_published
-from stickslip.published_results import FILES as PUBLISHED_FILES
-from stickslip.published_results import write_published_results
-from stickslip.record_mode import reproduce_from_recording
-from stickslip.record_results import FILES as RECORD_FILES
-from stickslip.record_results import write_record_results
-from stickslip.reproduction import Options, Reproduction, drive_truth, reproduce
-from stickslip.result_folder import reserved
-from stickslip.results import FILES, write_results
-from stickslip.rig import Rig
-from stickslip.setup import LOOP, Datasheet
-from stickslip.studies import with_studies
-from toolchain import temporary_folder
+from stickslip.fmi.toolchain import temporary_folder
+from stickslip.identification.stages import identify
+from stickslip.pipeline.record_mode import reproduce_from_recording
+from stickslip.pipeline.reproduction import (
+    Options,
+    Reproduction,
+    drive_truth,
+    reproduce,
+)
+from stickslip.pipeline.studies import with_studies
+from stickslip.results.folder import reserved
+from stickslip.results.published_folder import FILES as PUBLISHED_FILES
+from stickslip.results.published_folder import write_published_results
+from stickslip.results.record_folder import FILES as RECORD_FILES
+from stickslip.results.record_folder import write_record_results
+from stickslip.results.reproduction_folder import FILES, write_results
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import FEEDS, build_fmus
+from stickslip.tuning.execution import Execution
+from stickslip.tuning.published import study_as_published
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import cosim
+from stickslip import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
+from stickslip.commands.default_input import packed_input
 from stickslip.commands.isolation import add_isolation, isolation_of
-from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
-from stickslip.result_folder import writable
-from toolchain import refuse_odd
+from stickslip.fmi.toolchain import refuse_odd
+from stickslip.results.folder import writable
 
 _STEPS = 500  # of an FMU that proposes no step
 

@@ -6,20 +6,20 @@ import argparse
 import sys
 from pathlib import Path
 
-from stickslip.attribution import attribute
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
-from stickslip.filtered import with_inertia, with_velocity_filter
-from stickslip.identification import identify
-from stickslip.learned import read_learned
-from stickslip.loop import FEEDS
-from stickslip.reproduction import drive_truth
-from stickslip.result_folder import reserved, staged
-from stickslip.rig import rig_of
-from stickslip.setup import LOOP, VALIDATION
-from stickslip.validation import validate
-from toolchain import write_whole
+from stickslip.evaluation.attribution import attribute
+from stickslip.evaluation.validation import validate
+from stickslip.fmi.toolchain import write_whole
+from stickslip.identification.stages import identify
+from stickslip.pipeline.reproduction import drive_truth
+from stickslip.results.folder import reserved, staged
+from stickslip.results.learned import read_learned
+from stickslip.servo.datasheet import LOOP, VALIDATION
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.rig import rig_of
+from stickslip.servo.systems import FEEDS
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

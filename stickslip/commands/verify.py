@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from stickslip.errors import ResultsError
-from stickslip.result_folder import verify
+from stickslip.results.folder import verify
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TextIO
 
-from stickslip.guards import Worth
+from stickslip.evaluation.guards import Worth
 
 
 def print_worth(worth: Worth, file: TextIO | None = None) -> None:

@@ -13,18 +13,28 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from cosim.control import ControlError, VelocityLoop, design_velocity_loop
 from stickslip.errors import StickslipError
-from stickslip.estimation import Estimation, Task, candidate_fmus, learn
-from stickslip.filtered import with_inertia, with_velocity_filter
 from stickslip.fleet.drive import Drive, LogSource
-from stickslip.learned import estimation_document
-from stickslip.log_learning import learn_from_log, learned_document
-from stickslip.record_mode import gains_of, record_drive
-from stickslip.recording import Description, check_recording, load_description
-from stickslip.rig import rig_of
-from stickslip.setup import LOOP, Datasheet
-from toolchain import interrupted_by, interruptible
+from stickslip.fmi.toolchain import interrupted_by, interruptible
+from stickslip.identification.estimation import (
+    Estimation,
+    Task,
+    candidate_fmus,
+    learn,
+)
+from stickslip.logs import (
+    Description,
+    check_recording,
+    load_description,
+)
+from stickslip.pipeline.log_learning import learn_from_log, learned_document
+from stickslip.pipeline.record_mode import gains_of, record_drive
+from stickslip.results.learned import estimation_document
+from stickslip.servo.axis import ControlError
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.rig import rig_of
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 OnStage = Callable[[str], object]
 

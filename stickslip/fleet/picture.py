@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from stickslip.measurement import Array
 from stickslip.report.style import (
     GREY,
     INK,
@@ -25,6 +24,7 @@ from stickslip.report.style import (
     house_style,
     new_figure,
 )
+from stickslip.servo.measurement import Array
 
 LOOKS = {
     "not visible": (GREY, "white", THIN),

@@ -9,13 +9,24 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
-from stickslip.learned import versions
-from stickslip.result_folder import MANIFEST, complete, refuse_foreign, staged
-from toolchain import MOST_TEXT, digest, parse_json, read_whole, write_whole
+from stickslip.fmi.toolchain import (
+    MOST_TEXT,
+    digest,
+    parse_json,
+    read_whole,
+    write_whole,
+)
+from stickslip.results.folder import (
+    MANIFEST,
+    complete,
+    refuse_foreign,
+    staged,
+)
+from stickslip.results.learned import versions
+from stickslip.tuning.execution import Execution
 
 TABLE = "fleet.csv"
 UNFINISHED = "unfinished"

@@ -8,7 +8,7 @@ import pandas as pd
 
 from stickslip.fleet.drive import Variant
 from stickslip.fleet.study import Fleet
-from stickslip.reproduction import drive_truth
+from stickslip.pipeline.reproduction import drive_truth
 
 COLUMNS = [
     "name",

@@ -10,13 +10,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-import models
-from cosim.names import suggestion
+from stickslip import models
 from stickslip.commands.assignments import drive_changes
+from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
-from stickslip.fleet.drive import Drive, LogSource, Variant
-from stickslip.reproduction import drive_truth
-from toolchain import MOST_TEXT, read_whole
+from stickslip.fleet.drive import (
+    Drive,
+    LogSource,
+    Variant,
+)
+from stickslip.fmi.toolchain import MOST_TEXT, read_whole
+from stickslip.pipeline.reproduction import drive_truth
 
 COLUMNS = ("name", "log", "config", "set")
 _NAME = re.compile(r"\w[\w.-]{0,79}")

@@ -10,10 +10,14 @@ import pandas as pd
 
 from stickslip.fleet.drive import Drive
 from stickslip.fleet.picture import draw_fleet
-from stickslip.fleet.study import TABLE, UNFINISHED, Fleet
+from stickslip.fleet.study import (
+    TABLE,
+    UNFINISHED,
+    Fleet,
+)
+from stickslip.fmi.toolchain import write_whole
 from stickslip.report.picture import picture_files
-from stickslip.result_folder import remove_results, staged
-from toolchain import write_whole
+from stickslip.results.folder import remove_results, staged
 
 
 def files_of(drives: Sequence[Drive]) -> list[str]:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
-from stickslip.measurement import Array
-from stickslip.parameters import PAPER
 from stickslip.plan import parts
 from stickslip.plan.limits import LINEAR, Limits
+from stickslip.servo.measurement import Array
 
 REST = 0.01
 """Share of the whole in which the drive rests, before and after."""

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from stickslip.measurement import Array
 from stickslip.plan.limits import Limits
+from stickslip.servo.measurement import Array
 
 QUICK = 0.1
 """Shortest move [s]: what most position loops still follow."""

@@ -8,8 +8,8 @@ from itertools import pairwise
 import pandas as pd
 from matplotlib.axes import Axes
 
+from stickslip.logs import Motion
 from stickslip.plan.experiment import Stretch
-from stickslip.recording import Motion
 from stickslip.report.style import (
     GREY,
     PAGE,

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
+from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.style import RESOLUTION, house_style
-from stickslip.reproduction import Reproduction
 
 Drawing = Callable[[Reproduction], Figure]
 

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from stickslip.identification import Estimate
-from stickslip.parameters import UNITS
-from stickslip.report.markup import Html, element, symbol, text
+from stickslip.catalog.parameters import UNITS
+from stickslip.identification.stages import Estimate
+from stickslip.report.markup import (
+    Html,
+    element,
+    symbol,
+    text,
+)
 from stickslip.report.picture import Picture
-from stickslip.report.quantity import SCALES, SYMBOLS, number, unit, with_error
+from stickslip.report.quantity import (
+    SCALES,
+    SYMBOLS,
+    number,
+    unit,
+    with_error,
+)
 from stickslip.report.style import COLUMN
 
 METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}

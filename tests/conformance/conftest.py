@@ -16,7 +16,7 @@ import pytest
 from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
-import models
+from stickslip import models
 from tests.corpus.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s

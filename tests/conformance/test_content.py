@@ -17,10 +17,10 @@ from fmpy.model_description import read_build_description
 from fmpy.util import read_csv, read_ref_opt_file
 from lxml import etree
 
-import models
-import toolchain
-from models.export.reference import reference_file
-from models.export.sources import fmi_headers, grouped
+from stickslip import models
+from stickslip.fmi import toolchain
+from stickslip.models.export.reference import reference_file
+from stickslip.models.export.sources import fmi_headers, grouped
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 ROOT = Path(models.__file__).parent.parent

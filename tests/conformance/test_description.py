@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-import models
+from stickslip import models
 
 
 def test_fmpy_finds_nothing_to_complain_about(fmu):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import cosim
+from stickslip import cosim
 
 STEP, STEPS = 5e-4, 200
 

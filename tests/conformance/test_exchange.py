@@ -12,9 +12,8 @@ import libcosimpy.CosimSlave
 import numpy as np
 import pytest
 
-import cosim
-import models
-from models.export.reference import reference_file
+from stickslip import cosim, models
+from stickslip.models.export.reference import reference_file
 
 STEP = 5e-4  # s
 

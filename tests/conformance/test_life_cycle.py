@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-import models
+from stickslip import models
 
 ERROR = 3
 

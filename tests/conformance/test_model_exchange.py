@@ -11,7 +11,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from scipy.integrate import solve_ivp
 
-import models
+from stickslip import models
 
 spec = importlib.util.spec_from_file_location("equations", Path(__file__).with_name("equations.py"))
 equations = importlib.util.module_from_spec(spec)

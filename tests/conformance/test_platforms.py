@@ -6,9 +6,9 @@ import zipfile
 
 import pytest
 
-import models
-import toolchain
-from toolchain import PLATFORMS
+from stickslip import models
+from stickslip.fmi import toolchain
+from stickslip.fmi.toolchain import PLATFORMS
 
 SYSTEM = {"libc.so.6", "KERNEL32.dll", "/usr/lib/libSystem.B.dylib"}
 FOLDERS = {

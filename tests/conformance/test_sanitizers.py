@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from models.export.sources import fmi_headers
+from stickslip.models.export.sources import fmi_headers
 from tests.corpus.fuzz_calls import SANITIZE
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import expm
 
-import cosim
-from cosim.control import Axis, VelocityLoop
+from stickslip import cosim
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_loop import VelocityLoop
 
 STATES = 8  # of the nominal_loop FMU
 NO_FRICTION = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}

@@ -3,8 +3,13 @@ from pathlib import Path
 
 import pytest
 
-import models
-from cosim.control import Axis, LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip import models
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_loop import (
+    LoopSpecification,
+    VelocityLoop,
+    design_velocity_loop,
+)
 
 sys.path.insert(0, str(Path(__file__).parent))  # closed_loop
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
-import toolchain
+from stickslip.fmi import toolchain
 
 # name, causality, start, value reference of the state it is the derivative of
 _VARIABLES = [

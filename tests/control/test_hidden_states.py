@@ -9,9 +9,12 @@ import control
 import numpy as np
 import pytest
 
-import cosim
-import models
-from cosim.control import LinearisationError, linearise, nonlinear_system
+from stickslip import cosim, models
+from stickslip.cosim.control import (
+    LinearisationError,
+    linearise,
+    nonlinear_system,
+)
 
 # x' = A x + [1 0]' u, y = C x; the second state is hidden
 PLANTS = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from closed_loop import follow, ideal_servo, nominal_values
 
-import cosim
+from stickslip import cosim
 
 STOP = 0.1
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from closed_loop import ideal_servo
 
-import cosim
-import models
-from cosim.control import measure_response
+from stickslip import cosim, models
+from stickslip.cosim.control import measure_response
 from stickslip.report.bode import draw_bode
 
 T_S = 5e-4

@@ -9,16 +9,13 @@ import pytest
 from closed_loop import ideal_servo, nominal_values
 from scipy.linalg import expm
 
-import cosim
-from cosim.control import (
-    Axis,
-    ControlError,
+from stickslip import cosim
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.velocity_filter import (
     FilterSpecification,
-    VelocityLoop,
     design_velocity_filter,
-    design_velocity_loop,
 )
-from cosim.control.velocity_loop import LoopSpecification
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
 T_S = 5e-4
 SPECIFICATION = FilterSpecification(encoder_step=4e-7, force_noise=0.05, disturbance_rate=1.5)

@@ -13,9 +13,8 @@ from closed_loop import follow, open_loop_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.control import (
-    Axis,
-    ControlError,
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.velocity_loop import (
     LoopSpecification,
     close_velocity_loop,
     design_velocity_loop,

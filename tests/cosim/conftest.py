@@ -11,7 +11,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-import toolchain
+from stickslip.fmi import toolchain
 
 # name, type, causality, unit, further attributes; the value reference is the place in the list
 VARIABLES = [

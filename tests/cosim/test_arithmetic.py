@@ -10,8 +10,8 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
-from cosim.kernel.arithmetic import plain_arithmetic
+from stickslip import cosim
+from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")

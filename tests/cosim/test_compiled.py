@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim.kernel.unrolled import MOST_COMPONENTS
+from stickslip import cosim
+from stickslip.cosim.kernel.unrolled import MOST_COMPONENTS
 
 
 def circle(make, n):

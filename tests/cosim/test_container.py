@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-import cosim
+from stickslip import cosim
 
 STEP, STOP = 0.01, 1.0
 

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 STEP, STOP = 1e-3, 20.0
 forks = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")

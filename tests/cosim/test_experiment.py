@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-import cosim
-from cosim.experiment import check_memory, count_steps
+from stickslip import cosim
+from stickslip.cosim.system.experiment import check_memory, count_steps
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 GIVE_NAN, TERMINATE, RETURN_EARLY, FAIL_TO_INITIALISE = 10, 11, 12, 13
 

@@ -8,8 +8,9 @@ import logging
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Adaptive, Coupling, resets
+from stickslip import cosim
+from stickslip.cosim import Adaptive, Coupling
+from stickslip.cosim.run import resets
 from tests.corpus.hostile import faults
 
 # function -> (its name in FMI 2.0 and 3.0, which call fails)

@@ -8,9 +8,9 @@ import zipfile
 
 import pytest
 
-import cosim
-import toolchain
-from cosim.archive import directory
+from stickslip import cosim
+from stickslip.fmi import toolchain
+from stickslip.fmi.archive import directory
 
 
 def members(path):

@@ -24,7 +24,7 @@ with system.prepare(step=1e-6, stop=100.0, record=["x0.y"]) as simulation:
         simulation.run()
 """
 COMPILE = """
-import toolchain
+from stickslip.fmi import toolchain
 lines = "".join(f"int f{i}(int x) {{ return x * {i}; }}\\n" for i in range(20_000))
 print("ready", flush=True)
 toolchain.shared_library("slow", {"slow.c": lines}, flags=("-Wno-missing-prototypes",))

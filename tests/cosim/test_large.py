@@ -6,8 +6,8 @@ import gc
 
 import pytest
 
-import cosim
 from benchmarks.coupling import ring
+from stickslip import cosim
 
 N = 20_000
 

@@ -9,7 +9,7 @@ import threading
 
 import pytest
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import faults
 
 FOREIGN = ["(void*)1", "NULL"]

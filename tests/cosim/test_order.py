@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim import ConnectionFault
-from cosim.order import stepping_order
+from stickslip.cosim import ConnectionFault
+from stickslip.cosim.system.order import stepping_order
 
 
 def test_without_feedthrough_the_order_stays():

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim.pace import Pace
+from stickslip import cosim
+from stickslip.cosim.run.real_time import Pace
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ import pickle
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Deviation, Record
+from stickslip import cosim
+from stickslip.cosim import Deviation, Record
 
 N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
 TERMINATE = 11

@@ -9,10 +9,9 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
-import ga
-import toolchain
-from cosim import resets
+from stickslip import cosim, ga
+from stickslip.cosim.run import resets
+from stickslip.fmi import toolchain
 
 STEP, STOP = 0.05, 0.5  # 10 steps; see unreset.c
 SOUND = "*m = fresh();"

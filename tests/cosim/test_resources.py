@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")

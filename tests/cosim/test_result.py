@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
+from stickslip import cosim
 
 
 @pytest.fixture

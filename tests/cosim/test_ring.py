@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
 from benchmarks.coupling import ring
 from benchmarks.coupling.loops import Loops
+from stickslip import cosim
 
 N = 100_000
 

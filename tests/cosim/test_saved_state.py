@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import cosim
-from cosim.checkpoint import Checkpoint
+from stickslip import cosim
+from stickslip.cosim.run.checkpoint import Checkpoint
 from tests.corpus.defects import reference
 
 

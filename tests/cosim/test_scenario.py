@@ -3,8 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Link, Scaling, Scenario
+from stickslip import cosim
+from stickslip.cosim import (
+    Link,
+    Scaling,
+    Scenario,
+)
 
 STEP, N = 0.1, 20
 

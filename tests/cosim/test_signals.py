@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 T = np.linspace(0.0, 10.0, 10_001)
 

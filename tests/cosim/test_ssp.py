@@ -8,7 +8,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 
-import cosim
+from stickslip import cosim
 
 EXPERIMENT = cosim.DefaultExperiment(start=0.0, stop=2.0, step=0.25)
 

@@ -6,7 +6,7 @@ import zipfile
 
 import pytest
 
-import cosim
+from stickslip import cosim
 
 NAMES = {
     "ssd": "SystemStructureDescription",

@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 from fmpy.ssp.ssd import read_ssd
 
-import cosim
-from cosim.scaling import PLAIN, Link, Scaling
+from stickslip import cosim
+from stickslip.cosim.system.scaling import (
+    PLAIN,
+    Link,
+    Scaling,
+)
 
 ROOT = (
     '<?xml version="1.0" encoding="UTF-8"?><ssd:SystemStructureDescription'

@@ -17,8 +17,8 @@ from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 from lxml import etree
 
-import cosim
-from cosim.scaling import Link, Scaling
+from stickslip import cosim
+from stickslip.cosim.system.scaling import Link, Scaling
 
 STEP = 0.25
 EXPERIMENT = cosim.DefaultExperiment(start=0.0, stop=2.0, step=STEP)

@@ -7,7 +7,7 @@ import pickle
 
 import pytest
 
-import cosim
+from stickslip import cosim
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
+from stickslip import cosim
 
 FRAME = pd.DataFrame({"time": [0.0, 1.0, 1.0, 2.0], "v": [0.0, 1.0, 5.0, 6.0], "w": [1, 2, 3, 4]})
 T = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])

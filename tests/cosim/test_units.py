@@ -3,9 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim.scaling import IDENTITY, PLAIN, Link, Scaling
-from cosim.units import Unit
+from stickslip import cosim
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.system.scaling import (
+    IDENTITY,
+    PLAIN,
+    Link,
+    Scaling,
+)
 
 NEWTON = Unit("N", (1, 1, -2, 0, 0, 0, 0, 0))
 KELVIN = Unit("K", (0, 0, 0, 0, 1, 0, 0, 0))

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
+from stickslip import cosim
 
 ROOT = Path(__file__).parents[2]
 NUMBER = r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?"

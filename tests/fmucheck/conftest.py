@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import models
+from stickslip import models
 
 Build = Callable[[str, int], Path]
 

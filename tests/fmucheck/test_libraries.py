@@ -6,10 +6,10 @@ import zipfile
 
 import pytest
 
-import models
-import toolchain
-from fmucheck import check
-from fmucheck.binaries.library import read_library
+from stickslip import models
+from stickslip.fmi import toolchain
+from stickslip.fmucheck import check
+from stickslip.fmucheck.binaries.library import read_library
 from tests.corpus.defects.reference import pack
 
 # Windows is left out: its C library takes minutes to build on a cold cache.

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-import fmucheck
-import toolchain
+from stickslip import fmucheck
+from stickslip.fmi import toolchain
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="hostile.c is for POSIX")

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from fmucheck.description.model import Description, Interface
-from fmucheck.running import bench as benches
-from fmucheck.running.bench import Bench
-from fmucheck.running.parent import TIMEOUT
+from stickslip.fmucheck.description.model import Description, Interface
+from stickslip.fmucheck.running import bench as benches
+from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.parent import TIMEOUT
 
 
 @pytest.mark.parametrize(("elapsed", "tried"), [(0.0, [1, 2, 3]), (1e6, [])])

@@ -5,8 +5,8 @@ import random
 import pytest
 from lxml import etree
 
-import fmucheck
-from fmucheck.description.values import number
+from stickslip import fmucheck
+from stickslip.fmucheck.description.values import number
 from tests.corpus.defects.reference import members, pack
 
 VALUES = ["", "-1", "0", "1e999", "NaN", "x y", "99999999999999999999", "true", "ä'\"", "exact"]

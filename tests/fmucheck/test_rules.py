@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-import fmucheck
-from fmucheck.rules import table
+from stickslip import fmucheck
+from stickslip.fmucheck.rules import table
 
 ROOT = Path(fmucheck.__file__).parent.parent
 
 
 def test_the_documentation_lists_every_rule():
-    """``docs/check.md`` holds what ``fmucheck.rules.table()`` returns."""
+    """``docs/check.md`` holds what ``stickslip.fmucheck.rules.table()`` returns."""
     assert table() in (ROOT / "docs" / "check.md").read_text(encoding="utf-8")
 
 

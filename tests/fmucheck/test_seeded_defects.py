@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 
-import fmucheck
+from stickslip import fmucheck
 from tests.corpus.defects import binaries, descriptions, files
 from tests.corpus.defects.reference import members, pack
 

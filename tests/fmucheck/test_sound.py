@@ -2,8 +2,7 @@
 
 import pytest
 
-import fmucheck
-import models
+from stickslip import fmucheck, models
 
 
 @pytest.mark.parametrize("version", [2, 3])

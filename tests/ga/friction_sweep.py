@@ -9,7 +9,7 @@ from itertools import accumulate
 
 import numpy as np
 
-import ga
+from stickslip import ga
 
 NAMES = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")
 UNITS = ("N", "N", "m/s", "N/m", "N s/m")

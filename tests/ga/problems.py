@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import ga
+from stickslip import ga
 
 GENES = [
     ga.Gene("a", 0.1, 100.0, 1.0, "N"),

@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import numpy as np
 from problems import GENES, sometimes_fails
 
-import ga
+from stickslip import ga
 
 
 def slowly(values: np.ndarray) -> float:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import ga
+from stickslip import ga
 
 
 def probability(parents, best=4.0, mean=2.0, k1=0.9, k2=0.7):

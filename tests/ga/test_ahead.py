@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from problems import GENES, quadratic
 
-import ga
-from ga.judging import Judge
+from stickslip import ga
+from stickslip.ga.execution.evaluation import Judge
 
 NOISY = replace(ga.PRESETS["default"], noisy=True)
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from problems import GENES, quadratic
 
-import ga
+from stickslip import ga
 
 PRESETS = pytest.mark.parametrize("preset", ga.PRESETS)
 

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 from problems import GENES, quadratic
 
-import cosim
-import ga
-import models
+from stickslip import cosim, ga, models
 
 CALLS = Counter()
 NAMES = ("x.a", "x.b", "x.c")

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from problems import GENES, quadratic, sometimes_fails
 
-import ga
-from ga.checkpoint import check
+from stickslip import ga
+from stickslip.ga.execution.checkpoint import check
 
 PROBLEM = ga.Problem(GENES, ga.AtLeast("b", "a"))
 LIMITS = ga.Limits(evaluations=200)

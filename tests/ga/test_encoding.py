@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from problems import GENES
 
-import ga
-from ga.encoding import Encoding
+from stickslip import ga
+from stickslip.ga.problem.encoding import Encoding
 
 UNIT = st.lists(st.floats(0, 1), min_size=3, max_size=3).map(lambda row: np.array([row]))
 

@@ -8,8 +8,8 @@ import pytest
 from problems import GENES, quadratic, sometimes_fails
 from workers import KillsItsWorker
 
-import ga
-from ga.judging import DIED
+from stickslip import ga
+from stickslip.ga.execution.evaluation import DIED
 
 GENERATIONS = 4
 
@@ -113,7 +113,7 @@ def test_no_client_is_begun_where_no_scheduler_answers(cluster, monkeypatch):
 
 
 def test_what_is_not_installed_is_named(monkeypatch):
-    monkeypatch.setattr("ga.cluster.find_spec", lambda _: None)
+    monkeypatch.setattr("stickslip.ga.execution.cluster.find_spec", lambda _: None)
     needed = r"distributed.*stickslip\[dask\]"
     with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
         pass

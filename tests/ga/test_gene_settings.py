@@ -2,7 +2,7 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-import ga
+from stickslip import ga
 
 
 def test_the_preset_paper_is_table_3():

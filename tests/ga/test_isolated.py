@@ -8,8 +8,7 @@ from math import floor
 
 import pytest
 
-import cosim
-import ga
+from stickslip import cosim, ga
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the FMU is for Linux")

@@ -11,7 +11,7 @@ import pytest
 from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_fails
 from scipy.optimize import differential_evolution
 
-import ga
+from stickslip import ga
 
 SHORT = replace(ga.DEFAULT, generations=12)
 

@@ -3,7 +3,7 @@
 import pytest
 from problems import GENES, quadratic
 
-import ga
+from stickslip import ga
 
 
 def run(limits, cost=quadratic, algorithm="default"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from problems import GENES, TARGET, quadratic, sometimes_fails
 
-import ga
+from stickslip import ga
 
 EVERY = pytest.mark.parametrize("algorithm", ga.ALGORITHMS)
 HELD = ga.AtLeast("b", "a")
@@ -125,7 +125,7 @@ def test_what_cannot_be_is_named(arguments, message):
 def test_cma_needs_its_package_and_two_genes(monkeypatch):
     with pytest.raises(ga.SettingsError, match="two genes or more"):
         ga.optimiser("cma", ga.Problem(GENES[:1]))
-    monkeypatch.setattr("ga.covariance.find_spec", lambda _: None)
+    monkeypatch.setattr("stickslip.ga.algorithms.cma_es.find_spec", lambda _: None)
     with pytest.raises(ga.SettingsError, match=r"needs the package cma.*stickslip\[optimisers\]"):
         ga.optimiser("cma", ga.Problem(GENES))
 

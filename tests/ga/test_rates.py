@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-import ga
-from ga.rates import LEAST, MutationRate, Shares
+from stickslip import ga
+from stickslip.ga.operators.rates import (
+    LEAST,
+    MutationRate,
+    Shares,
+)
 
 
 def drawn(rate, n=2000):

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from problems import GENES, quadratic
 
-import ga
+from stickslip import ga
 
 REPAIR = ga.AtLeast("b", "a")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ga.sections import Sections
+from stickslip.ga.operators.sections import Sections
 
 
 def separable(string):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
-import ga
+from stickslip import ga
 
 BUDGET, SEEDS, GENES = 600, 7, 5
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from cosim import kernel
+from stickslip.cosim import kernel
 from tests.corpus.defects import reference
 from tests.corpus.hostile import fmus
 

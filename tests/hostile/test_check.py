@@ -8,7 +8,7 @@ import warnings
 
 import pytest
 
-import fmucheck
+from stickslip import fmucheck
 from stickslip.cli import main
 from tests.corpus.hostile import CASES, archives, fmus
 from tests.corpus.hostile.sound import members

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-import toolchain
 from stickslip.cli import main
+from stickslip.fmi import toolchain
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="apart by default on Linux only")

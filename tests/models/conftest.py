@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cosim
-import models
-import toolchain
-from models.export.headers import variables_header
-from models.export.sources import shared_files
+from stickslip import cosim, models
+from stickslip.fmi import toolchain
+from stickslip.models.export.headers import variables_header
+from stickslip.models.export.sources import shared_files
 
 MODELS = Path(models.__file__).parent
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

@@ -18,9 +18,9 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-import models
-from models.export.reference import reference_file
-from toolchain import write_whole
+from stickslip import models
+from stickslip.fmi.toolchain import write_whole
+from stickslip.models.export.reference import reference_file
 
 ROOT = Path(models.__file__).parent
 

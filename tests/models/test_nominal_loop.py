@@ -6,8 +6,9 @@ import control
 import numpy as np
 import pytest
 
-import models
-from cosim.control import Axis, LoopSpecification, design_velocity_loop
+from stickslip import models
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 NAME = "nominal_loop"
 T_S = 5e-4  # s

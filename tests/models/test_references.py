@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import models
-from models.export.reference import reference_file
+from stickslip import models
+from stickslip.models.export.reference import reference_file
 
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import models
-import toolchain
+from stickslip import models
+from stickslip.fmi import toolchain
 
 ADAPTER = Path(models.__file__).parent / "adapter"
 PROBE = """

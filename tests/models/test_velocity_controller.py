@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-import models
-from cosim.control import Axis, LoopSpecification, design_velocity_loop
+from stickslip import cosim, models
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 NAME = "velocity_controller"
 T_S = 5e-4  # s

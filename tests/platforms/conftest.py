@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import models
-import toolchain
-from toolchain import PLATFORMS, Platform
+from stickslip import models
+from stickslip.fmi import toolchain
+from stickslip.fmi.toolchain import PLATFORMS, Platform
 
 STEP = 5e-4  # s
 STEPS = 400

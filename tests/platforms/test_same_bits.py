@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import models
-from toolchain import host_platform
+from stickslip import models
+from stickslip.fmi.toolchain import host_platform
 
 HOST = host_platform().tuple
 

@@ -7,20 +7,28 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
-from cosim.control import design_velocity_loop
-from stickslip.beforehand import vary_datasheet
-from stickslip.execution import Execution
-from stickslip.extras import Extras
-from stickslip.loop import build_fmus
+from stickslip import cosim
+from stickslip.evaluation.validation import validate
+from stickslip.pipeline.datasheet_errors import vary_datasheet
+from stickslip.pipeline.extras import Extras
+from stickslip.pipeline.record_mode import COMMISSIONING
+from stickslip.pipeline.reproduction import (
+    Options,
+    Reproduction,
+    reproduce,
+)
+from stickslip.pipeline.studies import step_by_step, with_motions
 from stickslip.plan import LINEAR, plan
-from stickslip.record_mode import COMMISSIONING
-from stickslip.reproduction import Options, Reproduction, reproduce
-from stickslip.results import write_results
-from stickslip.rig import Rig, rig_of
-from stickslip.setup import LOOP, VALIDATION, Datasheet
-from stickslip.studies import step_by_step, with_motions
-from stickslip.validation import validate
+from stickslip.results.reproduction_folder import write_results
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.rig import Rig, rig_of
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.tuning.execution import Execution
 
 
 class Quiet:

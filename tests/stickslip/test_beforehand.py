@@ -3,13 +3,17 @@
 import numpy as np
 import pytest
 
-from stickslip.beforehand import vary_datasheet
-from stickslip.identification import identify
-from stickslip.loop import build_fmus
-from stickslip.parameters import LUGRE
-from stickslip.rig import Rig
-from stickslip.setup import LOOP, VALIDATION, Datasheet
-from stickslip.validation import validate
+from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.validation import validate
+from stickslip.identification.stages import identify
+from stickslip.pipeline.datasheet_errors import vary_datasheet
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import build_fmus
 
 WRONG = {"mass": (1.3,), "peak_force": (0.5,), "tau_i": (3.0,), "force_noise": (5.0,)}
 

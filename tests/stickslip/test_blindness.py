@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 
-import cosim
-import ga
 import stickslip
-from stickslip.identification import identify
-from stickslip.learning import Study, learn
-from stickslip.refinement import refine, without_search
-from stickslip.setup import LOOP, TRAINING
+from stickslip import cosim, ga
+from stickslip.identification.stages import identify
+from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.tuning.learning import Study, learn
+from stickslip.tuning.refinement import refine, without_search
 
 SOURCES = Path(stickslip.__file__).parent
 BLIND = [

@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 
-import models
+from stickslip import models
 from stickslip.cli import main
 from tests.corpus.defects import binaries
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import models
+from stickslip import models
 from stickslip.cli import COMMANDS, main
 
 

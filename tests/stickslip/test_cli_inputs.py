@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import cosim
-import models
+from stickslip import cosim, models
 from stickslip.cli import main
 
 TIMES = ["--stop", "0.02", "--step", "0.001"]

@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.coverage import _rows, drive
 from benchmarks.coverage_picture import draw
-from stickslip.estimation import Certainty
-from stickslip.parameters import PAPER
+from stickslip.catalog.parameters import PAPER
+from stickslip.identification.estimation import Certainty
 
 
 @pytest.mark.parametrize(("low", "high", "holds"), [(5.9, 6.1, True), (6.0, 6.1, False)])

@@ -5,8 +5,7 @@ import json
 
 import pytest
 
-import ga
-from ga import checkpoint
+from stickslip import ga
 from stickslip.cli import main
 from stickslip.commands.execution import (
     add_algorithm_option,
@@ -15,9 +14,10 @@ from stickslip.commands.execution import (
     forget,
 )
 from stickslip.errors import UsageError
-from stickslip.execution import Execution, processors
-from stickslip.learning import Study, learn
-from stickslip.setup import TRAINING
+from stickslip.ga.execution import checkpoint
+from stickslip.servo.datasheet import TRAINING
+from stickslip.tuning.execution import Execution, processors
+from stickslip.tuning.learning import Study, learn
 
 
 def chosen(*arguments):
@@ -101,7 +101,7 @@ def stop_at_the_second(optimiser):
 def test_learning_stopped_and_resumed_elsewhere_is_the_same(
     algorithm, reproduction, make_rig, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("ga.named.EVALUATIONS", 40)
+    monkeypatch.setattr("stickslip.ga.algorithms.by_name.EVALUATIONS", 40)
     settings = ga.Settings(generations=4) if algorithm == "default" else None
     rig = make_rig()
     v_cmd = TRAINING.sample(rig.samples(0.5))

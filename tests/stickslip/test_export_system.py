@@ -4,7 +4,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 from stickslip.cli import main
 
 STEP, STOP = 5e-4, 1.0

@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim.control import VelocityLoop, design_velocity_loop
-from stickslip.attribution import attribute
-from stickslip.filtered import with_inertia, with_velocity_filter
-from stickslip.loop import paper_loop
-from stickslip.setup import LOOP, VALIDATION, Datasheet
-from stickslip.validation import validate
+from stickslip import cosim
+from stickslip.evaluation.attribution import attribute
+from stickslip.evaluation.validation import validate
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.systems import paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 EXTRAS = {"asymmetric": 1, "position_dependent": 1, "ripple": 1, "noise": 1}

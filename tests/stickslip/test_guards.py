@@ -8,17 +8,32 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import cosim
-from cosim.control import Axis, close_velocity_loop, design_velocity_loop
-from stickslip.filtered import with_inertia, with_velocity_filter
-from stickslip.guards import Trial, hunting, inspect, stribeck, tolerance, try_out
-from stickslip.guards.stribeck import growth_rate
-from stickslip.guards.tolerance import _at_bounds
-from stickslip.guards.worth import Tried, Worth
-from stickslip.loop import build_fmus
-from stickslip.parameters import at_share
-from stickslip.setup import LOOP, VALIDATION, Datasheet
-from stickslip.steady import slope
+from stickslip import cosim
+from stickslip.catalog.parameters import at_share
+from stickslip.evaluation.guards import (
+    Trial,
+    hunting,
+    inspect,
+    stribeck,
+    tolerance,
+    try_out,
+)
+from stickslip.evaluation.guards.stribeck import growth_rate
+from stickslip.evaluation.guards.tolerance import _at_bounds
+from stickslip.evaluation.guards.worth import Tried, Worth
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.stribeck_curve import slope
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import (
+    close_velocity_loop,
+    design_velocity_loop,
+)
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

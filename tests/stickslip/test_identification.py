@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from stickslip.catalog.parameters import PAPER
 from stickslip.errors import IdentificationError
-from stickslip.identification import identify
-from stickslip.identification.estimate import correlation_length, covariance
-from stickslip.parameters import PAPER
-from stickslip.setup import LOOP
+from stickslip.identification.stages import identify
+from stickslip.identification.stages.estimate import correlation_length, covariance
+from stickslip.servo.datasheet import LOOP
 
 DRIVES = [
     {},

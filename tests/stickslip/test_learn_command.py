@@ -6,8 +6,8 @@ from functools import partial
 import pytest
 
 from stickslip.cli import main
-from stickslip.estimation import Search
-from stickslip.log_learning import FILES
+from stickslip.identification.estimation import Search
+from stickslip.pipeline.log_learning import FILES
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.log_learning.check_units", lambda _: ())
+        patch.setattr("stickslip.pipeline.log_learning.check_units", lambda _: ())
         assert main(arguments) == 0
         assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().err
         assert (tmp_path / "learned.json").exists()

@@ -7,12 +7,11 @@ import json
 import numpy as np
 import pytest
 
-import cosim
-from cosim.control import Axis, close_velocity_loop, design_velocity_loop
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.filtered import with_inertia, with_velocity_filter
-from stickslip.learned_loop import (
+from stickslip.results.learned_loop import (
     datasheet_document,
     loop_document,
     read_datasheet,
@@ -22,8 +21,17 @@ from stickslip.learned_loop import (
     read_validation,
     validation_document,
 )
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.setup import LOOP, VALIDATION, Datasheet
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.velocity_loop import (
+    close_velocity_loop,
+    design_velocity_loop,
+)
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 LOOPS = {

@@ -9,18 +9,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import ga
-from stickslip.estimation import Certainty, Estimation
-from stickslip.estimation.controller_check import ControllerCheck
-from stickslip.estimation.figures import Figures
-from stickslip.estimation.fit import Fit
-from stickslip.estimation.start import Start
-from stickslip.estimation.unknowns import NAMES, Unknowns
-from stickslip.learned_report import PICTURES, section_judge, section_known, write_estimation_report
-from stickslip.learned_report.scales import Scale
-from stickslip.learned_report.thinning import thinned
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.recording import Finding, Recording
+from stickslip import ga
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.goodness_of_fit import Figures
+from stickslip.identification.criteria.unknowns import NAMES, Unknowns
+from stickslip.identification.estimation import Certainty, Estimation
+from stickslip.identification.fitting.fit import Fit
+from stickslip.identification.fitting.start import Start
+from stickslip.logs import Finding, Recording
+from stickslip.report.learned import (
+    PICTURES,
+    section_judge,
+    section_known,
+    write_estimation_report,
+)
+from stickslip.report.learned.scales import Scale
+from stickslip.report.learned.thinning import thinned
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style

@@ -7,15 +7,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import ga
-from stickslip.coarse import coarsened, draw_factors
+from stickslip import ga
+from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.commands.assignments import coarse_factors
 from stickslip.errors import UsageError
-from stickslip.identification import identify
-from stickslip.learning import Study, learn, parameters
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.refinement import refine
-from stickslip.setup import LOOP, TRAINING
+from stickslip.identification.stages import identify
+from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.tuning.learning import (
+    Study,
+    learn,
+    parameters,
+)
+from stickslip.tuning.refinement import refine
 
 COARSE = {"F_s": 0.7, "F_c": 0.7, "v_s": 3.0, "sigma_0": 0.5, "sigma_1": 0.5}
 EXTRAS = {"asymmetric": True, "position_dependent": True, "ripple": True, "noise": True}

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from stickslip.motions import MOTIONS, SLOW_MOTIONS
-from stickslip.setup import LOOP
+from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
+from stickslip.servo.datasheet import LOOP
 
 REVERSALS, CREEP, MOVES = SLOW_MOTIONS
 

@@ -4,9 +4,14 @@ import control
 import numpy as np
 import pytest
 
-from cosim.control import Axis, LoopSpecification, close_velocity_loop, design_velocity_loop
-from stickslip.plain_pi import peak_sensitivity, tuned_pi
-from stickslip.setup import LOOP
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.tuned_pi import peak_sensitivity, tuned_pi
+from stickslip.servo.velocity_loop import (
+    LoopSpecification,
+    close_velocity_loop,
+    design_velocity_loop,
+)
 
 AXES = {
     "the paper's": (Axis(5.557, 6.6, 1e-4), LOOP),

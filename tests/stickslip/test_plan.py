@@ -6,13 +6,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.control import Axis, design_velocity_loop
+from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.loop import build_fmus, servo_loop
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.plan import LINEAR, ROTARY, Limits, arrange, plan
-from stickslip.setup import LOOP, TRAINING
+from stickslip.plan import (
+    LINEAR,
+    ROTARY,
+    Limits,
+    arrange,
+    plan,
+)
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.systems import build_fmus, servo_loop
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 
 def check_limits(limits: Limits, show=()) -> None:

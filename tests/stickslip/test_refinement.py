@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.coarse import coarsened, draw_factors
-from stickslip.identification import Estimate, identify
-from stickslip.learning import Study
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.refinement import refine, without_search
-from stickslip.setup import LOOP, TRAINING
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.identification.stages import Estimate, identify
+from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.tuning.learning import Study
+from stickslip.tuning.refinement import refine, without_search
 
 
 @pytest.fixture

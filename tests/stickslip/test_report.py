@@ -14,36 +14,65 @@ import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-import cosim
-import ga
-from cosim.control import design_velocity_loop
-from stickslip.beforehand import FACTORS
-from stickslip.coarse import coarsened, draw_factors
-from stickslip.evaluation import Evaluation
-from stickslip.extras import Extras
-from stickslip.identification import Estimate, FrictionMap, Identification, Inertia, Presliding
-from stickslip.loop import FEEDS
-from stickslip.motion_study import WEAK_ENTRIES, MotionStudy, weakened
-from stickslip.motions import MOTIONS
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.published.readings import READINGS, learning_row
-from stickslip.published.study import Method, Published, SeedRun
-from stickslip.published.whole import WholeStudy
-from stickslip.refinement import Refinement
-from stickslip.report import FIGURES, write_report
-from stickslip.report.known_beforehand import KNOWN
-from stickslip.report.page import page as render_page
+from stickslip import cosim, ga
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.comparison import Evaluation
+from stickslip.evaluation.fmpy_check import (
+    Comparison,
+    FmuVariable,
+    SecondOpinion,
+)
+from stickslip.evaluation.motion_study import (
+    WEAK_ENTRIES,
+    MotionStudy,
+    weakened,
+)
+from stickslip.evaluation.motions import MOTIONS
+from stickslip.evaluation.sensitivity import wrong_values
+from stickslip.evaluation.validation import Run, Validation
+from stickslip.identification.stages import (
+    Estimate,
+    FrictionMap,
+    Identification,
+    Inertia,
+    Presliding,
+)
+from stickslip.pipeline.datasheet_errors import FACTORS
+from stickslip.pipeline.extras import Extras
+from stickslip.pipeline.reproduction import (
+    Options,
+    Reproduction,
+    drive_truth,
+)
+from stickslip.pipeline.steps import STEPS
 from stickslip.report.picture import Picture
-from stickslip.report.quantity import number, percent, with_error
+from stickslip.report.quantity import (
+    number,
+    percent,
+    with_error,
+)
+from stickslip.report.reproduction import FIGURES, write_report
+from stickslip.report.reproduction.known_beforehand import KNOWN
+from stickslip.report.reproduction.page import page as render_page
 from stickslip.report.shown import parameter_estimate, parameter_value
 from stickslip.report.style import house_style
-from stickslip.reproduction import Options, Reproduction, drive_truth
-from stickslip.rig import Log
-from stickslip.second_opinion import Comparison, FmuVariable, SecondOpinion
-from stickslip.sensitivity import wrong_values
-from stickslip.setup import LOOP, VALIDATION, Datasheet
-from stickslip.steps import STEPS
-from stickslip.validation import Run, Validation
+from stickslip.servo.datasheet import (
+    LOOP,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.rig import Log
+from stickslip.servo.systems import FEEDS
+from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.tuning.published.readings import READINGS, learning_row
+from stickslip.tuning.published.study import (
+    Method,
+    Published,
+    SeedRun,
+)
+from stickslip.tuning.published.whole import WholeStudy
+from stickslip.tuning.refinement import Refinement
 
 CHANGED = {"F_c": 7.25, "ripple": 1.0}
 VOID = {"meta", "img", "br", "hr", "link", "input"}

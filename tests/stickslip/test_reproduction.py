@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 
-import ga
-from stickslip.execution import Execution
-from stickslip.identification import Estimate
-from stickslip.learning import Study, learn
-from stickslip.loop import build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.reproduction import Options, reproduce
-from stickslip.setup import LOOP, TRAINING, VALIDATION
+from stickslip import ga
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.identification.stages import Estimate
+from stickslip.pipeline.reproduction import Options, reproduce
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    VALIDATION,
+)
+from stickslip.servo.systems import build_fmus, paper_loop
+from stickslip.tuning.execution import Execution
+from stickslip.tuning.learning import Study, learn
 
 
 def measured(table):

@@ -9,13 +9,13 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-import cosim
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
-from stickslip.default_input import packed_input
-from stickslip.parameters import LUGRE
-from stickslip.rig import Rig
-from stickslip.setup import TRAINING, Datasheet
-from stickslip.validation import run_command
+from stickslip.commands.default_input import packed_input
+from stickslip.evaluation.validation import run_command
+from stickslip.servo.datasheet import TRAINING, Datasheet
+from stickslip.servo.rig import Rig
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-import models
-from cosim.control import Axis, LoopSpecification, design_velocity_loop
-from stickslip.loop import paper_loop
-from stickslip.parameters import LUGRE, PAPER
+from stickslip import cosim, models
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.servo.axis import Axis
+from stickslip.servo.systems import paper_loop
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 STEP, HALF, STOP = 5e-4, 0.1, 0.25
 

@@ -4,12 +4,21 @@ import fmpy
 import numpy as np
 import pytest
 
-import models
-from cosim.control import design_velocity_loop
-from stickslip.loop import FEEDS, build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.second_opinion import second_opinion
-from stickslip.setup import LOOP, TRAINING, VALIDATION, Datasheet
+from stickslip import models
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.fmpy_check import second_opinion
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.systems import (
+    FEEDS,
+    build_fmus,
+    paper_loop,
+)
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 T = np.arange(1401) * LOOP.T_s
 COMMANDS = {

@@ -4,16 +4,30 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cosim.control import design_velocity_loop
-from stickslip.evaluation import KEYS, Entry, evaluate
-from stickslip.filtered import with_inertia, with_velocity_filter
-from stickslip.motion_study import WEAK_ENTRIES, study_motions
-from stickslip.motions import MOTIONS, SLOW_MOTIONS, Motion
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.rig import rig_of
-from stickslip.sensitivity import CONTROL, SEEN, by_motion, sensitivity, unseen
-from stickslip.setup import LOOP, VALIDATION
-from stickslip.validation import run_command, validate
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.evaluation.comparison import (
+    KEYS,
+    Entry,
+    evaluate,
+)
+from stickslip.evaluation.motion_study import WEAK_ENTRIES, study_motions
+from stickslip.evaluation.motions import (
+    MOTIONS,
+    SLOW_MOTIONS,
+    Motion,
+)
+from stickslip.evaluation.sensitivity import (
+    CONTROL,
+    SEEN,
+    by_motion,
+    sensitivity,
+    unseen,
+)
+from stickslip.evaluation.validation import run_command, validate
+from stickslip.servo.datasheet import LOOP, VALIDATION
+from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.rig import rig_of
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 DRIVES = {
     "the paper's": {},

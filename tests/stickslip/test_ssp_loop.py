@@ -9,10 +9,11 @@ from fmpy.ssp.simulation import simulate_ssp
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 
-import cosim
-from cosim.control import Axis, LoopSpecification, design_velocity_loop
-from stickslip.loop import build_fmus, paper_loop
-from stickslip.parameters import LUGRE, PAPER
+from stickslip import cosim
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.servo.axis import Axis
+from stickslip.servo.systems import build_fmus, paper_loop
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 EXPERIMENT = cosim.DefaultExperiment(0.0, 0.5, 5e-4)
 SIGNALS = ("nominal.v_r", "compensator.F_mean", "controller.u", "drive.x_enc", "drive.v")

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-import cosim
-import models
-from stickslip.parameters import LUGRE, PAPER
-from stickslip.steady import level, slope
+from stickslip import cosim, models
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.servo.stribeck_curve import level, slope
 
 SPEEDS = np.array([1e-4, 4e-4, 1e-3, 3e-3])
 

@@ -4,12 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-import ga
-import models
-from stickslip import studies
+from stickslip import ga, models
 from stickslip.errors import IdentificationError
-from stickslip.execution import Execution
-from stickslip.reproduction import Options
+from stickslip.pipeline import studies
+from stickslip.pipeline.reproduction import Options
+from stickslip.tuning.execution import Execution
 
 
 def run(tmp_path, quiet, monkeypatch, outcome):

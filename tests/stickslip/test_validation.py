@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 
-from stickslip.measurement import CUTOFF, measured_velocity, smoothed
-from stickslip.motions import regions_after, trapezoid, windows
-from stickslip.setup import REGION, VALIDATION
-from stickslip.validation import reduction, tracking_errors
+from stickslip.evaluation.motions import (
+    regions_after,
+    trapezoid,
+    windows,
+)
+from stickslip.evaluation.validation import reduction, tracking_errors
+from stickslip.servo.datasheet import REGION, VALIDATION
+from stickslip.servo.measurement import (
+    CUTOFF,
+    measured_velocity,
+    smoothed,
+)
 
 T_S = 5e-4
 

@@ -6,9 +6,9 @@ import struct
 
 import pytest
 
-import toolchain
-from toolchain import PLATFORMS
-from toolchain.names import Names
+from stickslip.fmi import toolchain
+from stickslip.fmi.toolchain import PLATFORMS
+from stickslip.fmi.toolchain.names import Names
 
 VISIBLE = """
 #ifdef _WIN32

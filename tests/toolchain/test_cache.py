@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from toolchain import cache_directory, write_whole
+from stickslip.fmi.toolchain import cache_directory, write_whole
 
 
 def test_the_cache_lies_where_the_environment_says(monkeypatch, tmp_path):

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-import toolchain
-from toolchain import compiler
+from stickslip.fmi import toolchain
+from stickslip.fmi.toolchain import compiler
 
 EXPORT = """
 #ifdef _WIN32

@@ -9,14 +9,20 @@ from pathlib import Path
 
 import pytest
 
-from toolchain import Threads, check_interruption, held, interrupted_by, interruptible
+from stickslip.fmi.toolchain import (
+    Threads,
+    check_interruption,
+    held,
+    interrupted_by,
+    interruptible,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
 ROOT = Path(__file__).parents[2]
 
 NATIVE = """
 import ctypes, sys
-from toolchain import interruption
+from stickslip.fmi.toolchain import interruption
 interruption.DEADLINE, interruption.AGAIN = float(sys.argv[1]), 0.3
 mutex = ctypes.create_string_buffer(64)
 library = ctypes.CDLL(None)
@@ -27,7 +33,7 @@ with interruption.interruptible(), interruption.temporary_folder():
 """
 BUSY = """
 import time
-from toolchain import interruptible
+from stickslip.fmi.toolchain import interruptible
 with interruptible():
     print("ready", flush=True)
     while True:  # comes to no point that raises by itself

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-import toolchain
-from toolchain import PLATFORMS, host_platform
+from stickslip.fmi import toolchain
+from stickslip.fmi.toolchain import PLATFORMS, host_platform
 
 # First bytes of a library of each format: ELF, PE, Mach-O of 64 bit.
 MAGIC = {".so": b"\x7fELF", ".dll": b"MZ", ".dylib": b"\xcf\xfa\xed\xfe"}

@@ -6,8 +6,12 @@ import os
 
 import pytest
 
-from toolchain import parse_json, parse_toml, read_whole
-from toolchain.reading import DEEPEST
+from stickslip.fmi.toolchain import (
+    parse_json,
+    parse_toml,
+    read_whole,
+)
+from stickslip.fmi.toolchain.reading import DEEPEST
 
 
 def test_a_file_is_read_up_to_its_limit(tmp_path):

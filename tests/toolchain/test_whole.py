@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
 
 HALF = """
 import sys, time
 from pathlib import Path
-from toolchain import whole
+from stickslip.fmi.toolchain import whole
 with whole._beside(Path(sys.argv[1])) as (file, _):
     file.write(b"half")
     file.flush()

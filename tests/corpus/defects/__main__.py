@@ -7,7 +7,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-import fmucheck
+from stickslip import fmucheck
 from tests.corpus.defects import binaries, descriptions, files
 from tests.corpus.defects.peers import fmpy_complains, toolbox_complains
 from tests.corpus.defects.reference import members, pack

@@ -9,7 +9,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-import toolchain
+from stickslip.fmi import toolchain
 
 HERE = Path(__file__).parent
 PIXEL = base64.b64decode(

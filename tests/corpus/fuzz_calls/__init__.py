@@ -8,9 +8,14 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from models import load_model
-from models.export.headers import table_header
-from models.export.sources import FmiVersion, c_files, compiled, fmi_headers
+from stickslip.models import load_model
+from stickslip.models.export.headers import table_header
+from stickslip.models.export.sources import (
+    FmiVersion,
+    c_files,
+    compiled,
+    fmi_headers,
+)
 
 SANITIZE = (
     "-fsanitize=address,undefined,float-cast-overflow",

@@ -6,7 +6,7 @@ import tempfile
 import time
 from pathlib import Path
 
-import models
+from stickslip import models
 from tests.corpus.fuzz_calls import Fuzzer, find_compiler
 
 

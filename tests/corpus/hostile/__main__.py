@@ -12,9 +12,9 @@ from pathlib import Path
 
 import fmpy
 
+from stickslip.fmi.toolchain import write_whole
 from tests.corpus.hostile import CASES, GROUPS, Case
 from tests.corpus.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, judge
-from toolchain import write_whole
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "hostile.md"
 

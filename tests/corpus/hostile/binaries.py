@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import fmus
 from tests.corpus.hostile.case import Case, Make
 

@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Literal
 
-import toolchain
+from stickslip.fmi import toolchain
 
 Kind = Literal["plain", "typed", "exchange", "events"]
 """Co-Simulation with doubles alone, or an integer as well; Model Exchange; event mode (FMI 3.0)."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fmpy
 
-import toolchain
+from stickslip.fmi import toolchain
 
 _VARIABLES = [("u", "input", 1.0), ("y", "output", 0.0), ("k", "parameter", 1.0)]
 _VARIABLES += [("fragile", "parameter", 0.0)]

@@ -9,8 +9,8 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from stickslip.fmi.toolchain import lock
 from tests.corpus.hostile.case import Case
-from toolchain import lock
 
 LEARNING = 23
 DIGEST = hashlib.sha256(b"a").hexdigest()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import faults
 from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.faults import Kind

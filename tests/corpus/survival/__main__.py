@@ -6,9 +6,13 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from stickslip.loop import build_fmus
-from stickslip.reproduction import Options, Reproduction, reproduce
-from stickslip.results import write_results
+from stickslip.pipeline.reproduction import (
+    Options,
+    Reproduction,
+    reproduce,
+)
+from stickslip.results.reproduction_folder import write_results
+from stickslip.servo.systems import build_fmus
 from tests.corpus.survival.disk import (
     fill_at_each_operation,
     fill_for_real,

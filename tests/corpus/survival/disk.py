@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.errors import ResultsError, UsageError
-from stickslip.result_folder import verify
+from stickslip.results.folder import verify
 from tests.corpus.survival.faults import fault, full, once
 from tests.corpus.survival.sets import Files, holds, plain, write
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from stickslip.result_folder import claimed, staged, verify
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
+from stickslip.results.folder import (
+    claimed,
+    staged,
+    verify,
+)
 
 Files = Mapping[str, bytes]
 

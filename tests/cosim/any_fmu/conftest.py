@@ -12,7 +12,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-import toolchain
+from stickslip.fmi import toolchain
 
 FMI2_TYPES = {
     "Float64": "Real",

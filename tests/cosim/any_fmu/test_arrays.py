@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 MATRIX = np.array([[-1.0, 0.5, 0.0], [0.0, -2.0, 1.0], [0.3, 0.0, -0.5]])
 

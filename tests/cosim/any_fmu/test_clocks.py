@@ -7,7 +7,7 @@ import logging
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 STEP, STOP = 0.1, 2.0
 
@@ -46,7 +46,7 @@ def test_a_clock_ticks_at_its_times(export, interfaces, step, clock, ticks):
 
 
 def test_clocks_that_will_not_tick_are_named(export, caplog):
-    with caplog.at_level(logging.WARNING, "cosim.fmu"):
+    with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
         cosim.Fmu(export("clocked", 3, "CS events"))
         assert "the clocks by_hand never tick: only clocks with an interval do" in caplog.text
         caplog.clear()

@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 
 def last_of_each_time(result):

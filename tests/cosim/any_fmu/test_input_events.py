@@ -6,8 +6,8 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
-from cosim.span import slack
+from stickslip import cosim
+from stickslip.cosim.signals.span import slack
 
 STEP, STOP = 0.1, 2.0
 KINDS = {"force": "f8", "trigger": "?"}

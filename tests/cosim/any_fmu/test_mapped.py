@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Coupling, Link, ValueMap
+from stickslip import cosim
+from stickslip.cosim import (
+    Coupling,
+    Link,
+    ValueMap,
+)
 
 COUPLINGS = ["gauss_seidel", "jacobi", Coupling(degree=1), Coupling("iterative")]
 FLIP = Link(ValueMap.of({0: 1, 1: 0}))

@@ -9,8 +9,8 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
-from cosim import facade
+from stickslip import cosim
+from stickslip.cosim.assembly import general_path as facade
 
 G = 9.81
 FINE = 1e-8

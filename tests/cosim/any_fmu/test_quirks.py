@@ -8,14 +8,14 @@ import threading
 
 import pytest
 
-import cosim
-from cosim import once
+from stickslip import cosim
+from stickslip.cosim.fmu import single_instance as once
 
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
     path = export("stair", version, binary_name="libstair_linux")
-    with caplog.at_level(logging.WARNING, "cosim.fmu"):
+    with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
         system = cosim.System()
         system.add("a", path)
     assert "libstair_linux" in caplog.text
@@ -82,6 +82,6 @@ def test_a_simulation_collected_while_another_gives_up_does_not_wait_for_itself(
 
 
 def test_an_fmu_that_needs_its_tool_says_so(export, caplog):
-    with caplog.at_level(logging.WARNING, "cosim.fmu"):
+    with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
         cosim.Fmu(export("stair", 2, "CS", 'needsExecutionTool="true"'))
     assert "needs the tool" in caplog.text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 WORD = {2: "FMUstate", 3: "FMUState"}
 

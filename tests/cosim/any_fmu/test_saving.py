@@ -6,8 +6,8 @@ import ctypes
 
 import pytest
 
-import cosim
-from cosim import kernel
+from stickslip import cosim
+from stickslip.cosim import kernel
 
 FLAG = {2: 'canGetAndSetFMUstate="true"', 3: 'canGetAndSetFMUState="true"'}
 

@@ -7,10 +7,10 @@ import zipfile
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Link, ValueMap
-from cosim.ssp.package import Package
-from cosim.ssp.schema import violation
+from stickslip import cosim
+from stickslip.cosim import Link, ValueMap
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.schema import violation
 
 ROOT = (
     '<ssd:SystemStructureDescription name="s" version="{version}"'

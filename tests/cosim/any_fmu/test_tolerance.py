@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 PROPOSED = 'tolerance="1e-3"'
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Scenario
+from stickslip import cosim
+from stickslip.cosim import Scenario
 
 STEP, N = 0.1, 20
 

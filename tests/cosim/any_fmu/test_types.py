@@ -6,7 +6,7 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 ALL = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"]
 ALL += ["UInt64", "Boolean", "Enumeration", "discrete"]

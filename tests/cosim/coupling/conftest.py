@@ -10,8 +10,8 @@ import fmpy
 import numpy as np
 import pytest
 
-import cosim
-import toolchain
+from stickslip import cosim
+from stickslip.fmi import toolchain
 
 SIGNALS = ["u1", "u2", "x1", "x2", "y1", "y2"]
 MATRICES = [f"{m}{i}{j}" for m in "abcd" for i in (1, 2) for j in (1, 2)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-import cosim
+from stickslip import cosim
 
 METHODS = ["jacobi", "gauss_seidel", "iterative"]
 

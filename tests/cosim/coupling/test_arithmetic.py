@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -7,8 +7,8 @@ import zipfile
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Link, Scaling
+from stickslip import cosim
+from stickslip.cosim import Link, Scaling
 
 
 def ring(linear):

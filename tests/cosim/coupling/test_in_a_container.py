@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-import cosim
+from stickslip import cosim
 
 STEP, STOP = 1e-3, 0.5
 

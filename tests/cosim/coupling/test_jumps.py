@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Adaptive, Coupling, Scaling, Scenario, Table
+from stickslip import cosim
+from stickslip.cosim import (
+    Adaptive,
+    Coupling,
+    Scaling,
+    Scenario,
+    Table,
+)
 
 KINDS = {
     "CS 2.0 interpolating": (2, {}),

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-import cosim
-from cosim import Adaptive, Coupling, Table
+from stickslip import cosim
+from stickslip.cosim import (
+    Adaptive,
+    Coupling,
+    Table,
+)
 
 METHODS = ["gauss_seidel", "jacobi", "iterative"]
 KINDS = {

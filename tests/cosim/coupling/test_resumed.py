@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Adaptive, Coupling
+from stickslip import cosim
+from stickslip.cosim import Adaptive, Coupling
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [

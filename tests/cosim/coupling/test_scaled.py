@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import cosim
-from cosim.scaling import Link, Scaling
+from stickslip import cosim
+from stickslip.cosim.system.scaling import Link, Scaling
 
 LINK = Link(Scaling(factor=-1.5, offset=0.25))
 

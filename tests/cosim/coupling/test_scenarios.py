@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-from cosim import Adaptive, Coupling, Scenario
+from stickslip import cosim
+from stickslip.cosim import (
+    Adaptive,
+    Coupling,
+    Scenario,
+)
 
 STEP, N = 0.01, 60
 COUPLINGS = [

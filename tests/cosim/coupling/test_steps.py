@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import cosim
+from stickslip import cosim
 
 
 def errors(pair, linear, step, coupling, **abilities):

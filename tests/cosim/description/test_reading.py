@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import cosim
-from cosim.description import DescriptionFault, read_description
-from cosim.document import Malformed, parse_xml
+from stickslip import cosim
 from stickslip.cli import main
+from stickslip.cosim.description import DescriptionFault, read_description
+from stickslip.cosim.document import Malformed, parse_xml
 from tests.corpus.defects import reference
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped

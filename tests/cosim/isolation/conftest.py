@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import fmus
 
 Hostile = Callable[..., cosim.System]

@@ -11,7 +11,14 @@ from queue import Empty
 
 import pytest
 
-from cosim.isolation.answers import NONSENSE, Answers, ThreadedAnswers, message, receive, send
+from stickslip.cosim.isolation.answers import (
+    NONSENSE,
+    Answers,
+    ThreadedAnswers,
+    message,
+    receive,
+    send,
+)
 
 TOKEN = bytes(range(16))
 KINDS = pytest.mark.parametrize("kind", [Answers, ThreadedAnswers])

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cosim
+from stickslip import cosim
 from tests.corpus.hostile import fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -264,7 +264,7 @@ def test_standard_streams_may_be_closed(hostile, tmp_path, closed):
 import os
 for number in {closed}:
     os.close(number)
-import cosim
+from stickslip import cosim
 system = cosim.System("loop")
 system.add("plant", {str(path)!r})
 with system.prepare(step=0.01, stop=0.1, isolation="process") as simulation:

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import cosim
 from benchmarks.coupling import ring
-from cosim.signals import Table
+from stickslip import cosim
+from stickslip.cosim.signals.signals import Table
 
 STEP, STOP = 1e-3, 0.5
 

@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cosim
-import models
-import toolchain
-from models.firmware import write_compensator
+from stickslip import cosim, models
+from stickslip.fmi import toolchain
+from stickslip.models.firmware import write_compensator
 
 sys.path.insert(0, str(Path(__file__).parent))  # structured_text
 import structured_text

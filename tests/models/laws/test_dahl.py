@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-import models
+from stickslip import models
 
 SIGMA_0, F_C = 3.9162e5, 5.999
 H = 5e-4  # s

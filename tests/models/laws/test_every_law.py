@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import cosim
-import models
+from stickslip import cosim, models
 
 LAWS = [models.load_law(name) for name in models.law_names()]
 H = 5e-4  # s

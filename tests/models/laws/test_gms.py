@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import models
+from stickslip import models
 
 H = 5e-4  # s
 START = {name: np.array(p.start) for name, p in models.load_law("gms").parameters.items()}

@@ -15,8 +15,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.linalg import expm
 
-import cosim
-import models
+from stickslip import cosim, models
 
 FMUTOOL = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.estimation import candidate_fmus
-from stickslip.record_mode import reproduce_from_recording
-from stickslip.reproduction import Options
+from stickslip.identification.estimation import candidate_fmus
+from stickslip.pipeline.record_mode import reproduce_from_recording
+from stickslip.pipeline.reproduction import Options
 
 sys.path.insert(0, str(Path(__file__).parent))  # drives
 

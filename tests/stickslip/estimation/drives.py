@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-import toolchain
+from stickslip.fmi import toolchain
 
 LAWS = ("lugre", "dahl", "gms", "elasto_plastic")
 T_S = 5e-4

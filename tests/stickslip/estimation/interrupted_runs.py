@@ -8,7 +8,7 @@ import sys
 import time
 from contextlib import nullcontext, suppress
 
-from stickslip.estimation.runs import Runs
+from stickslip.identification.criteria.runs import Runs
 
 
 class Idle:
@@ -55,7 +55,7 @@ def watched(how):
     """Return the block that a program runs in: the command line's, or a notebook's."""
     if how == "notebook":
         return nullcontext()
-    from toolchain import interruptible
+    from stickslip.fmi.toolchain import interruptible
 
     return interruptible()
 

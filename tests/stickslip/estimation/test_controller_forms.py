@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from stickslip.estimation.controller_check import check_controller
-from stickslip.estimation.running import fmu_gains
-from stickslip.recording import Recording
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.controller.initial_state import fmu_gains
+from stickslip.logs import Recording
 
 T_S = 5e-4
 GAINS = {"K_p": 300.0, "K_i": 9000.0, "P_x": 4000.0, "I_x": 50000.0, "tau_f": 3e-3, "T_s": T_S}

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from drives import GAINS, run
 
-from stickslip.estimation import Task, learn
+from stickslip.identification.estimation import Task, learn
+from stickslip.logs import (
+    Finding,
+    Recording,
+    aligned,
+    check_recording,
+    samples_late,
+)
 from stickslip.plan import plan
-from stickslip.recording import Finding, Recording, aligned, check_recording, samples_late
 
 N = 16000
 """Samples of the planned experiment that are enough here: 8 s."""

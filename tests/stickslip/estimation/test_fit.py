@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from stickslip.estimation.fit import covariance, fit, linearised
-from stickslip.estimation.unknowns import NAMES, Unknowns
+from stickslip.identification.criteria.unknowns import NAMES, Unknowns
+from stickslip.identification.fitting.fit import (
+    covariance,
+    fit,
+    linearised,
+)
 
 N = 20_000
 

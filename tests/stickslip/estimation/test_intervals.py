@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stickslip.estimation.certainty import certainty
-from stickslip.estimation.fit import Fit
-from stickslip.estimation.unknowns import LOGS, NAMES, Unknowns
+from stickslip.identification.criteria.unknowns import (
+    LOGS,
+    NAMES,
+    Unknowns,
+)
+from stickslip.identification.fitting.fit import Fit
+from stickslip.identification.fitting.identifiability import certainty
 
 
 @pytest.fixture

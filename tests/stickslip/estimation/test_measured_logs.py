@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-import cosim
+from stickslip import cosim
 from stickslip.cli import main
 from stickslip.commands.learn import print_estimation
-from stickslip.guards import Worth
-from stickslip.learned import read_learned
-from stickslip.log_learning import learn_from_log, write_learned
-from stickslip.recording import Finding, load_description
+from stickslip.evaluation.guards import Worth
+from stickslip.logs import Finding, load_description
+from stickslip.pipeline.log_learning import learn_from_log, write_learned
+from stickslip.results.learned import read_learned
 
 ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT.parent / "shared" / "data"

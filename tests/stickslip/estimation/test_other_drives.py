@@ -9,8 +9,8 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from stickslip.estimation import Task, learn
-from stickslip.recording import Recording
+from stickslip.identification.estimation import Task, learn
+from stickslip.logs import Recording
 
 T_S, SUB = 1e-3, 100
 DRIVE = {"m": 12.5, "b": 40.0, "F_c": 17.0, "F_s": 24.0, "v_s": 2e-3, "sigma_0": 7e5}
@@ -81,7 +81,7 @@ def test_the_loop_gives_the_exponent_and_all_parameters(delta, pull, held, skipp
 
 def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, monkeypatch):
     """Here it ended where bristles are too stiff to be seen, on a drive that rests for long."""
-    module = import_module("stickslip.estimation.learn")
+    module = import_module("stickslip.identification.estimation.learn")
 
     def stuck(_inverse, start, _best):
         stiff = {"F_c": 0.3, "F_s": 0.7, "v_s": 100.0, "sigma_0": 300.0, "sigma_1": 0.04}

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.estimation.fit import linearised
-from stickslip.estimation.learn import MODEL_ERROR
-from stickslip.estimation.output_error import OutputError, predictor_error
-from stickslip.estimation.replica import correct
-from stickslip.estimation.unknowns import NAMES
+from stickslip.identification.criteria.output_error import OutputError, predictor_error
+from stickslip.identification.criteria.unknowns import NAMES
+from stickslip.identification.estimation.learn import MODEL_ERROR
+from stickslip.identification.fitting.bootstrap import correct
+from stickslip.identification.fitting.fit import linearised
 
 F_C = NAMES.index("F_c")
 

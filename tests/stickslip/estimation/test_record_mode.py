@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
-import cosim
-from stickslip.parameters import UNITS
-from stickslip.record_mode import record_drive
-from stickslip.record_results import FILES, write_record_results
-from stickslip.recording import load_description, read_recording
+from stickslip import cosim
+from stickslip.catalog.parameters import UNITS
+from stickslip.logs import load_description, read_recording
+from stickslip.pipeline.record_mode import record_drive
+from stickslip.results.record_folder import FILES, write_record_results
 
 LIMITS = {"F_c": 0.005, "sigma_0": 0.05, "sigma_1": 0.05, "m": 0.005, "F_s": 0.05, "v_s": 0.1}
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.estimation.scaling import Scale, scale_of
-from stickslip.recording import Recording
+from stickslip.identification.criteria.scaling import Scale, scale_of
+from stickslip.logs import Recording
 
 
 def test_equations_hold_in_scaled_units():

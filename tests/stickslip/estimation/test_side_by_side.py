@@ -5,9 +5,9 @@ import threading
 import numpy as np
 import pytest
 
-from stickslip.estimation.fit import linearised
-from stickslip.estimation.inverse import InverseModel
-from stickslip.estimation.output_error import OutputError
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.fitting.fit import linearised
 
 
 @pytest.fixture(params=["inverse model", "output error"])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from stickslip.estimation.unknowns import NAMES, Unknowns
+from stickslip.identification.criteria.unknowns import NAMES, Unknowns
 
 VALUES = dict(
     zip(NAMES, [9.0, 6.0, 5e-4, 4e5, 4e3, 5.5, 6.6, -0.3, 1e-4], strict=True)

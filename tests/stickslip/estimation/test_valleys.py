@@ -5,10 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.estimation.fit import fit
-from stickslip.estimation.motion import position_noise
-from stickslip.estimation.unknowns import NAMES, Unknowns
-from stickslip.estimation.valleys import V_S, with_exponent, without_stribeck
+from stickslip.identification.criteria.motion import position_noise
+from stickslip.identification.criteria.unknowns import NAMES, Unknowns
+from stickslip.identification.fitting.fit import fit
+from stickslip.identification.fitting.multistart import (
+    V_S,
+    with_exponent,
+    without_stribeck,
+)
 
 TRUTH = dict(zip(NAMES, [9.0, 6.0, 1e-3, 4e5, 4e3, 5.5, 6.6, 0.0, 1e-4], strict=True))
 

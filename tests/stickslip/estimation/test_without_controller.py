@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip.errors import IdentificationError, UsageError
-from stickslip.estimation import Task, learn
-from stickslip.estimation.inverse import InverseModel
-from stickslip.estimation.stand_in import coarse
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.surrogate_controller import coarse
+from stickslip.identification.estimation import Task, learn
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def alone(told):
 
 def watched(candidates, recording):
     """Learn; return with it the fit, what the stand-in makes of it, and whether that is alike."""
-    module, seen = import_module("stickslip.estimation.learn"), []
+    module, seen = import_module("stickslip.identification.estimation.learn"), []
     correct = module.correct_inverse
 
     def spy(inverse, found, *others):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.fleet.job import Outcome
-from stickslip.learned import versions
+from stickslip.results.learned import versions
 
 
 def quick(drive, seed, _=None):

@@ -8,10 +8,10 @@ from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.execution import Execution
 from stickslip.fleet import fleet_table, learn_fleet
 from stickslip.fleet.running import DIED
 from stickslip.fleet.writing import write_fleet
+from stickslip.tuning.execution import Execution
 
 
 def files(folder):

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from stickslip.cli import main
-from stickslip.published_results import FILES
+from stickslip.results.published_folder import FILES
 
 
 @pytest.fixture(scope="module")

@@ -6,22 +6,22 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import ga
-from stickslip.coarse import coarsened, draw_factors
-from stickslip.identification import Estimate
-from stickslip.learning import VelocityCost
-from stickslip.parameters import LUGRE
-from stickslip.published.readings import (
+from stickslip import ga
+from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.validation import validate
+from stickslip.identification.stages import Estimate
+from stickslip.servo.datasheet import TRAINING, VALIDATION
+from stickslip.servo.rig import rig_of
+from stickslip.tuning.coarse_start import coarsened, draw_factors
+from stickslip.tuning.learning import VelocityCost
+from stickslip.tuning.published.readings import (
     evaluation_readings,
     rounded_absolutely,
     rounded_relatively,
     threshold_reading,
     worse,
 )
-from stickslip.published.study import Method, learn_as_published
-from stickslip.rig import rig_of
-from stickslip.setup import TRAINING, VALIDATION
-from stickslip.validation import validate
+from stickslip.tuning.published.study import Method, learn_as_published
 
 SHORT = Method(replace(ga.PAPER, generations=10), width=2.0)
 """Starts twice as coarse, from which a tenth of the generations shows what learning does."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stickslip.recording import Recording
+from stickslip.logs import Recording
 
 
 def rigid_drive(n=4000, T_s=1e-3, m=3.0, b=20.0, F_c=4.0, delay=0.0, step=0.0) -> Recording:

@@ -6,13 +6,23 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
-from cosim.control import Axis, design_velocity_loop
-from stickslip.loop import build_fmus
-from stickslip.parameters import PAPER
+from stickslip.catalog.parameters import PAPER
+from stickslip.logs import (
+    Controller,
+    Recording,
+    check_recording,
+    excitation,
+)
 from stickslip.plan import plan
-from stickslip.recording import Controller, Recording, check_recording, excitation
-from stickslip.rig import Rig
-from stickslip.setup import LOOP, TRAINING, Datasheet
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    Datasheet,
+)
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 

@@ -7,14 +7,24 @@ import pytest
 from rigid_drive import rigid_drive
 from scipy.interpolate import CubicSpline
 
-from cosim.control import Axis, design_velocity_loop
-from stickslip.loop import build_fmus
-from stickslip.measurement import smoothed
-from stickslip.parameters import PAPER
-from stickslip.plan import LINEAR, Limits, plan
-from stickslip.recording import Recording, aligned, force_delay, signal_delay
-from stickslip.rig import Rig
-from stickslip.setup import LOOP, Datasheet
+from stickslip.catalog.parameters import PAPER
+from stickslip.logs import (
+    Recording,
+    aligned,
+    force_delay,
+    signal_delay,
+)
+from stickslip.plan import (
+    LINEAR,
+    Limits,
+    plan,
+)
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.measurement import smoothed
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.25, -0.6, 1.0, 3.4, 12.0])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
-from stickslip.recording import read_recording
-from stickslip.recording.grid import even_grid
-from stickslip.recording.quantisation import step_of
-from stickslip.recording.table import LogTable
+from stickslip.logs import read_recording
+from stickslip.logs.grid import even_grid
+from stickslip.logs.quantisation import step_of
+from stickslip.logs.table import LogTable
 
 TABLE = LogTable("log", (), {})
 DRIVE = rigid_drive(n=3000)

@@ -8,10 +8,20 @@ import scipy.io
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-import models
-from stickslip.errors import RecordingError, StickslipError, UsageError
-from stickslip.recording import Column, Controller, Description, check_recording, read_recording
-from stickslip.recording.configuration import load_description
+from stickslip import models
+from stickslip.errors import (
+    RecordingError,
+    StickslipError,
+    UsageError,
+)
+from stickslip.logs import (
+    Column,
+    Controller,
+    Description,
+    check_recording,
+    read_recording,
+)
+from stickslip.logs.configuration import load_description
 
 ROWS = [f"{k * 0.001:.3f},{np.sin(k / 50):.9f},{np.cos(k / 50):.9f}" for k in range(100)]
 

@@ -5,9 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.measurement import smoothed
-from stickslip.recording import check_recording, load_description, read_recording
-from stickslip.recording.motion import kinematics, rigid_columns
+from stickslip.logs import (
+    check_recording,
+    load_description,
+    read_recording,
+)
+from stickslip.logs.motion import kinematics, rigid_columns
+from stickslip.servo.measurement import smoothed
 
 LOGS = Path(__file__).resolve().parents[3] / "examples" / "logs"
 

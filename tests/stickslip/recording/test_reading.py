@@ -7,11 +7,16 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from stickslip.recording import Column, Description, Recording, read_recording
-from stickslip.recording.dialect import split_unit
-from stickslip.recording.roles import assign_roles
-from stickslip.recording.table import LogTable
-from stickslip.recording.units import unit_named
+from stickslip.logs import (
+    Column,
+    Description,
+    Recording,
+    read_recording,
+)
+from stickslip.logs.dialect import split_unit
+from stickslip.logs.roles import assign_roles
+from stickslip.logs.table import LogTable
+from stickslip.logs.units import unit_named
 
 BARE = Description(columns={"time": Column(1), "position": Column("2"), "force": Column(3)})
 

@@ -5,12 +5,12 @@ import sys
 
 import pytest
 
-from stickslip.result_folder import staged
+from stickslip.results.folder import staged
 
 HOLDER = """
 import sys, time
 from pathlib import Path
-from stickslip.result_folder import staged
+from stickslip.results.folder import staged
 with staged(Path(sys.argv[1]), {"name": "other"}) as desk:
     (desk / "half").write_text("written")
     print("has it", flush=True)

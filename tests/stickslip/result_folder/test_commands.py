@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import models
+from stickslip import models
 from stickslip.cli import main
 
 ROOT = Path(__file__).parents[3]

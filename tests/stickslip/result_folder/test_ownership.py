@@ -4,12 +4,17 @@ import json
 
 import pytest
 
-from stickslip import log_learning, record_results
-from stickslip import results as reproduction_results
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.result_folder import reserved, staged, verify
-from stickslip.result_folder.publishing import READY
+from stickslip.pipeline import log_learning
+from stickslip.results import record_folder as record_results
+from stickslip.results import reproduction_folder as reproduction_results
+from stickslip.results.folder import (
+    reserved,
+    staged,
+    verify,
+)
+from stickslip.results.folder.publishing import READY
 
 FOREIGN = {
     "unlisted": lambda folder: (folder / "c").write_text("mine"),

@@ -8,8 +8,12 @@ import threading
 import pytest
 
 from stickslip.errors import ResultsError, UsageError
-from stickslip.result_folder import claimed, staged, verify
-from toolchain import write_whole
+from stickslip.fmi.toolchain import write_whole
+from stickslip.results.folder import (
+    claimed,
+    staged,
+    verify,
+)
 
 OLD = {"a": "old a", "b": "old b"}
 

@@ -12,8 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from cosim.archive.errors import Refused
-from cosim.archive.members import extract
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.members import extract
 from tests.corpus.fuzz.mutation import TOKENS
 from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 

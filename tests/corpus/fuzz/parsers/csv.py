@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
-import cosim
+from stickslip import cosim
 from tests.corpus.fuzz.tokens import by_tokens
 
 EXPECTED = (cosim.SignalError,)

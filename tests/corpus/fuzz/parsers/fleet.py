@@ -7,7 +7,7 @@ from pathlib import Path
 from random import Random
 from unittest import mock
 
-import models
+from stickslip import models
 from stickslip.errors import UsageError
 from stickslip.fleet import read_fleet
 from tests.corpus.fuzz.tokens import by_tokens

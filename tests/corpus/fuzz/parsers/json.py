@@ -7,13 +7,18 @@ from functools import cache
 from pathlib import Path
 from random import Random
 
-import ga
-from ga import checkpoint
-from models.errors import LtiError
-from models.lti.file import read_lti
+from stickslip import ga
 from stickslip.errors import UsageError
-from stickslip.learned import read_learned
-from stickslip.learned_loop import read_feed, read_loop, read_standard_errors, read_validation
+from stickslip.ga.execution import checkpoint
+from stickslip.models.errors import LtiError
+from stickslip.models.lti.file import read_lti
+from stickslip.results.learned import read_learned
+from stickslip.results.learned_loop import (
+    read_feed,
+    read_loop,
+    read_standard_errors,
+    read_validation,
+)
 from tests.corpus.fuzz.tokens import by_tokens
 
 EXPECTED = (UsageError, ga.StateError, LtiError)

@@ -6,7 +6,7 @@ import zipfile
 from pathlib import Path
 from random import Random
 
-import fmucheck
+from stickslip import fmucheck
 from tests.corpus.defects.reference import members
 from tests.corpus.fuzz.parsers import description
 

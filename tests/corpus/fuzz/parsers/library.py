@@ -6,8 +6,8 @@ import struct
 from pathlib import Path
 from random import Random
 
-import toolchain
-from fmucheck.binaries.library import Library, read_library
+from stickslip.fmi import toolchain
+from stickslip.fmucheck.binaries.library import Library, read_library
 
 _CODE = '__attribute__((visibility("default"))) double twice(double x) { return x + x; }\n'
 _NUMBERS = (0, 1, 7, 8, 24, 255, 2**15, 2**16 - 1, 2**31, 2**32 - 1, 2**63, 2**64 - 1)

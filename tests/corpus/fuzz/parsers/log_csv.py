@@ -7,8 +7,8 @@ from pathlib import Path
 from random import Random
 
 from stickslip.errors import StickslipError
-from stickslip.log_learning import read_and_check
-from stickslip.recording import Description, raise_errors
+from stickslip.logs import Description, raise_errors
+from stickslip.pipeline.log_learning import read_and_check
 from tests.corpus.fuzz.tokens import by_tokens
 
 EXPECTED = (StickslipError,)

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.io
 
 from stickslip.errors import RecordingError
-from stickslip.recording.file import read_table
+from stickslip.logs.file import read_table
 
 EXPECTED = (RecordingError,)
 _HEADER = 128

@@ -10,9 +10,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-import cosim
+from stickslip import cosim
 from stickslip.errors import RecordingError
-from stickslip.recording.file import read_table
+from stickslip.logs.file import read_table
 
 EXPECTED = (cosim.SignalError, RecordingError)
 

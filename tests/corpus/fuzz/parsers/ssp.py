@@ -8,10 +8,10 @@ from pathlib import Path
 from random import Random
 from unittest import mock
 
-import cosim
-from cosim.ssp.package import Package
-from cosim.ssp.read import read_package
-from cosim.ssp.schema import violation
+from stickslip import cosim
+from stickslip.cosim.ssp.package import Package
+from stickslip.cosim.ssp.read import read_package
+from stickslip.cosim.ssp.schema import violation
 from tests.corpus.defects.reference import members, pack
 from tests.corpus.fuzz.tokens import by_tokens
 
@@ -166,7 +166,7 @@ def parse(data: bytes, folder: Path) -> None:
 
 def _schemas(data: bytes) -> tuple[str, object]:
     """Let half of the inputs meet no schema, as where those of SSP 2.0 are not installed."""
-    return "cosim.ssp.markup.violation", violation if len(data) % 2 else lambda *_: None
+    return "stickslip.cosim.ssp.markup.violation", violation if len(data) % 2 else lambda *_: None
 
 
 def mutate(rng: Random, data: bytes) -> bytes:

@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-import cosim
-from cosim.checkpoint import Checkpoint
+from stickslip import cosim
+from stickslip.cosim.run.checkpoint import Checkpoint
 from tests.corpus.fuzz.mutation import mutated
 
 EXPECTED = (cosim.SimulationError,)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
-from models.errors import LtiError
-from models.lti.file import read_lti
 from stickslip.errors import UsageError
-from stickslip.recording import load_description
+from stickslip.logs import load_description
+from stickslip.models.errors import LtiError
+from stickslip.models.lti.file import read_lti
 from tests.corpus.fuzz.tokens import by_tokens
 
 EXPECTED = (UsageError, LtiError)

@@ -1,0 +1,1 @@
+"""From a system to the tables of the kernel."""

@@ -1,0 +1,257 @@
+"""Fills in the kernel's tables for coupling beyond the plain orders."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.coupling_state import recall, remembered
+from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.assembly.wiring import fed_inputs
+from stickslip.cosim.errors import ConnectionFault, ExperimentError
+from stickslip.cosim.fmu.library import Library
+from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.kernel import coupling as tables
+from stickslip.cosim.run.result import Array
+from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.loops import Group
+
+if TYPE_CHECKING:
+    from stickslip.cosim.system.system import System
+
+
+class Coupled:
+    """What a run needs to agree before the first step and, where it is not plain, in each.
+
+    Attributes
+    ----------
+    accuracy : the declared order, with what these FMUs can do
+    """
+
+    def __init__(
+        self,
+        system: System,
+        layout: Layout,
+        groups: Sequence[Group],
+        libraries: Mapping[str, Library],
+        coupling: Coupling,
+        facades: Mapping[str, Facade],
+    ) -> None:
+        self._system, self._libraries, self._coupling = system, libraries, coupling
+        self._facades = facades
+        self._names = list(layout.columns)
+        self._layout = layout
+        self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
+        self._group = {name: g for g in groups for name in g.components}
+        self._groups = groups
+        jacobi = coupling.method == "jacobi"
+        self._inputs = fed_inputs(system, layout, list(self._place), jacobi=jacobi)
+        self.accuracy = coupling.order
+        self._check()
+
+    def attach(self, run: Any) -> None:
+        """Let a run, which was wired and has its times, use this.
+
+        Raises
+        ------
+        FmuError
+            When an FMU lacks a function that its description declares.
+        ExperimentError
+            When a component's step does not divide the run.
+        """
+        for name, every in self._coupling.every.items():
+            if run.n_steps % every:
+                raise ExperimentError(
+                    f"every: {name} steps {every} at a time, which does not divide the"
+                    f" {run.n_steps} steps of the run"
+                )
+        self._run = run
+        n, connections = len(self._place), self._system.connections
+        late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
+        if late:
+            self._initial = self._loop(0, n, late)
+            run.initial = ctypes.addressof(self._initial)
+        if self._coupling.is_plain and not any(g.iterated for g in self._groups):
+            return
+        width = len(self._names)
+        adaptive = self._coupling.adaptive
+        countable = 16 * math.ulp(max(abs(run.start), abs(run.stop)))  # s; parts of it are, too
+        self._members = (tables.Member * n)(
+            *(self._member(name, run.components[i]) for name, i in self._place.items())
+        )
+        self._loops = self._all_loops()
+        self._table = tables.Coupling(
+            members=self._members,
+            n_members=n,
+            loops=self._loops,
+            n_loops=len(self._loops),
+            degree=self._coupling.degree,
+            past=(ctypes.c_double * (tables.MAX_PAST * width))(),
+            next=(ctypes.c_double * width)(),
+            given=(ctypes.c_double * (2 * width))(),
+            tolerance=adaptive.tolerance if adaptive else 0.0,
+            min_step=max(adaptive.min_step, countable) if adaptive else 0.0,
+            nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
+        )
+        run.jacobi = False
+        run.coupling = ctypes.addressof(self._table)
+
+    def follow(self, ends: Array) -> None:
+        """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
+        if hasattr(self, "_table"):
+            self._ends = ends
+            self._table.ends = ends.ctypes.data
+
+    @property
+    def effort(self) -> dict[str, int]:
+        """Steps tried, passes through loops or single components, and steps taken back."""
+        if not hasattr(self, "_table"):
+            return {}
+        table = self._table
+        return {"steps": table.steps, "sweeps": table.sweeps, "rejected": table.rejected}
+
+    def memory(self) -> dict[str, Array]:
+        """Return what is remembered from one step to the next, by name."""
+        if not hasattr(self, "_table"):
+            return {}
+        return remembered(self._table, len(self._names), disturbed=bool(self._run.disturbed))
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Go on with what ``memory`` returned; the first point in time is past."""
+        if hasattr(self, "_table"):
+            recall(self._table, len(self._names), memory)
+
+    def lose(self, name: str) -> None:
+        """Forget the saved state of a component whose instance is gone."""
+        if hasattr(self, "_members"):
+            self._members[self._place[name]].state = None
+
+    def unsolved(self, address: int) -> str:
+        """Return which loop was not solved, and what changed most."""
+        loop = tables.Loop.from_address(address)
+        worst = self._names[loop.columns[loop.worst]]
+        members = list(self._place)[loop.first : loop.end]
+        variables = {s for s in self._system.connections.values() if component_of(s) in members}
+        path = " -> ".join(sorted(variables)) if len(variables) < 9 else ", ".join(members)
+        return (
+            f"the loop {path} was not solved in {loop.max_iterations} iterations; {worst} changed"
+            f" last by {loop.change:.3g}, where {loop.tolerance:g} of its value or nominal value"
+            " is allowed; raise Coupling.tolerance, or check that the equations have one solution"
+        )
+
+    def _check(self) -> None:
+        system, coupling = self._system, self._coupling
+        for name in coupling.every:
+            if name not in system.components:
+                near = suggestion(name, system.components)
+                raise ConnectionFault(f"every: {system.name} has no component {name!r}{near}")
+        for group in self._groups:
+            rates = {coupling.every.get(name, 1) for name in group.components}
+            if group.iterated and len(rates) > 1:
+                raise ExperimentError(
+                    f"{', '.join(group.components)} are iterated together and must step at one"
+                    f" rate, got {sorted(rates)}"
+                )
+        if not coupling.adaptive:
+            return
+        for name, fmu in system.components.items():
+            if not (fmu.restores_state and fmu.varies_step):
+                missing = "GetAndSetFMUstate" if not fmu.restores_state else ""
+                missing = missing or "HandleVariableCommunicationStepSize"
+                raise ConnectionFault(
+                    f"{name} ({fmu.path.name}) cannot take part in an adaptive step: it does not"
+                    f" declare can{missing}; export it with that, or leave the step constant"
+                )
+
+    def _is_earlier(self, source: str, target: str) -> bool:
+        before = self._place[component_of(source)] < self._place[component_of(target)]
+        return before and self._coupling.method != "jacobi"
+
+    def _is_fresh(self, source: str, component: str) -> bool:
+        if source in self._system.inputs:  # Model Exchange looks into the step in any case
+            exchange = self._system.components[component].interface == "model_exchange"
+            return self._coupling.degree > 0 or exchange
+        group = self._group[component_of(source)]
+        solved = group.iterated and component in group.components
+        return solved or self._is_earlier(source, component)
+
+    def _nominal(self, name: str) -> float:
+        is_input = name in self._system.inputs
+        variable = self._system.variable(self._system.inputs[name][0] if is_input else name)
+        return abs(variable.nominal or 1.0)
+
+    def _all_loops(self) -> Any:
+        loops = []
+        for group in self._groups:
+            first = self._place[group.components[0]]
+            unknown = self._unknowns(group) if group.iterated else []
+            loops.append(self._loop(first, first + len(group.components), unknown))
+            loops[-1].rollback = bool(unknown) or self._coupling.adaptive is not None
+        return (tables.Loop * len(loops))(*loops)
+
+    def _unknowns(self, group: Group) -> list[str]:
+        return [
+            source
+            for target, source in self._system.connections.items()
+            if {component_of(source), component_of(target)} <= set(group.components)
+            and not self._is_earlier(source, target)
+        ]
+
+    def _loop(self, first: int, end: int, sources: Sequence[str]) -> Any:
+        unknowns = sorted(set(sources), key=self._layout.columns.__getitem__)
+        n = len(unknowns)
+        return tables.Loop(
+            first=first,
+            end=end,
+            n=n,
+            columns=(ctypes.c_int64 * n)(*(self._layout.columns[name] for name in unknowns)),
+            nominal=(ctypes.c_double * n)(*map(self._nominal, unknowns)),
+            tolerance=self._coupling.tolerance,
+            max_iterations=self._coupling.max_iterations,
+            inverse=(ctypes.c_double * (n * n))(),
+            work=(ctypes.c_double * (n * n + 6 * n))(),
+        )
+
+    def _member(self, name: str, slot: kernel.Component) -> Any:
+        fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
+        fed = self._system.sources()
+        shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
+        facade, exchange = self._facades.get(name), fmu.interface == "model_exchange"
+        interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and facade is None))
+        links = (tables.Link * n)()
+        for link, (_, target) in zip(links, self._inputs[name], strict=True):
+            link.column = self._layout.columns[fed[target]]
+            link.fresh = self._is_fresh(fed[target], name)
+            variable = self._system.variable(target)
+            link.holds = variable.is_discrete
+            link.feeds_through = any(
+                variable.owner in fmu.feedthrough.get(output, ()) for output in shown
+            )
+        shows = any(link.feeds_through for link in links)
+        member = tables.Member(links=links, values=(ctypes.c_double * n)())
+        member.splits = degree > 0 and shows and not interpolates and fmu.varies_step
+        if n and not interpolates:
+            self.accuracy = min(self.accuracy, 1 if shows and not member.splits else 2)
+        member.every = self._coupling.every.get(name, 1)
+        library = self._libraries[name]
+        if self._group[name].iterated or self._coupling.adaptive:
+            keeper = facade or library
+            member.save, member.restore, member.discard = keeper.state_calls()
+            member.outputs = (ctypes.c_double * slot.n_outputs)()
+            member.again = (ctypes.c_double * slot.n_outputs)()
+        if facade and exchange:
+            fresh = [bool(link.fresh) for link in links]
+            member.set_derivatives = facade.follow_polynomials(fresh, degree)
+        if interpolates:
+            references = list(slot.input_references[:n]) * degree
+            orders = [order for order in range(1, degree + 1) for _ in range(n)]
+            member.interpolates = True
+            member.set_derivatives = member.set_derivatives or library.derivatives_call()
+            member.derivative_references = (ctypes.c_uint32 * len(references))(*references)
+            member.derivative_orders = (ctypes.c_int32 * len(orders))(*orders)
+            member.derivatives = (ctypes.c_double * len(orders))()
+        return member

@@ -1,0 +1,258 @@
+"""FMUs with more than steps and doubles: the kernel meets them behind a facade (``facade.h``)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.ctypeslib import as_array
+from numpy.typing import NDArray
+
+from stickslip.cosim import kernel
+from stickslip.cosim.errors import FmuError
+from stickslip.cosim.fmu.batch import Batch, batches
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.library import Library
+from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.cosim.kernel import doubles
+from stickslip.cosim.kernel import facade as mirror
+from stickslip.cosim.signals.signals import Table
+
+# What it keeps of time, and of each clock, that does not follow from anything else.
+_TIMES = ("time", "next_event", "passed")
+_TICKS = ("interval", "begin", "ticks", "next")
+
+# Of Model Exchange, where neither the FMU nor the caller proposes one; that of FMPy.
+TOLERANCE = 1e-5
+
+
+def wants_facade(fmu: Fmu, signals: Iterable[Variable]) -> bool:
+    """Return whether an FMU with these signals is more than the kernel's loop takes as it is."""
+    return (
+        fmu.interface == "model_exchange"
+        or fmu.event_mode
+        or fmu.has_arrays
+        or not all(signal.is_plain for signal in signals)
+    )
+
+
+class Facade:
+    """Room for one component behind a facade.
+
+    Parameters
+    ----------
+    outputs : variables or elements in the order of the component's columns
+    inputs : those that are fed, in the order in which the kernel sets them
+    ahead : for each input, whether the kernel gives its value at the end of the step
+    arrays : name -> variable, of the arrays whose elements are among these
+    tolerance : relative, of Model Exchange; that which the FMU proposes where None
+    careful : whether a step that is discarded is taken back and tried in parts
+    """
+
+    def __init__(
+        self,
+        fmu: Fmu,
+        library: Library,
+        outputs: Sequence[Variable],
+        inputs: Sequence[Variable],
+        ahead: Sequence[bool],
+        arrays: Mapping[str, Variable],
+        tolerance: float | None,
+        *,
+        careful: bool = False,
+    ) -> None:
+        self._arrays = arrays
+        self._inputs = batches(library, self._owners(inputs), "Set")
+        self._outputs = batches(library, self._owners(outputs), "Get")
+        self._starts: tuple[list[Batch], ...] = ()
+        self._fed = [variable.name for variable in inputs]
+        self._tables: Mapping[str, Table] = {}
+        self.c = mirror.Facade(
+            version=fmu.version,
+            model_exchange=fmu.interface == "model_exchange",
+            event_mode=fmu.event_mode,
+            notes_steps=fmu.notes_steps,
+            inputs=_groups(self._inputs),
+            outputs=_groups(self._outputs),
+            input_ports=_ports(self._inputs, inputs, ahead),
+            output_ports=_ports(self._outputs, outputs, [False] * len(outputs)),
+            n_inputs=len(inputs),
+            courses=(mirror.Course * len(inputs))(),
+            before=(ctypes.c_double * len(inputs))(),
+            after=(ctypes.c_double * len(inputs))(),
+            rates=(ctypes.c_double * (2 * len(inputs)))(),
+            tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
+            n_clocks=len(fmu.clocks),
+            clocks=(mirror.Clock * len(fmu.clocks))(
+                *(mirror.Clock(c.reference, c.asked, c.interval, c.shift) for c in fmu.clocks)
+            ),
+            n_states=fmu.n_states,
+            n_indicators=fmu.n_indicators,
+            careful=careful,
+        )
+        self.c.call[:] = _addresses(fmu, library)
+        if fmu.interface == "model_exchange":
+            self.c.cvode = _cvode(fmu)
+
+    def dress(self, slot: kernel.Component) -> None:
+        """Let a component of the kernel, wired as if it were plain, be this facade."""
+        slot.version = 2
+        slot.log = ctypes.pointer(self.c.log)
+        slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
+        slot.output_references = (ctypes.c_uint32 * slot.n_outputs)(*range(slot.n_outputs))
+
+    def bind(self, slot: kernel.Component, library: ctypes.CDLL) -> None:
+        """Take the functions of a dressed component from the library that steps it."""
+        self._kernel = library
+        names = [f"facade_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
+        slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
+
+    def state_calls(self) -> tuple[int, int, int]:
+        """Return the addresses of the functions that save, restore and free its state."""
+        save, restore, free = (
+            _address(getattr(self._kernel, f"facade_{verb}FMUstate"))
+            for verb in ("Get", "Set", "Free")
+        )
+        return save, restore, free
+
+    def follow_polynomials(self, fresh: Sequence[bool], degree: int) -> int:
+        """Let inputs of Model Exchange follow those of a coupling; return what sets derivatives.
+
+        Parameters
+        ----------
+        fresh : for each input, whether the coupling knows its value at the end of the step
+        """
+        for i, known in enumerate(fresh):
+            self.c.input_ports[i].ahead = known
+        self.c.follows = degree > 0
+        return _address(self._kernel.facade_SetRealInputDerivatives)
+
+    def tune_call(self) -> int:
+        """Return the address of the function that changes tunable parameters between two steps."""
+        return _address(self._kernel.facade_tune)
+
+    def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
+        """Take start values from here: of structural parameters, most others, and inputs."""
+        self._starts = (structure, starts, late)
+        self.c.structure, self.c.starts, self.c.late = map(_groups, self._starts)
+
+    def follow(self, tables: Mapping[str, Table]) -> None:
+        """Let inputs, by name, follow tables in their own unit; Model Exchange knows them whole."""
+        self._tables = tables
+        for i, name in enumerate(self._fed):
+            table = tables.get(name)
+            self.c.courses[i] = (
+                mirror.Course(
+                    len(table.time), doubles(table.time), doubles(table.values), table.held
+                )
+                if table
+                else mirror.Course()
+            )
+
+    def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
+        """Let elements of fed arrays that are not fed themselves have their start values."""
+        for variable, value in values.values():
+            for batch in self._inputs:
+                if variable.owner in self._arrays and batch.holds(variable):
+                    batch.put(variable, value)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what it keeps from one step to the next that the FMU does not, by name."""
+        memory = {name: place.copy() for name, place in self._places().items()}
+        memory["times"] = np.array([getattr(self.c, name) for name in _TIMES])
+        memory["clocks"] = np.array([getattr(c, name) for c in self._clocks() for name in _TICKS])
+        return memory
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
+        """Go on with what ``memory`` returned, once the FMU is in its state; return an FMI status.
+
+        The solver of Model Exchange starts anew.
+        """
+        for name, place in self._places().items():
+            if memory[name].shape != place.shape:
+                raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
+            place[:] = memory[name]
+        for name, value in zip(_TIMES, memory["times"], strict=True):
+            setattr(self.c, name, float(value))
+        places = ((clock, name) for clock in self._clocks() for name in _TICKS)
+        for (clock, name), value in zip(places, memory["clocks"], strict=True):
+            setattr(clock, name, int(value) if name == "ticks" else float(value))
+        return int(self._kernel.facade_go_on(ctypes.byref(self.c)))
+
+    def lose(self) -> None:
+        """Let go of an instance that may not be called any more."""
+        self.c.instance = self.c.begun = None
+        self._kernel.facade_FreeInstance(ctypes.byref(self.c))
+
+    def _clocks(self) -> list[Any]:
+        return [self.c.clocks[i] for i in range(self.c.n_clocks)]
+
+    def _places(self) -> dict[str, NDArray[Any]]:
+        n = int(self.c.n_inputs)
+        ends = {"before": self.c.before, "after": self.c.after} if n else {}
+        places: dict[str, NDArray[Any]] = {k: as_array(v, (n,)) for k, v in ends.items()}
+        for i, batch in enumerate(self._inputs):
+            places[f"inputs{i}"] = as_array(batch.values)
+        return places
+
+    def _owners(self, variables: Iterable[Variable]) -> list[Variable]:
+        owners = {v.owner: self._arrays.get(v.owner, v) for v in variables}
+        return list(owners.values())
+
+
+def _groups(sources: Sequence[Batch]) -> mirror.Groups:
+    return mirror.Groups(len(sources), (mirror.Group * len(sources))(*(b.group() for b in sources)))
+
+
+def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Sequence[bool]) -> Any:
+    ports = (mirror.Port * len(variables))()
+    for port, variable, early in zip(ports, variables, ahead, strict=True):
+        port.group = next(i for i, batch in enumerate(sources) if batch.holds(variable))
+        port.place = sources[port.group].place(variable)
+        port.ahead = early
+    return ports
+
+
+def _addresses(fmu: Fmu, library: Library) -> list[int]:
+    needs = "M" if fmu.interface == "model_exchange" else "C"
+    needs += (
+        "E" * fmu.event_mode
+        + "K" * bool(fmu.clocks)
+        + "S" * bool(fmu.structural)
+        + "R" * fmu.restores_state
+    )
+    return [
+        0
+        if name in {"-", library.lacks_reset} or not set(reasons) & set(needs)
+        else library.address(name)
+        for name, reasons in mirror.facade_calls(fmu.version)
+    ]
+
+
+def _address(function: Any) -> int:
+    return ctypes.cast(function, ctypes.c_void_p).value or 0 if function else 0
+
+
+@cache
+def _cvode_table() -> Any:
+    from fmpy.sundials import libraries  # loads the libraries, which not every platform has
+
+    places = [value for name, value in vars(libraries).items() if name.startswith("sundials_")]
+    names = mirror.cvode_calls()
+    found = (next(p for p in places if hasattr(p, name)) for name in names)
+    return (ctypes.c_void_p * len(names))(
+        *(_address(getattr(place, name)) for place, name in zip(found, names, strict=True))
+    )
+
+
+def _cvode(fmu: Fmu) -> Any:
+    try:
+        return _cvode_table()
+    except (ImportError, OSError, AttributeError, StopIteration) as fault:
+        raise FmuError(
+            f"{fmu.path}: Model Exchange needs the solver CVode, which FMPy has for"
+            f" x86_64-linux, x86_64-windows and darwin ({fault}); use its Co-Simulation interface"
+        ) from fault

@@ -1,0 +1,155 @@
+"""Where each signal lies in a row of the kernel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
+
+from stickslip.cosim.errors import ConnectionFault
+from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.system.record import Deviation, Record
+
+if TYPE_CHECKING:
+    from stickslip.cosim.system.system import System
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns of a row: exposed inputs, then per component its linked and its other outputs.
+
+    Where the rows are the record, components come in the order of the system, else in one that
+    costs least.
+
+    Attributes
+    ----------
+    columns : name -> column
+    outputs : component -> names of its columns, those that other components read first
+    linked : component -> how many of its outputs other components read
+    recorded : the names to keep: exposed inputs, then by component in the order of the system
+    summed : label -> deviation whose squares are summed up
+    whole : whether the rows are the record, all signals of all points in time
+    """
+
+    columns: dict[str, int]
+    outputs: dict[str, list[str]]
+    linked: dict[str, int]
+    recorded: list[str]
+    summed: dict[str, Deviation]
+    whole: bool
+
+    def kept_per_point(self, record: Record) -> float:
+        """Return how many numbers of a point in time are kept."""
+        if record.keep == "last":
+            return 0
+        return len(self.columns) if self.whole else len(self.recorded) / record.every
+
+    @classmethod
+    def of(cls, system: System, record: Record) -> Layout:
+        """Lay out a system of which ``record`` is to be kept.
+
+        Raises
+        ------
+        ConnectionFault
+            When a name or pattern of ``record`` fits nothing.
+        """
+        kept = _select(system, record.wanted)
+        summed = {
+            label: _summed(system, label, deviation)
+            for label, deviation in record.deviations.items()
+        }
+        outputs: dict[str, list[str]] = {component: [] for component in system.components}
+        for source in dict.fromkeys(system.connections.values()):
+            outputs[component_of(source)].append(source)
+        linked = {component: len(names) for component, names in outputs.items()}
+        read = set(system.connections.values())
+        for name in dict.fromkeys([*kept, *(name for d in summed.values() for name in d.names)]):
+            if name not in system.inputs and name not in read:
+                outputs[component_of(name)].append(name)
+        usual = _columns(system, outputs, outputs)
+        recorded = sorted(kept, key=usual.__getitem__)
+        whole = len(recorded) == len(usual) and record.every == 1 and record.keep == "all"
+        columns = usual if whole else _columns(system, outputs, _neighbours(system))
+        return cls(columns, outputs, linked, recorded, summed, whole)
+
+
+def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]) -> dict[str, int]:
+    names = [*system.inputs, *(name for component in order for name in outputs[component])]
+    return {name: column for column, name in enumerate(names)}
+
+
+def _neighbours(system: System) -> list[str]:
+    """Return the components so that those that feed the same one are neighbours.
+
+    What lies side by side in a row needs not be gathered.
+    """
+    feeders: dict[str, list[str]] = {component: [] for component in system.components}
+    for target, source in system.connections.items():
+        feeders[component_of(target)].append(component_of(source))
+    several = (found for found in feeders.values() if len(set(found)) > 1)
+    first = [component for found in several for component in found]
+    return list(dict.fromkeys([*first, *system.components]))
+
+
+def _select(system: System, record: Iterable[str] | None) -> list[str]:
+    usual = [*system.inputs]
+    for component, fmu in system.components.items():
+        usual += [
+            f"{component}.{element.name}"
+            for v in fmu.variables.values()
+            if v.causality == "output"
+            for element in system.variable(f"{component}.{v.name}").elements()
+            if element.is_signal
+        ]
+    if record is None:
+        return usual
+    kept: dict[str, None] = {}
+    for wanted in record:
+        found = [name for name in usual if name == wanted or fnmatchcase(name, wanted)]
+        if not found and any(mark in wanted for mark in "*?"):
+            raise ConnectionFault(
+                f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
+            )
+        kept |= dict.fromkeys(found or _recordable(system, wanted))
+    return list(kept)
+
+
+def _summed(system: System, label: str, deviation: Deviation) -> Deviation:
+    """Return what is to be summed up, by the names of columns."""
+    signal, reference = deviation.signal, deviation.reference
+    signal = _scalar(system, label, signal)
+    if isinstance(reference, str):
+        reference = _scalar(system, label, reference)
+        here, there = system.unit_of(signal), system.unit_of(reference)
+        if here and there and not here.same_as(there):
+            raise ConnectionFault(
+                f"cannot sum up {label!r}: {signal} is in {here.name!r}, {reference} in"
+                f" {there.name!r}"
+            )
+    elif not math.isfinite(reference):
+        raise ConnectionFault(f"cannot sum up {label!r}: the reference {reference} is not finite")
+    return replace(deviation, signal=signal, reference=reference)
+
+
+def _scalar(system: System, label: str, name: str) -> str:
+    found = [name] if name in system.inputs else _recordable(system, name)
+    if len(found) > 1:
+        raise ConnectionFault(
+            f"cannot sum up {label!r}: {name} is an array; name one of its elements: {found[0]}"
+        )
+    return found[0]
+
+
+def _recordable(system: System, name: str) -> list[str]:
+    try:
+        variable = system.variable(name)
+    except ConnectionFault as fault:
+        raise ConnectionFault(f"cannot record {name}: {fault}") from None
+    elements = [element for element in variable.elements() if element.is_signal]
+    if not elements:
+        raise ConnectionFault(
+            f"cannot record {name}: it is {variable.type}, expected a number or Boolean"
+        )
+    return [f"{component_of(name)}.{element.name}" for element in elements]

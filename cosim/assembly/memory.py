@@ -1,0 +1,160 @@
+"""Where the kernel writes the signals of a run, and what is kept of them."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+
+import numpy as np
+
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.errors import ExperimentError
+from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.span import Span
+from stickslip.cosim.system.record import Deviation, Record
+
+Room = Callable[[tuple[int, int]], Array]
+_MOST_APART = 2**23  # numbers of the rows of a repetition
+
+
+class Memory:
+    """Rows of all signals, the record and the sums; the kernel uses them as long as this exists.
+
+    The rows of all points in time are the record where all signals of all of them are kept. Else
+    there are those of a block of steps, used again for the next.
+
+    Parameters
+    ----------
+    run : of the kernel, wired
+    layout : of a row
+    record : what to keep
+    time : (n_steps + 1,) s
+    room : makes arrays of a shape, for what is kept
+
+    Raises
+    ------
+    ExperimentError
+        When a span to sum up holds no point in time.
+    """
+
+    def __init__(
+        self, run: kernel.Run, layout: Layout, record: Record, time: Array, room: Room = np.empty
+    ) -> None:
+        self._run, self._room = run, room
+        self._time = time
+        self._only_last = record.keep == "last"
+        self._columns = [layout.columns[name] for name in layout.recorded]
+        self._recorded = 0 if layout.whole or self._only_last else len(self._columns)
+        self._every = record.every
+        self._record: Array = np.empty((len(time[:: record.every]), 0))
+        run.selected = (ctypes.c_int64 * len(self._columns))(*self._columns)
+        run.n_selected = self._recorded
+        run.every = record.every
+        entries = [_entry(label, d, layout, time) for label, d in layout.summed.items()]
+        sums = (kernel.SumOfSquares * len(entries))(*entries)
+        run.sums, run.n_sums = sums, len(entries)
+        self._sums = dict(zip(layout.summed, sums, strict=True))
+        self._whole = layout.whole
+        self._rows: Array
+        self._block: Array = np.empty((0 if layout.whole else run.block + 1, run.width))
+        self._take(self._block, used_again=not layout.whole)
+
+    def prepare(self, external: Array, *, apart: bool = False) -> None:
+        """Make room for a run.
+
+        Parameters
+        ----------
+        external : (n_steps + 1, number of exposed inputs)
+        apart : whether it is a repetition: not in the room of results, and with all rows where
+            they are not too many
+        """
+        run = self._run
+        self._external = external
+        run.external = external.ctypes.data if external.size else None
+        room = np.empty if apart else self._room
+        if self._whole or (apart and (run.n_steps + 1) * run.width <= _MOST_APART):
+            self._take(room((run.n_steps + 1, run.width)), used_again=False)
+        elif self._rows is not self._block:
+            self._take(self._block, used_again=True)
+        if self._recorded:
+            self._record = room((len(self._time[:: self._every]), self._recorded))
+            run.record = self._record.ctypes.data
+
+    def rows(self) -> Array:
+        """Return the rows of all signals up to the last step done; none where they are not kept."""
+        return self._rows[: 0 if self._rows is self._block else max(self._run.done + 1, 0)]
+
+    def state(self) -> Array:
+        """Return the signals at the end of the last step done, and the sums up to there."""
+        return np.append(self._row(self._run.done), list(self.sums.values()))
+
+    def go_on(self, step: int, state: Array) -> None:
+        """Let the run go on after a step that left this state.
+
+        Raises
+        ------
+        ValueError
+            When the state is of other signals or sums.
+        """
+        run = self._run
+        if state.shape != (run.width + len(self._sums),):
+            raise ValueError(f"{state.shape} signals, expected {run.width + len(self._sums)}")
+        run.block_start = run.done = run.closed = step
+        self._row(step)[:] = state[: run.width]
+        if step % self._every == 0:
+            self._record[step // self._every] = self._row(step)[self._columns[: self._recorded]]
+        for entry, value in zip(self._sums.values(), state[run.width :], strict=True):
+            entry.sum = value
+
+    def append(self, first: int, outputs: Array) -> None:
+        """Write the row of the next step: the last but for some outputs, from a column on."""
+        row = self._row(self._run.done + 1)
+        row[:] = self._row(self._run.done)
+        row[first : first + len(outputs)] = outputs
+
+    def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
+        """Return the time and the record of steps first .. last, the last one surely if it ended.
+
+        Returns
+        -------
+        time : (n,) s
+        values : (n, number of recorded signals)
+        """
+        if self._only_last:
+            return self._time[last : last + 1], self._row(last)[self._columns][None]
+        begin, end = -(-first // self._every), last // self._every + 1
+        record = self._rows if self._whole else self._record
+        time = self._time[begin * self._every : last + 1 : self._every]
+        values: Array = record[begin:end]
+        if ended and last % self._every:
+            time = np.append(time, self._time[last])
+            values = np.vstack([values, self._row(last)[self._columns]])
+        return time, values
+
+    @property
+    def sums(self) -> dict[str, float]:
+        """Return the sums of squares by label."""
+        return {label: entry.sum for label, entry in self._sums.items()}
+
+    def _take(self, rows: Array, *, used_again: bool) -> None:
+        self._rows = rows
+        self._run.rows, self._run.used_again = rows.ctypes.data, used_again
+
+    def _row(self, step: int) -> Array:
+        row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]
+        return row
+
+
+def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> kernel.SumOfSquares:
+    steps = np.flatnonzero(Span(what.begin, what.end).covers(time))
+    if not len(steps):
+        raise ExperimentError(
+            f"cannot sum up {label!r}: no point in time lies in {what.begin} .. {what.end} s"
+        )
+    entry = kernel.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
+    if isinstance(what.reference, str):
+        entry.reference = layout.columns[what.reference]
+    else:
+        entry.constant = what.reference
+    return entry

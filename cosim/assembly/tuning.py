@@ -1,0 +1,156 @@
+"""Changes of tunable parameters during a run, as a scenario wants them.
+
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7 (variability ``tunable``: between communication
+points, and where events are known, in event mode).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.cosim import kernel
+from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.errors import ParameterError, SignalError
+from stickslip.cosim.fmu.batch import Batch
+from stickslip.cosim.fmu.library import Library
+from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.signals.scenario import Disturbance, Tables
+from stickslip.cosim.system.scaling import Scaling
+
+if TYPE_CHECKING:
+    from stickslip.cosim.system.system import System
+
+
+def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
+    """Return what happens to signals, and what to parameters.
+
+    An input that is fed stands for what feeds it, where that feeds nothing else.
+
+    Raises
+    ------
+    SignalError
+        When a name is neither a signal that is read or recorded nor a tunable parameter.
+    """
+    sources = system.sources() if tables.keys() - layout.columns.keys() else {}
+    signals: dict[str, Disturbance] = {}
+    for name, table in tables.items():
+        if name in sources or name in layout.columns:
+            source = sources.get(name, name)
+            if source in signals:
+                raise SignalError(
+                    f"scenario: {name} is {source}, which occurs already; name it once"
+                )
+            signals[source] = table if source == name else _at_source(name, table, sources, system)
+    others = {name: t for name, t in tables.items() if name not in (layout.columns | sources)}
+    for name in others:
+        try:
+            variable = system.variable(name, SignalError)
+        except SignalError:
+            variable = None
+        if variable is None or variable.causality != "parameter":
+            raise SignalError(
+                f"scenario: {name!r} is no signal of the run that is read or recorded, and no"
+                f" parameter{suggestion(name, layout.columns)}"
+            )
+        if variable.variability != "tunable" or not variable.is_signal or variable.array:
+            kind = "array" if variable.array or variable.dimensions else variable.type
+            raise SignalError(
+                f"scenario: {name} is a {variable.variability} parameter ({kind}); only tunable"
+                " ones that are a number or Boolean change during a run; set it before"
+            )
+    return signals, others
+
+
+def _at_source(
+    name: str, table: Disturbance, sources: Mapping[str, str], system: System
+) -> Disturbance:
+    """Return what happens to an input as if it happened to what feeds it."""
+    source = sources[name]
+    if receivers := [target for target in sources if sources[target] == source and target != name]:
+        raise SignalError(
+            f"scenario: {name} is fed by {source}, which feeds {', '.join(receivers)} too and is"
+            f" disturbed as a whole: name {source}"
+        )
+    line = system.scaling(source, name)
+    if not isinstance(line, Scaling) or line.factor == 0:
+        raise SignalError(f"scenario: the values of {name} are mapped; name {source}")
+    return table.in_unit(line.factor, line.offset)
+
+
+class Change:
+    """One value for one parameter at a point in time."""
+
+    def __init__(self, step: int, component: str, batch: Batch, facade: Facade | None) -> None:
+        self.step, self.component = step, component
+        self._batch = batch
+        self._group = batch.group()
+        self._facade = facade
+
+    def entry(self, component: int) -> kernel.Change:
+        """Return it as the kernel takes it."""
+        batch = self._batch
+        address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
+        if self._facade:
+            address = self._facade.tune_call()
+            values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
+        setting = kernel.Setting(
+            set=address,
+            call=batch.call.encode(),
+            n=len(batch.references),
+            references=batch.references,
+            values=values,
+        )
+        return kernel.Change(self.step, component, setting)
+
+
+def tune(
+    tables: Tables,
+    values: Mapping[str, Value],
+    system: System,
+    libraries: Mapping[str, Library],
+    facades: Mapping[str, Facade],
+) -> list[Change]:
+    """Return the changes of parameters, in the order of time.
+
+    Parameters
+    ----------
+    tables : what happens to them
+    values : their start values, where these are not those of the FMUs
+
+    Raises
+    ------
+    SignalError
+        When a parameter would have a value that it cannot have, or has no start value.
+    """
+    changes = []
+    for name, table in tables.items():
+        variable = system.variable(name)
+        start = values.get(name, variable.start)
+        if not isinstance(start, int | float):
+            raise SignalError(f"scenario: {name} has no start value; set one")
+        series = table.at_points(np.full(len(table.keep), float(start)))
+        before = np.append(float(start), series[:-1])
+        component = component_of(name)
+        for step in np.flatnonzero(series != before):
+            value = float(series[step])
+            try:
+                whole = int(value) if value.is_integer() else value
+                checked = variable.checked(whole, name)
+            except ParameterError as fault:
+                raise SignalError(f"scenario: {fault}") from None
+            batch = Batch(libraries[component], [variable], "Set")
+            batch.put(variable, checked)
+            changes.append(Change(int(step), component, batch, facades.get(component)))
+    return sorted(changes, key=lambda change: change.step)
+
+
+def in_order(changes: Sequence[Change], order: Sequence[str]) -> Any:
+    """Return the kernel's table of changes; ``changes`` must exist as long as it."""
+    place = {name: i for i, name in enumerate(order)}
+    return (kernel.Change * len(changes))(*(c.entry(place[c.component]) for c in changes))

@@ -1,0 +1,1 @@
+"""FMUs: files, variables, binaries and their states."""

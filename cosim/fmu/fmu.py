@@ -1,0 +1,241 @@
+"""An FMU: a file of FMI 2.0 or 3.0, checked, unpacked and described."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from stickslip.cosim.description import (
+    Description,
+    DescriptionFault,
+    read_description,
+)
+from stickslip.cosim.description.attributes import flag
+from stickslip.cosim.description.clocks import Clock
+from stickslip.cosim.document import Malformed, parse_xml
+from stickslip.cosim.errors import FmuError
+from stickslip.cosim.fmu.collection import paused_collection
+from stickslip.cosim.fmu.names import shown
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Variable, parse_element
+from stickslip.fmi import toolchain
+from stickslip.fmi.archive import restore, unpack
+from stickslip.fmi.archive.names import is_device
+
+Interface = Literal["co_simulation", "model_exchange"]
+
+_log = logging.getLogger(__name__)
+_DESCRIPTION = "modelDescription.xml"
+_TAGS: Mapping[Interface, str] = {
+    "co_simulation": "CoSimulation",
+    "model_exchange": "ModelExchange",
+}
+_C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
+
+
+class Fmu:
+    """An FMU that this machine can run, by one of its interfaces.
+
+    Pickles as its path and interface.
+
+    Parameters
+    ----------
+    path : the ``.fmu`` file
+    interface : ``co_simulation``, the default where the FMU has it, or ``model_exchange``
+
+    Attributes
+    ----------
+    path : the ``.fmu`` file
+    interfaces : all it has that can be run here
+    interface : the one it is run by
+    folder : where it lies unpacked, under a hash of its content
+    version : 2 or 3
+    description : all that was read of it
+    name : of the model
+    token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
+    variables : name -> Variable, in the order of the description
+    units : name -> Unit
+    aliases : other name -> name, in FMI 3.0
+    feedthrough : output -> the inputs it depends on without delay
+    experiment : the times it proposes, s, and the tolerance
+    event_mode : whether events between steps are left to us (FMI 3.0 Co-Simulation)
+    has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
+    structural : names of its structural parameters
+    clocks : input clocks that tick by time
+    once_per_process : whether there can be one instance only
+    serializes : whether its state can be put into a file
+    restores_state, interpolates_inputs, varies_step : whether it declares these abilities
+
+    Raises
+    ------
+    FmuError
+    """
+
+    @paused_collection()
+    def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
+        self.path = Path(path).absolute()
+        self.folder = unpack(self.path, "fmus", FmuError)
+        description = self._read_description()
+        self.description = description
+        self.version = description.version
+        self.name = description.name or self.path.stem
+        self.token = description.token
+        self.interfaces, self.interface = self._choose(description, interface)
+        chosen = description.interfaces[_TAGS[self.interface]]
+        self.identifier = chosen.get("modelIdentifier", "")
+        self.event_mode = self.interface == "co_simulation" and flag(chosen, "hasEventMode")
+        self.once_per_process = flag(chosen, "canBeInstantiatedOnlyOncePerProcess")
+        self.needs_tool = flag(chosen, "needsExecutionTool")
+        state = "state" if self.version == 2 else "State"
+        self.serializes = flag(chosen, f"canSerializeFMU{state}")
+        self.restores_state = flag(chosen, f"canGetAndSetFMU{state}")
+        self.notes_steps = self.interface == "model_exchange" and (
+            flag(chosen, "needsCompletedIntegratorStep")
+            if self.version == 3
+            else not flag(chosen, "completedIntegratorStepNotNeeded")
+        )
+        self.n_states, self.n_indicators = description.n_states, description.n_indicators
+        self.interpolates_inputs = flag(chosen, "canInterpolateInputs")
+        self.varies_step = self.interface == "model_exchange" or flag(
+            chosen, "canHandleVariableCommunicationStepSize"
+        )
+        self.binary = self._find_binary()
+        self.units = description.units
+        self.variables = description.variables
+        self.aliases = description.aliases
+        self.has_arrays = any(
+            v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
+            for v in self.variables.values()
+        )
+        self.structural = [
+            v.name for v in self.variables.values() if v.causality == "structuralParameter"
+        ]
+        self.feedthrough = self._read_feedthrough(description)
+        self.experiment = description.experiment
+        if self.needs_tool:
+            _log.warning("%s: needs the tool that made it installed on this machine", self.path)
+        self.clocks = self._ticking()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.path, self.interface)
+
+    def __repr__(self) -> str:
+        return f"Fmu({str(self.path)!r})"
+
+    def restore(self) -> None:
+        """Unpack the FMU again where its unpacked files were changed, as by a run of it.
+
+        Raises
+        ------
+        FmuError
+            When the file is not there any more, or another one.
+        """
+        restore(self.folder, self.path, FmuError)
+
+    def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
+        """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.
+
+        Parameters
+        ----------
+        lengths : structural parameter -> value, where it is not its start value
+        """
+        variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+        if variable is not None:
+            variable = variable.shaped(lengths) if lengths else variable
+            return variable if variable.name == name else replace(variable, name=name)
+        if element := parse_element(name):
+            array = self.find(element[0], lengths)
+            return array.at(element[1]) if array is not None else None
+        return None
+
+    def unit(self, variable: Variable) -> Unit | None:
+        """Return the unit of one of this FMU's variables, None when it has none."""
+        if variable.unit is None:
+            return None
+        unit = self.units.get(variable.unit, Unit(variable.unit))
+        return replace(unit, relative=True) if variable.relative else unit
+
+    def _choose(
+        self, description: Description, wanted: Interface | None
+    ) -> tuple[tuple[Interface, ...], Interface]:
+        present = description.interfaces
+        interfaces = tuple(name for name in get_args(Interface) if _TAGS[name] in present)
+        if not interfaces:
+            only = ", only Scheduled Execution" if "ScheduledExecution" in present else ""
+            raise FmuError(
+                f"{self.path}: no Co-Simulation or Model Exchange interface{only};"
+                " export the model for Co-Simulation"
+            )
+        if wanted is not None and wanted not in interfaces:
+            raise FmuError(f"{self.path}: no interface {wanted!r}; it has {', '.join(interfaces)}")
+        return interfaces, wanted or interfaces[0]
+
+    def _read_description(self) -> Description:
+        names = {file.name for file in self.folder.iterdir()}
+        if _DESCRIPTION not in names:
+            near = [
+                shown(str(file.relative_to(self.folder)))
+                for file in self.folder.rglob("*")
+                if file.name.casefold() == _DESCRIPTION.casefold()
+            ]
+            hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
+            raise FmuError(f"{self.path}: {_DESCRIPTION} is missing; this is no FMU{hint}")
+        try:
+            return read_description(parse_xml((self.folder / _DESCRIPTION).read_bytes()))
+        except (Malformed, DescriptionFault) as fault:
+            raise FmuError(f"{self.path}: {_DESCRIPTION}: {fault}") from fault
+
+    def _find_binary(self) -> Path:
+        if not _C_IDENTIFIER.fullmatch(self.identifier) or is_device(self.identifier):
+            raise FmuError(
+                f"{self.path}: modelIdentifier is {shown(self.identifier)}, expected a C identifier"
+                " of at most 200 characters that names no device of Windows; export it again"
+            )
+        platform = toolchain.host_platform()
+        place = platform.fmi2 if self.version == 2 else platform.tuple
+        binaries = self.folder / "binaries"
+        binary = binaries / place / (self.identifier + platform.suffix)
+        if binary.is_file():
+            return binary
+        libraries = [p for p in (binaries / place).glob(f"*{platform.suffix}") if p.is_file()]
+        if len(libraries) != 1:
+            present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
+            raise FmuError(
+                f"{self.path}: no binary for this machine: expected"
+                f" binaries/{place}/{binary.name}, the FMU has {', '.join(present) or 'none'}"
+            )
+        _log.warning(
+            "%s: takes %s, the only library of its folder, though its modelIdentifier is %r",
+            self.path,
+            libraries[0].name,
+            self.identifier,
+        )
+        return libraries[0]
+
+    def _ticking(self) -> list[Clock]:
+        """Return the clocks that tick by time; warn of those that will not tick."""
+        clocks = self.description.clocks
+        ticking = self.event_mode or self.interface == "model_exchange"
+        running = [c for c in clocks if ticking and c.asked is not None]
+        if mute := [c.name for c in clocks if c not in running]:
+            reason = "only clocks with an interval do" if ticking else "the FMU has no event mode"
+            _log.warning("%s: the clocks %s never tick: %s", self.path, ", ".join(mute), reason)
+        return running
+
+    def _read_feedthrough(self, description: Description) -> Mapping[str, frozenset[str]]:
+        inputs = frozenset(v.name for v in self.variables.values() if v.causality == "input")
+        outputs = (v.name for v in self.variables.values() if v.causality == "output")
+        feedthrough = dict.fromkeys(outputs, inputs)
+        for unknown in description.outputs:
+            if unknown.dependencies is not None:
+                feedthrough[unknown.name] = inputs.intersection(unknown.dependencies)
+        return feedthrough
+
+
+def _rebuild(path: Path, interface: Interface) -> Fmu:
+    return Fmu(path, interface=interface)

@@ -1,0 +1,166 @@
+"""The binary of an FMU, loaded, with its functions in the kernel's order."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from stickslip.cosim import kernel
+from stickslip.cosim.errors import FmuError
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.variables import SETTERS
+from stickslip.cosim.kernel import marks
+from stickslip.cosim.kernel.arithmetic import plain_arithmetic
+from stickslip.fmi import toolchain
+
+# On Windows, also look beside the binary for the libraries it brings along:
+# LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
+_LOAD_WITH_NEIGHBOURS = 0x1100
+
+
+class Library:
+    """Addresses of an FMU's functions.
+
+    Attributes
+    ----------
+    calls : addresses in the order of the kernel's table; none for Model Exchange
+    lacks_reset : the name of the function, where the binary does not have it
+    resources : where the FMU finds its resources: a URI in FMI 2.0, a path in FMI 3.0
+
+    Raises
+    ------
+    FmuError
+        When the binary cannot be loaded or lacks a function.
+    """
+
+    def __init__(self, fmu: Fmu) -> None:
+        self._fmu = fmu
+        marks.note(fmu.path.name, "loading its binary")
+        self._library = _load(str(fmu.binary))
+        folder = fmu.folder / "resources"
+        self.calls: list[int] = []
+        self.lacks_reset = self._missing_reset()
+        self.resources = folder.as_uri() if fmu.version == 2 else f"{folder}{os.sep}"
+        if fmu.interface == "co_simulation":
+            self.calls = self._step_calls()
+
+    def accessor(self, type_name: str, verb: str) -> tuple[str, int, Any]:
+        """Return name, address and C type of the function that sets or gets a type.
+
+        ``verb`` is Set or Get.
+        """
+        setter, c_type = SETTERS[self._fmu.version][type_name]
+        name = setter.replace("Set", verb)
+        return name, self.address(name), c_type
+
+    def state_calls(self) -> tuple[int, int, int]:
+        """Return the addresses of the functions that save, restore and free a state."""
+        word = "fmi2{}FMUstate" if self._fmu.version == 2 else "fmi3{}FMUState"
+        save, restore, free = (self.address(word.format(s)) for s in ("Get", "Set", "Free"))
+        return save, restore, free
+
+    def derivatives_call(self) -> int:
+        """Return the address of the function that sets derivatives of inputs (FMI 2.0)."""
+        return self.address("fmi2SetRealInputDerivatives")
+
+    def function(self, name: str) -> Any:
+        """Return a function for use from Python; it returns an FMI status."""
+        self.address(name)
+        return self._library[name]
+
+    def address(self, name: str) -> int:
+        """Return the address of a function.
+
+        Raises
+        ------
+        FmuError
+            When the binary lacks it.
+        """
+        try:
+            function = getattr(self._library, name)
+        except AttributeError:
+            raise self._lacks(name) from None
+        return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+    def _missing_reset(self) -> str:
+        name = f"fmi{self._fmu.version}Reset"
+        try:
+            self.address(name)
+        except FmuError:
+            return name
+        return ""
+
+    def _step_calls(self) -> list[int]:
+        """Return what the kernel needs; without a reset an FMU can be run, too."""
+        return [
+            0 if name == self.lacks_reset else self.address(name)
+            for name in kernel.calls(self._fmu.version)
+        ]
+
+    def _lacks(self, name: str) -> FmuError:
+        return FmuError(
+            f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
+            " which the standard requires"
+        )
+
+
+class UnloadedLibrary(Library):
+    """The functions of a binary that is only read; none has an address.
+
+    Raises
+    ------
+    FmuError
+        When the binary is no library or lacks a function.
+    """
+
+    def __init__(self, fmu: Fmu) -> None:
+        self._fmu = fmu
+        self.resources = ""
+        try:
+            self._names = toolchain.interface(fmu.binary.read_bytes()).exports
+        except (toolchain.NotALibrary, OSError) as fault:
+            raise FmuError(f"{fmu.binary}: {fault}") from fault
+        self.lacks_reset = self._missing_reset()
+        self.calls = self._step_calls() if fmu.interface == "co_simulation" else []
+
+    def address(self, name: str) -> int:
+        """Return 0 for a function that is there, see Library."""
+        if name not in self._names:
+            raise self._lacks(name)
+        return 0
+
+
+@cache
+@plain_arithmetic()
+def _load(binary: str) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
+    except OSError as fault:
+        if _load_neighbours(Path(binary)):
+            with suppress(OSError):
+                return ctypes.CDLL(binary, winmode=_LOAD_WITH_NEIGHBOURS)
+        raise FmuError(f"{binary}: cannot be loaded: {fault}") from fault
+
+
+def _load_neighbours(binary: Path) -> int:
+    """Load the libraries beside a binary, which finds them when it does not say where they are.
+
+    They may need each other, so it is tried until no more can be loaded. Returns how many were.
+    """
+    waiting = [p for p in binary.parent.glob(f"*{binary.suffix}*") if p != binary]
+    n = len(waiting)
+    for _ in range(n):
+        failed = []
+        for path in waiting:
+            try:
+                ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL, winmode=_LOAD_WITH_NEIGHBOURS)
+            except OSError:
+                failed.append(path)
+        if len(failed) in (0, len(waiting)):
+            break
+        waiting = failed
+    return n - len(failed) if n else 0

@@ -1,0 +1,1 @@
+"""Prepare, step, record and save runs."""

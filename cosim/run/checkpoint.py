@@ -1,0 +1,154 @@
+"""The state of a whole system in the middle of a run, as a file."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.cosim.errors import SimulationError
+from stickslip.cosim.fmu.names import printable
+from stickslip.cosim.run.result import Array
+from stickslip.fmi import toolchain
+
+MOST_BYTES = 1 << 30
+FORMAT = 2
+_MOST_NAMED = 3  # differences in a message
+_MOST_SHOWN = 80  # characters of each
+_DAMAGES = (
+    *(ValueError, KeyError, TypeError, EOFError, OverflowError, NotImplementedError),
+    *(AttributeError, RuntimeError, struct.error, zipfile.BadZipFile, zlib.error),
+)
+"""What zipfile and numpy make of bytes that are no saved state."""
+_HEADER = re.compile(
+    rb"\x93NUMPY\x01\x00..\{'descr': '([<|](?:[fiu][1248]|b1|U\d{1,7}))', 'fortran_order': False,"
+    rb" 'shape': \((\d{1,12})?,?\), *\} *\n",
+    re.DOTALL,
+)
+"""Of the arrays that are saved; numpy's own reader takes a header for Python."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What is needed to go on with a run in another process.
+
+    Attributes
+    ----------
+    identity : what must be the same for the run to go on (FMUs, connections, start values, times,
+        coupling, signals): what it is -> as text
+    step : number of steps done
+    row : all signals at that time, then the sums of squares up to there
+    states : component -> state of its FMU
+    starts : start values that are numbers, to which a scenario may go back
+    memory : what the coupling and facades remember: ``component/name``, of the coupling ``/name``
+    """
+
+    identity: Mapping[str, str]
+    step: int
+    row: Array
+    states: Mapping[str, bytes]
+    starts: Mapping[str, float]
+    memory: Mapping[str, Array]
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Write a file."""
+        stream = io.BytesIO()
+        arrays: dict[str, Any] = {
+            f"state:{name}": np.frombuffer(state, np.uint8) for name, state in self.states.items()
+        }
+        arrays |= {f"start:{name}": np.array(value) for name, value in self.starts.items()}
+        arrays |= {f"memory:{name}": values for name, values in self.memory.items()}
+        arrays |= {"format": FORMAT, "identity": json.dumps(self.identity), "step": self.step}
+        np.savez(stream, row=self.row, **arrays)
+        return toolchain.write_whole(Path(path), stream.getvalue())
+
+    def memory_of(self, owner: str) -> dict[str, Array]:
+        """Return what a component's facade remembers, or the coupling, whose name is empty."""
+        parts = ((name.rpartition("/"), values) for name, values in self.memory.items())
+        return {name: values for (component, _, name), values in parts if component == owner}
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Checkpoint:
+        """Read a file.
+
+        Raises
+        ------
+        SimulationError
+            When it cannot be read or is no saved state.
+        """
+        try:
+            stream = io.BytesIO(toolchain.read_whole(path, MOST_BYTES))
+            with zipfile.ZipFile(stream) as archive:
+                size = sum(member.file_size for member in archive.infolist())
+                if size > MOST_BYTES:
+                    raise ValueError(f"{size} bytes when unpacked, at most {MOST_BYTES} are")
+                arrays = {member: _array(archive.read(member)) for member in archive.namelist()}
+            return cls._of({key.removesuffix(".npy"): array for key, array in arrays.items()})
+        except OSError as fault:
+            raise SimulationError(f"{path}: cannot be read: {fault.strerror or fault}") from fault
+        except _DAMAGES as fault:
+            said = printable(" ".join(str(fault).split()))
+            raise SimulationError(f"{path}: no saved state that can be read: {said}") from fault
+
+    @classmethod
+    def _of(cls, arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:
+        """Return what arrays by name say; raises ValueError or KeyError when they say nothing."""
+        kinds: dict[str, dict[str, NDArray[Any]]] = {"state": {}, "start": {}, "memory": {}}
+        for key, values in arrays.items():
+            kind, _, name = key.partition(":")
+            kinds.get(kind, {})[name] = values
+        version = int(arrays.get("format", np.array(1)))
+        if version != FORMAT:
+            raise ValueError(
+                f"it is of format {version}, this version of cosim reads {FORMAT}; run again from"
+                " the start and save again"
+            )
+        identity = {str(k): str(v) for k, v in json.loads(str(arrays["identity"])).items()}
+        states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
+        starts = {name: float(start) for name, start in kinds["start"].items()}
+        row = np.asarray(arrays["row"], np.float64)
+        return cls(identity, int(arrays["step"]), row, states, starts, kinds["memory"])
+
+
+def differences(then: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """Return the first differences of two identities for a message; empty where they agree."""
+    differing = [what for what in {**now, **then} if then.get(what) != now.get(what)]
+    parts = [
+        f"{printable(what)} was {_cut(then.get(what), now.get(what))}, is"
+        f" {_cut(now.get(what), then.get(what))}"
+        for what in differing[:_MOST_NAMED]
+    ]
+    more = len(differing) - len(parts)
+    return "; ".join(parts) + (f"; and {more} more" if more else "")
+
+
+def _cut(text: str | None, other: str | None) -> str:
+    """Return a text; of a long one, the part around its first difference from another."""
+    if text is None:
+        return "absent"
+    if len(text) <= _MOST_SHOWN:
+        return printable(text)
+    pairs = enumerate(zip(text, other or "", strict=False))
+    begin = max(0, next((i for i, (a, b) in pairs if a != b), 0) - _MOST_SHOWN // 2)
+    return ("..." if begin else "") + printable(text[begin:], _MOST_SHOWN)
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    """Return an array of one dimension or none."""
+    head = _HEADER.match(data)
+    if head is None:
+        raise ValueError("holds what was not saved here")
+    shape = () if head[2] is None else (int(head[2]),)
+    dtype = np.dtype(head[1].decode())
+    return np.frombuffer(data, dtype, offset=head.end()).reshape(shape)

@@ -1,0 +1,236 @@
+"""Runs that are what they would be with new instances, though instances are used again.
+
+A run leaves traces: how it ended, which components moved, which parameters were set. An instance
+is reset only after runs whose traces a reset has been seen to remove: such a run was repeated after
+a reset and gave the same. After any other run the next one has new instances.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.cosim.assembly.memory import Room
+from stickslip.cosim.errors import SimulationError
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.run import resets
+from stickslip.cosim.run.result import Array, Result
+from stickslip.cosim.run.stepping import Discarded, Stepping
+
+if TYPE_CHECKING:
+    from stickslip.cosim.system.specification import Specification
+
+_Trace = tuple[str, str]
+_ENDED = {how: {("ended", how)} for how in ("stopped", "halted", "finished")}
+RESUMED = ("begun", "from a state")  # is never known to be removed
+
+
+class Repeated(Stepping):
+    """Takes prepared FMUs through one run after the other.
+
+    Attributes
+    ----------
+    before_repetition : is called before a run is repeated to see what a reset does
+    """
+
+    def __init__(self, spec: Specification, room: Room = np.empty) -> None:
+        self.before_repetition: Callable[[], object] = lambda: None
+        self._removed: set[_Trace] = set()  # by a reset
+        self._traces: set[_Trace] = set()  # of the runs since all instances were new
+        self._set: dict[str, Value] = {}  # by them, the last value of each
+        self._failed = False  # the last of them
+        self._first: tuple[object, bytes] | None = None  # settings and result of the first run
+        self._deterministic = self._watched = True
+        super().__init__(spec, room)
+        self._proven = np.zeros_like(self._moved)
+
+    def _free(self) -> None:
+        self._traces, self._set = set(), {}
+        super()._free()
+
+    def _repeatable(
+        self,
+        values: Mapping[str, Value],
+        external: Array,
+        go: Callable[[bool], Result],
+        *,
+        repeats: bool,
+        same_as: object = None,
+    ) -> Result:
+        """Run with instances that are new, or as good as new.
+
+        Parameters
+        ----------
+        values : start values
+        external : (n_steps + 1, number of exposed inputs)
+        go : goes through a run that has begun, for the user or as a repetition
+        repeats : whether the run may be repeated, which takes its time once more
+        same_as : equal for runs that are the same where ``values`` and ``external`` are; None
+            where that is not known
+        """
+        again, before = bool(self._traces), self._set
+        unset: set[_Trace] = set()
+        if not before.keys() <= values.keys():
+            unset = {("set", name) for name in before.keys() - values.keys()} - self._removed
+        removed = self._traces <= self._removed and not (unset or self._failed)
+        self._renew_for(values, everything=not (removed and self._deterministic))
+        self._failed = True  # unless it comes to its end
+        if self._watched:
+            self._moved[:] = self._proven
+        self._begin(values, external)
+        result = go(False)
+        self._failed = False
+        left = self._left_by(result)
+        self._traces |= left
+        left |= unset
+        if again and repeats and self._deterministic and not left <= self._removed:
+            earlier = {**before, **values} if unset else {}
+            self._repeat(values, earlier, external, go, result, left)
+            if same_as is not None and self._deterministic:
+                self._compare_with_first((same_as, values, _digest(external)), result)
+        elif self._first is None and same_as is not None:
+            self._first = (same_as, dict(values), _digest(external)), _digest_of(result)
+        return result
+
+    def _compare_with_first(self, settings: object, result: Result) -> None:
+        """Say so where the first instances of all gave something else in the same run."""
+        if self._first and self._first[0] == settings and self._first[1] != _digest_of(result):
+            self._deterministic = False
+            self._declare_erratic(self.order, "this run is not the first one again")
+
+    def _renew_for(self, values: Mapping[str, Value], *, everything: bool) -> None:
+        """Make sure that no used instance is left but those that a reset serves."""
+        if everything:
+            self._renew(self.order)
+            self._traces, self._set = set(), {}
+        elif resets.lines:
+            self._renew(name for name in self.order if not self._can_be_reset(name))
+        self._set = {**self._set, **values} if self._set else dict(values)
+
+    def _can_be_reset(self, name: str) -> bool:
+        return self.spec.system.components[name].binary not in resets.lines
+
+    def _left_by(self, result: Result) -> set[_Trace]:
+        """Return the traces of the run that was done last."""
+        how = "stopped" if result.stopped else "halted" if self._halted else "finished"
+        left = _ENDED[how].copy()
+        if self._changed:
+            left.update(("changed", name) for name in self._changed)
+        if self._watched:
+            moved = np.flatnonzero(self._moved != self._proven)
+            left.update(("moved", self.order[i]) for i in moved)
+        return left
+
+    def _repeat(
+        self,
+        values: Mapping[str, Value],
+        earlier: Mapping[str, Value],
+        external: Array,
+        go: Callable[[bool], Result],
+        result: Result,
+        left: set[_Trace],
+    ) -> None:
+        """Do a run again after a reset; note which traces that removes, or who cannot be reset.
+
+        Parameters
+        ----------
+        earlier : start values that the run does not set, and others; to be set before the reset
+        result : of the run, with new instances
+        left : its traces
+        """
+        able = [name for name in self.order if self._can_be_reset(name)]
+        if not able:
+            return
+        self.before_repetition()
+        self._failed = True
+        failed: tuple[list[str], str] | None = None
+        try:
+            if earlier:
+                self._renew_for(values, everything=False)
+                self._begin(earlier, external, apart=True)
+                self._advance(0)
+            self._renew_for(values, everything=False)
+            self._begin(values, external, apart=True)
+            if _same(go(True), result):
+                self._removed |= left
+                self._proven |= self._moved
+                self._watched = not self._proven.all()
+                self._failed = False
+                return
+        except (SimulationError, Discarded) as fault:
+            failed = [self.order[self._run.failed]], str(fault)
+        after_reset = self._memory.rows().copy()
+        traces = self._traces
+        self._renew_for(values, everything=True)
+        self._begin(values, external, apart=True)
+        try:
+            same = _same(go(True), result)
+            self._failed = False
+        except SimulationError:
+            same = False
+        self._traces = traces
+        self._conclude(after_reset, failed, able, same=same)
+
+    def _conclude(
+        self,
+        after_reset: Array,
+        failed: tuple[list[str], str] | None,
+        able: list[str],
+        *,
+        same: bool,
+    ) -> None:
+        """Say who cannot be reset.
+
+        Parameters
+        ----------
+        after_reset : rows of the run after a reset; the last run had new instances
+        failed : which component failed in it, and the error
+        able : components that were reset
+        same : whether two runs with new instances were the same
+        """
+        found = self._first_difference(after_reset, self._memory.rows())
+        names, what = found or failed or (able, "the results differ")
+        if same and set(names) <= set(able):
+            self._declare_unresettable(names, what)
+            return
+        self._deterministic = False
+        if not same:
+            self._declare_erratic(names, what)
+
+    def _first_difference(self, after_reset: Array, new: Array) -> tuple[list[str], str] | None:
+        """Return which component differs first, and how; None where none is seen to."""
+        n = min(len(after_reset), len(new))
+        differs = ~np.isclose(after_reset[:n], new[:n], rtol=0.0, atol=0.0, equal_nan=True)
+        rows = np.flatnonzero(differs.any(axis=1))
+        for name in self.order if len(rows) else ():
+            slot, row = self._slots[name], rows[0]
+            columns = range(slot.column, slot.column + slot.n_outputs)
+            for place, column in enumerate(columns):
+                if differs[row, column]:
+                    signal, t = self._layout.outputs[name][place], self.time[row]
+                    values = f"{after_reset[row, column]:.9g} instead of {new[row, column]:.9g}"
+                    return [name], f"{signal} is {values} at t = {t:.9g} s"
+        return None
+
+
+def _digest(*arrays: Array) -> bytes:
+    found = hashlib.blake2b()
+    for array in arrays:
+        found.update(array.tobytes())
+    return found.digest()
+
+
+def _digest_of(result: Result) -> bytes:
+    sums = np.array([*result.sum_of_squares.values()])
+    return _digest(result.time, result.values, sums)
+
+
+def _same(one: Result, other: Result) -> bool:
+    sums = [np.array([*r.sum_of_squares.values()]) for r in (one, other)]
+    return one.stopped == other.stopped and all(
+        np.array_equal(a, b, equal_nan=True)
+        for a, b in ((one.time, other.time), (one.values, other.values), sums)
+    )

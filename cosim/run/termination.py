@@ -1,0 +1,71 @@
+"""A run that an FMU asked to end: when, why, and with which outputs."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.cosim import kernel
+
+if TYPE_CHECKING:
+    from stickslip.cosim.assembly.general_path import Facade
+    from stickslip.cosim.fmu.library import Library
+    from stickslip.cosim.run.result import Array
+
+# Of ``fmi2StatusKind``.
+_LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3
+
+
+@dataclass(frozen=True)
+class Ending:
+    """The time that the FMU reached, s, and the reason it gave."""
+
+    time: float
+    reason: str
+
+
+def ending(
+    run: kernel.Run, slot: kernel.Component, facade: Facade | None, library: Library
+) -> Ending | None:
+    """Return how an FMU ended a run in a step; None when it failed instead."""
+    if run.done < 0 or run.done >= run.n_steps or not slot.instance:
+        return None
+    if run.status == kernel.TERMINATED:
+        return Ending(
+            facade.c.time if facade else run.t + run.h, "asked to terminate the simulation"
+        )
+    if run.status == kernel.DISCARD and slot.version == 2:
+        instance = facade.c.instance if facade else slot.instance
+        if _ask(library, "fmi2GetBooleanStatus", instance, _TERMINATED, ctypes.c_int32()):
+            reached = _ask(
+                library, "fmi2GetRealStatus", instance, _LAST_SUCCESSFUL_TIME, ctypes.c_double()
+            )
+            reason = "discarded a step, as it had terminated"
+            return Ending(run.start + run.done * run.step if reached is None else reached, reason)
+    return None
+
+
+def last_outputs(slot: kernel.Component) -> Array:
+    """Return the outputs (n_outputs,) of an FMU that ended a run."""
+    outputs = np.empty(slot.n_outputs)
+    get = ctypes.CFUNCTYPE(
+        ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
+        *([ctypes.c_size_t] if slot.version == 3 else []),
+    )(slot.call[kernel.calls(slot.version).index(_GETTERS[slot.version])])  # fmt: skip
+    more = [len(outputs)] if slot.version == 3 else []
+    references = ctypes.cast(slot.output_references, ctypes.c_void_p)
+    get(slot.instance, references, len(outputs), outputs.ctypes.data, *more)
+    return outputs
+
+
+_GETTERS = {2: "fmi2GetReal", 3: "fmi3GetFloat64"}
+
+
+def _ask(library: Library, name: str, instance: int, kind: int, answer: Any) -> Any:
+    """Return what an FMU says about its last step; None when it says nothing."""
+    prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
+    status = prototype(library.address(name))(instance, kind, ctypes.byref(answer))
+    return answer.value if status in {0, 1} else None

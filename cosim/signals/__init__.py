@@ -1,0 +1,1 @@
+"""Inputs, tables and scenarios."""

@@ -1,0 +1,119 @@
+"""Columns of numbers over time from CSV files of strangers."""
+
+from __future__ import annotations
+
+import csv
+import io
+from array import array
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.cosim.errors import SignalError
+from stickslip.cosim.fmu.names import printable, shown
+from stickslip.fmi import toolchain
+
+Array = NDArray[np.float64]
+
+MOST_BYTES = 1 << 28
+LONGEST = 1 << 20
+"""Characters of a line."""
+
+
+def read_columns(path: Path) -> dict[str, Array]:
+    """Return the columns (n,) of a file by name, ``time`` [s] among them, which never falls.
+
+    Raises
+    ------
+    SignalError
+        When the file cannot be read or holds something else; names the line.
+    """
+    try:
+        data = toolchain.read_whole(path, MOST_BYTES)
+    except OSError as fault:
+        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
+    return parse_columns(data, str(path))
+
+
+def parse_columns(data: bytes, label: str) -> dict[str, Array]:
+    """Return the columns (n,) of a CSV file by name, as ``read_columns`` does.
+
+    Parameters
+    ----------
+    data : what the file holds
+    label : what messages call it
+
+    Raises
+    ------
+    SignalError
+    """
+    try:
+        rows = csv.reader(_lines(data.decode("utf-8-sig"), label))
+        names = [name.strip() for name in next(rows, [])]
+        _check_names(names, label)
+        numbers, place = array("d"), names.index("time")
+        before = -np.inf
+        for row in rows:
+            if not row:
+                continue
+            values = _numbers(row, names, f"{label}, line {rows.line_num}")
+            if values[place] < before:
+                raise SignalError(
+                    f"{label}, line {rows.line_num}: time falls from {before} to {values[place]} s;"
+                    " sort the rows by time"
+                )
+            before = values[place]
+            numbers.extend(values)
+    except (UnicodeDecodeError, csv.Error) as fault:
+        raise SignalError(f"{label}: not a CSV file in UTF-8: {fault}") from fault
+    if not numbers:
+        raise SignalError(f"{label}: no values below the first line")
+    table = np.array(numbers).reshape(-1, len(names))
+    return dict(zip(names, table.T, strict=True))
+
+
+def _lines(text: str, label: str) -> Iterator[str]:
+    """Yield lines, each ended by LF, CR or both; none may be without end."""
+    for number, line in enumerate(io.StringIO(text, newline=""), start=1):
+        if len(line) > LONGEST:
+            raise SignalError(
+                f"{label}, line {number}: {len(line)} characters, expected at most {LONGEST}"
+            )
+        yield line
+
+
+def _check_names(names: Sequence[str], label: str) -> None:
+    twice = [name for name, n in Counter(names).items() if n > 1]
+    if "time" not in names or twice:
+        got = f"{shown(twice[0])} twice" if twice else printable(repr(", ".join(names)))
+        raise SignalError(
+            f"{label}: expected a first line of distinct names, 'time' among them, separated by"
+            f" commas, got {got}"
+        )
+
+
+def _numbers(row: Sequence[str], names: Sequence[str], place: str) -> list[float]:
+    if len(row) != len(names):
+        raise SignalError(f"{place}: expected {len(names)} cells, got {len(row)}")
+    try:
+        values = list(map(float, row))
+    except ValueError:
+        values = []
+    if not (values and all(map(isfinite, values)) and "_" not in "".join(row)):
+        wrong = next(k for k, cell in enumerate(row) if not _is_finite(cell))
+        raise SignalError(
+            f"{place}: column {shown(names[wrong])}: expected a finite number, got"
+            f" {shown(row[wrong])}"
+        )
+    return values
+
+
+def _is_finite(cell: str) -> bool:
+    try:
+        return isfinite(float(cell)) and "_" not in cell  # which Python alone allows
+    except ValueError:
+        return False

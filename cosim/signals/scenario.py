@@ -1,0 +1,184 @@
+"""What happens to signals during a run: replaced, noisy, stuck. Prepared as tables, run in C."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from stickslip.cosim.errors import SignalError
+from stickslip.cosim.signals.signals import (
+    Array,
+    Input,
+    ends_of,
+    sampled,
+    shifted,
+)
+from stickslip.cosim.signals.span import Span
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What happens to one signal: value = keep * value + add at the points in time of a run.
+
+    Attributes
+    ----------
+    keep : (n,) NaN where the signal sticks: value = the one of the last point at which it was
+        free + add
+    add : (n,)
+    ends : (n,) what ``add`` is at the end of the step before each point; another where the signal
+        jumps. ``keep`` is that of the begin of the step
+    """
+
+    keep: Array
+    add: Array
+    ends: Array
+
+    @classmethod
+    def of(cls, n: int) -> Disturbance:
+        """Return one that changes nothing."""
+        return cls(np.ones(n), np.zeros(n), np.zeros(n))
+
+    def at_points(self, values: Array) -> Array:
+        """Return a signal, (n,), as it is changed at the points in time."""
+        stuck, held = np.isnan(self.keep), self._held(values)
+        result: Array = np.where(stuck, held + self.add, self.keep * values + self.add)
+        return result
+
+    def at_ends(self, ends: Array, values: Array) -> Array:
+        """Return a signal as it is changed at the ends of the steps before the points, (n,).
+
+        Parameters
+        ----------
+        ends, values : (n,) the signal there, and at the points
+        """
+        keep, held = shifted(self.keep), shifted(self._held(values))
+        result: Array = np.where(np.isnan(keep), held, keep * ends) + self.ends
+        return result
+
+    def in_unit(self, factor: float, offset: float) -> Disturbance:
+        """Return what happens to x where this happens to factor * x + offset."""
+        keep = np.where(np.isnan(self.keep), 1.0, self.keep)
+        return Disturbance(
+            self.keep,
+            (keep * offset + self.add - offset) / factor,
+            (shifted(keep) * offset + self.ends - offset) / factor,
+        )
+
+    def _held(self, values: Array) -> Array:
+        """Return the value that each point has if the signal sticks there."""
+        stuck = np.isnan(self.keep)
+        free = np.where(stuck, values, self.keep * values + self.add)
+        stuck[0] = False  # there is no step before
+        held: Array = free[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))]
+        return held
+
+
+Tables = Mapping[str, Disturbance]
+
+
+class Event(Protocol):
+    """One thing that happens to a signal."""
+
+    def apply(self, time: Array, table: Disturbance) -> None:
+        """Change a table in place where it happens."""
+
+
+@dataclass(frozen=True)
+class _Override(Span):
+    name: str
+    value: Input
+
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
+        table.keep[here], table.add[here] = 0.0, values[here]
+        here = shifted(here)
+        table.ends[here] = ends_of(self.value, values, time)[here]
+
+
+@dataclass(frozen=True)
+class _Noise(Span):
+    deviation: float
+    seed: int
+
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        noise = self.deviation * np.random.default_rng(self.seed).standard_normal(len(time))
+        table.add[here] += noise[here]
+        here = shifted(here)
+        table.ends[here] += noise[here]
+
+
+@dataclass(frozen=True)
+class _Stuck(Span):
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        table.keep[here], table.add[here] = math.nan, 0.0
+        table.ends[shifted(here)] = 0.0
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What happens to outputs of components and exposed inputs on their way, and to parameters.
+
+    Each method returns a new scenario with one thing more. On one name they act in this order. A
+    span holds from ``begin`` up to, not including, ``end`` (s). What is recorded is what the
+    receivers see. A connection can be named by the input at its end, too, where its source feeds
+    nothing else. It acts at communication points, whatever the coupling. Inputs
+    that do not occur in it jump between these points as they would without it.
+
+    Parameters must be tunable; they change at a point in time, before the step from there, and
+    where an FMU knows events, by one.
+
+    >>> dropout = Scenario().stick("drive.x_enc", begin=1.0, end=1.1).set("v_cmd", 0.0, at=2.0)
+    """
+
+    events: tuple[tuple[str, Event], ...] = ()
+
+    def set(self, name: str, value: float, at: float) -> Scenario:
+        """Give a signal or tunable parameter a value from a time on."""
+        return self.override(name, value, at)
+
+    def override(
+        self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
+    ) -> Scenario:
+        """Let another signal take the place of one: a number, Signal, function or array."""
+        return self._with(name, _Override(begin, end, name, value))
+
+    def add_noise(
+        self,
+        name: str,
+        deviation: float,
+        seed: int,
+        begin: float = -math.inf,
+        end: float = math.inf,
+    ) -> Scenario:
+        """Add white Gaussian noise of a standard deviation, in the unit of the signal."""
+        return self._with(name, _Noise(begin, end, deviation, seed))
+
+    def stick(self, name: str, begin: float, end: float = math.inf) -> Scenario:
+        """Let a signal keep the value that it had a step before ``begin``."""
+        return self._with(name, _Stuck(begin, end))
+
+    def tables(self, time: Array) -> Tables:
+        """Return what happens at the times (n,) in s.
+
+        Raises
+        ------
+        SignalError
+            When a value is not finite.
+        """
+        tables: dict[str, Disturbance] = {}
+        for name, event in self.events:
+            table = tables.setdefault(name, Disturbance.of(len(time)))
+            event.apply(time, table)
+            if not np.isfinite([table.add, table.ends]).all():
+                raise SignalError(f"scenario: {name} would not be finite")
+        return tables
+
+    def _with(self, name: str, event: Event) -> Scenario:
+        return replace(self, events=(*self.events, (name, event)))

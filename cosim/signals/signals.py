@@ -1,0 +1,281 @@
+"""Signals over time that feed the exposed inputs of a system."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.cosim.errors import SignalError
+from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.signals.csv_columns import read_columns
+from stickslip.cosim.signals.span import slack
+
+if TYPE_CHECKING:
+    from stickslip.cosim.fmu.variables import Value
+    from stickslip.cosim.system.system import System
+
+Array = NDArray[np.float64]
+
+
+class Signal(Protocol):
+    """A function of time."""
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+
+
+Input = Signal | Callable[[Array], Array] | Array | float
+
+
+@dataclass(frozen=True)
+class SineSweep:
+    """A sine whose frequency and amplitude run linearly from one value to another; 0 outside.
+
+    Attributes
+    ----------
+    frequency : at the begin and the end, Hz
+    amplitude : at the begin and the end, in the unit of the input
+    duration : s
+    begin : s
+    """
+
+    frequency: tuple[float, float]
+    amplitude: tuple[float, float]
+    duration: float
+    begin: float = 0.0
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        (f0, f1), (a0, a1) = self.frequency, self.amplitude
+        x = t - self.begin
+        share = x / self.duration
+        cycles = (f0 + 0.5 * (f1 - f0) * share) * x
+        values = (a0 + (a1 - a0) * share) * np.sin(2 * math.pi * cycles)
+        return np.where((share >= 0) & (share <= 1), values, 0.0)
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """Up to a height, down through zero to minus the height, and back to zero, with equal ramps.
+
+    Attributes
+    ----------
+    height : of the plateaus, in the unit of the input
+    slope : of the ramps, in the unit of the input per s; positive
+    plateau : how long each of the two lasts, s
+    begin : s
+    """
+
+    height: float
+    slope: float
+    plateau: float
+    begin: float = 0.0
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        return np.interp(t, self.corners(), np.array([0, 1, 1, -1, -1, 0]) * self.height)
+
+    def corners(self) -> Array:
+        """Return the times (6,) in s where ramps and plateaus meet."""
+        ramp = abs(self.height) / self.slope
+        return np.cumsum([self.begin, ramp, self.plateau, 2 * ramp, self.plateau, ramp])
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Values between which is drawn a straight line; outside, the first and last value hold.
+
+    A time that occurs twice makes a jump: from then on the later value holds. An input that is
+    discrete (integers, Boolean) has no lines: each value holds until the next. A jump between two
+    points in time of a run makes it communicate there, too, where all FMUs allow that.
+
+    Attributes
+    ----------
+    time : (n,) s, never falling
+    values : (n,) in the unit of the input
+    held : whether each value holds until the next time instead
+    """
+
+    time: Array
+    values: Array
+    held: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("time", "values"):
+            object.__setattr__(self, name, np.array(getattr(self, name), dtype=np.float64))
+        t, x = self.time, self.values
+        if t.ndim != 1 or t.shape != x.shape or not len(t):
+            raise SignalError(
+                f"time has the shape {t.shape}, values {x.shape}; expected (n,) twice"
+            )
+        if not (np.isfinite(t).all() and np.isfinite(x).all()):
+            raise SignalError("a table holds a time or value that is not finite")
+        if (falling := np.flatnonzero(np.diff(t) < 0)).size:
+            raise SignalError(f"time falls from {t[falling[0]]} to {t[falling[0] + 1]} s")
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str], column: str | None = None) -> Self:
+        """Read one column of a CSV file that has a column ``time`` (s).
+
+        Raises
+        ------
+        SignalError
+            When the file cannot be read, or ``column`` is missing or not the only one.
+        """
+        tables = cls.all_from_csv(path)
+        if column is None and len(tables) == 1:
+            return next(iter(tables.values()))
+        if column not in tables:
+            near = suggestion(column or "", tables)
+            raise SignalError(f"{path}: which column? {column!r} is none of it{near}")
+        return tables[column]
+
+    @classmethod
+    def all_from_csv(cls, path: str | os.PathLike[str]) -> dict[str, Self]:
+        """Read every column of a CSV file that has a column ``time`` (s), by name.
+
+        Raises
+        ------
+        SignalError
+        """
+        columns = read_columns(Path(path))
+        time = columns.pop("time")
+        return {name: cls(time, column) for name, column in columns.items()}
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s."""
+        if self.held:
+            return self.hold(t)
+        if len(self.time) == 1:
+            return np.full(np.shape(t), self.values[0])
+        right = np.clip(np.searchsorted(self.time, t), 1, len(self.time) - 1)
+        t0, t1 = self.time[right - 1], self.time[right]
+        share = np.zeros(np.shape(t))  # of the left value; in this form FMPy has the same bits
+        np.divide(t1 - t, t1 - t0, out=share, where=t1 > t0)
+        share = np.clip(share, 0.0, 1.0)
+        line = share * self.values[right - 1] + (1 - share) * self.values[right]
+        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
+        jumps = (self.time[last] > t) & (self.time[np.maximum(last - 1, 0)] == self.time[last])
+        return np.where((self.time[last] == t) | jumps, self.values[last], line)
+
+    def hold(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) in s where each holds until the next."""
+        last = np.searchsorted(self.time, t + _slack(t), side="right") - 1
+        return self.values[np.maximum(last, 0)]
+
+    def before(self, t: Array) -> Array:
+        """Return the values (n,) just before the times t (n,) in s, where they may jump."""
+        mirrored = Table(-self.time[::-1], self.values[::-1])
+        return mirrored.sample(-t[::-1])[::-1]
+
+    def jumps(self, *, discrete: bool) -> Array:
+        """Return the times (s) at which the signal jumps, as a discrete input or another."""
+        jumps = np.diff(self.time) == 0
+        if discrete or self.held:
+            jumps |= np.diff(self.values) != 0
+        return np.unique(self.time[1:][jumps])
+
+
+def _slack(t: Array) -> Array:
+    """Return how far from the times t (s) another may lie that is meant to be the same, in s."""
+    steps = np.abs(np.diff(np.ravel(t)))
+    near: Array = slack(t, float(steps.min()) if steps.size else 0.0)
+    return near
+
+
+def sample_inputs(
+    system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
+) -> Array:
+    """Return the exposed inputs over time, (n, number of exposed inputs).
+
+    Raises
+    ------
+    SignalError
+        When a name is not exposed, or a signal has the wrong shape or is not finite.
+    """
+    for name in inputs:
+        if name not in system.inputs:
+            raise SignalError(
+                f"{system.name} has no exposed input {name!r}{suggestion(name, system.inputs)}"
+            )
+    table = np.empty((len(time), len(system.inputs)))
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if name in inputs:
+            signal = inputs[name]
+            if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
+                signal = signal.hold(time)
+            table[:, i] = sampled(name, signal, time)
+        else:
+            start = _start(system, starts, targets[0])
+            table[:, i] = system.scaling(name, targets[0]).inverse(start)
+    return table
+
+
+def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:
+    """Return the exposed inputs at the end of the step before each point in time.
+
+    They differ from those at the points, ``external``, where an input jumps: what is discrete or
+    held has the value of the point before.
+    """
+    ends = external.copy()
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if system.variable(targets[0]).is_discrete:
+            ends[:, i] = shifted(external[:, i])
+        elif name in inputs:
+            ends[:, i] = ends_of(inputs[name], external[:, i], time)
+    return ends
+
+
+def ends_of(signal: Input, values: Array, time: Array) -> Array:
+    """Return a signal, whose values at the points in time are given, just before them."""
+    if not isinstance(signal, Table):
+        return values
+    return shifted(values) if signal.held else signal.before(time)
+
+
+def shifted(values: NDArray[Any]) -> NDArray[Any]:
+    """Return for each point the value of the one before, for the first its own."""
+    return np.append(values[:1], values[:-1])
+
+
+def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
+    """Return the start value of an input, which may be an element of an array."""
+    variable = system.variable(target)
+    whole = starts.get(f"{component_of(target)}.{variable.owner}")
+    start = starts.get(target, whole[variable.element] if isinstance(whole, tuple) else None)
+    start = variable.start if start is None else start
+    return float(start) if isinstance(start, int | float) else 0.0
+
+
+def sampled(name: str, signal: Input, time: Array) -> Array:
+    """Return an input over time, (n,) or a single value for all times.
+
+    Raises
+    ------
+    SignalError
+        When it has the wrong shape, is not finite or holds no numbers.
+    """
+    if hasattr(signal, "sample"):
+        signal = signal.sample(time)
+    elif callable(signal):
+        signal = signal(time)
+    try:
+        values = np.asarray(signal, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SignalError(f"input {name!r}: expected numbers, got {signal!r}") from None
+    if values.ndim and values.shape != time.shape:
+        raise SignalError(
+            f"input {name!r} has the shape {values.shape}, expected {time.shape}:"
+            " one value for each point in time, the last included"
+        )
+    if not (finite := np.isfinite(values)).all():
+        when = time[np.argmin(finite)] if values.ndim else time[0]
+        raise SignalError(f"input {name!r} is not finite at t = {when:.9g} s")
+    return values

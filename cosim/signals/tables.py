@@ -1,0 +1,118 @@
+"""Tables of inputs from files and data frames, and results into Parquet files."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pandas as pd
+
+from stickslip.cosim.errors import CosimError, SignalError
+from stickslip.cosim.fmu.names import printable, shown
+from stickslip.cosim.signals.parquet import (
+    MOST_BYTES,
+    Unreadable,
+    read_columns,
+)
+from stickslip.cosim.signals.signals import Table
+from stickslip.fmi import toolchain
+
+
+def read_tables(
+    source: pd.DataFrame | str | os.PathLike[str], held: bool | Collection[str] = False
+) -> dict[str, Table]:
+    """Return the signals of a table by column.
+
+    Parameters
+    ----------
+    source : a data frame, or a file ``.csv`` or ``.parquet``, with a column ``time`` (s) that never
+        falls; a time that occurs twice makes a jump. The time may be the index of a frame
+    held : the columns whose values hold until the next time; the others are linear in between
+
+    Raises
+    ------
+    SignalError
+        When the file cannot be read, or holds what is no number.
+    """
+    tables = _read(source)
+    steps = tables.keys() if held is True else set(held or ())
+    if unknown := sorted(set(steps) - tables.keys()):
+        raise SignalError(f"cannot hold {', '.join(unknown)}: there is no such column")
+    return {
+        name: Table(table.time, table.values, held=name in steps) for name, table in tables.items()
+    }
+
+
+def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | None]) -> None:
+    """Write a frame, its index as the first column; units go into the metadata of the columns.
+
+    Raises
+    ------
+    CosimError
+        When pyarrow is not installed.
+    """
+    arrow = _arrow(CosimError, path)
+    table = arrow.Table.from_pandas(frame.reset_index(), preserve_index=False)
+    known = {frame.index.name: "s"} | dict(units)
+    fields = [
+        field.with_metadata({"unit": known[field.name] or ""} if known[field.name] else None)
+        for field in table.schema
+    ]
+    table = table.cast(arrow.schema(fields, table.schema.metadata))
+    import pyarrow.parquet  # a module of its own
+
+    stream = io.BytesIO()
+    pyarrow.parquet.write_table(table, stream)
+    toolchain.write_whole(path, stream.getvalue())
+
+
+def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
+    if isinstance(source, pd.DataFrame):
+        return _from_frame(source, "the data frame")
+    path = Path(source)
+    if path.suffix != ".parquet":
+        return Table.all_from_csv(path)
+    _arrow(SignalError, path)
+    try:
+        columns = read_columns(toolchain.read_whole(path, MOST_BYTES))
+    except OSError as fault:
+        raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
+    except Unreadable as fault:
+        raise SignalError(f"{path}: cannot be read: {fault}") from None
+    for name, column in columns.items():
+        if column.numbers is None or column.unit:
+            raise SignalError(
+                f"{path}: column {shown(name)}: expected numbers, got {printable(column.kind)}"
+            )
+    return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
+
+
+def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
+    if "time" not in frame.columns and frame.index.name == "time":
+        frame = frame.reset_index()
+    names = [str(name) for name in frame.columns]
+    if "time" not in names or len(set(names)) < len(names):
+        raise SignalError(f"{label}: expected distinct columns, 'time' among them, got {names}")
+    try:
+        numbers = frame.to_numpy(dtype=float)
+        columns = dict(zip(names, numbers.T, strict=True))
+        time = columns.pop("time")
+        return {name: Table(time, column) for name, column in columns.items()}
+    except SignalError as fault:
+        raise SignalError(f"{label}: {fault}") from None
+    except (TypeError, ValueError) as fault:
+        raise SignalError(f"{label}: holds what is no number: {fault}") from None
+
+
+def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:
+    try:
+        import pyarrow
+    except ImportError:
+        raise error(
+            f"{path}: Parquet files need pyarrow; install it with pip install 'stickslip[parquet]'"
+        ) from None
+    return pyarrow

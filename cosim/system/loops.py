@@ -1,0 +1,141 @@
+"""Which components step together because they depend on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.cosim.errors import ConnectionFault
+from stickslip.cosim.fmu.names import component_of, variable_of
+from stickslip.cosim.system.coupling import Coupling
+from stickslip.cosim.system.order import Connection, stepping_order
+
+if TYPE_CHECKING:
+    from stickslip.cosim.system.system import System
+
+
+@dataclass(frozen=True)
+class Group:
+    """Components that step one after the other, as one unit.
+
+    Attributes
+    ----------
+    components : names, in the order in which they step
+    iterated : whether they repeat the step until they agree
+    """
+
+    components: tuple[str, ...]
+    iterated: bool
+
+
+def group(system: System, coupling: Coupling) -> list[Group]:
+    """Return all components in groups, in the order in which they step.
+
+    Raises
+    ------
+    ConnectionFault
+        When a loop must be iterated and one of its FMUs cannot go back; loop and FMUs are named.
+    """
+    names = list(system.components)
+    if coupling.method == "jacobi":
+        return [Group((name,), iterated=False) for name in names]
+    feedthrough = system.feedthrough()
+    implicit = coupling.method == "iterative"
+    edges = [(s, t) for t, s in system.connections.items()] if implicit else feedthrough
+    groups = []
+    for members in _sorted_groups(names, edges):
+        inner = set(members)
+        inside = [(s, t) for s, t in edges if {component_of(s), component_of(t)} <= inner]
+        order = [name for g in _sorted_groups(members, _within(feedthrough, inner)) for name in g]
+        iterated = bool(inside) and _can_iterate(system, order, implicit=implicit)
+        groups.append(Group(tuple(order), iterated))
+    return groups
+
+
+def _can_iterate(system: System, members: Sequence[str], *, implicit: bool) -> bool:
+    stuck = [name for name in members if not system.components[name].restores_state]
+    if not stuck:
+        return True
+    loop = algebraic_loop(system, members)
+    who = ", ".join(f"{name} ({system.components[name].path.name})" for name in stuck)
+    remedy = (
+        f"which {who} cannot: canGetAndSetFMUstate is not declared. Export it with that, or choose"
+    )
+    if implicit:
+        raise ConnectionFault(
+            f"coupling='iterative' repeats the steps of {', '.join(members)},"
+            f" {remedy} coupling='gauss_seidel'"
+        )
+    if loop:
+        raise ConnectionFault(
+            f"algebraic loop {' -> '.join(loop)}: every output in it depends on its input without"
+            f" delay. To solve it, FMUs must repeat a step, {remedy} coupling='jacobi', which"
+            " delays each connection by one step"
+        )
+    return False
+
+
+def algebraic_loop(system: System, components: Iterable[str]) -> list[str]:
+    """Return the variables of a loop without delay among some components; empty without one."""
+    inner = set(components)
+    edges = _within(((s, t) for t, s in system.connections.items()), inner)
+    sources = {source for source, _ in edges}
+    for _, target in list(edges):
+        component = component_of(target)
+        for output, inputs in system.components[component].feedthrough.items():
+            source = f"{component}.{output}"
+            if source in sources and variable_of(target) in inputs:
+                edges.append((target, source))
+    nodes = list(dict.fromkeys(end for edge in edges for end in edge))
+    for members in _strongly_connected(nodes, edges):
+        if len(members) > 1:
+            return _cycle([name for name in members if name in sources], edges)
+    return []
+
+
+def _cycle(outputs: Sequence[str], edges: Sequence[Connection]) -> list[str]:
+    """Return one way round, target after source, where each output reaches another."""
+    targets = {}  # output -> an input it feeds, and an output that depends on that without delay
+    for source, target in edges:
+        if source in outputs:
+            reached = [b for a, b in edges if a == target and b in outputs]
+            if reached:
+                targets[source] = (target, reached[0])
+    path = [outputs[0]]
+    while (following := targets[path[-1]][1]) not in path:
+        path.append(following)
+    return [end for name in path[path.index(following) :] for end in (name, targets[name][0])]
+
+
+def _within(connections: Iterable[Connection], inner: set[str]) -> list[Connection]:
+    return [(s, t) for s, t in connections if component_of(s) in inner and component_of(t) in inner]
+
+
+def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[list[str]]:
+    """Return strongly connected components, each after those that feed it."""
+    pairs = [(component_of(s), component_of(t)) for s, t in edges]
+    groups = {members[0]: members for members in _strongly_connected(names, pairs)}
+    first = {name: head for head, members in groups.items() for name in members}
+    between = [
+        (f"{first[a]}.", f"{first[b]}.") for a, b in dict.fromkeys(pairs) if first[a] != first[b]
+    ]
+    heads = [name for name in names if name in groups]
+    return [groups[head] for head in stepping_order(heads, between)]
+
+
+def _strongly_connected(nodes: Sequence[str], edges: Sequence[Connection]) -> list[list[str]]:
+    """Return the nodes in groups that reach each other, each in the order given."""
+    place = {node: i for i, node in enumerate(nodes)}
+    rows, columns = [place[a] for a, _ in edges], [place[b] for _, b in edges]
+    from scipy.sparse import coo_array  # late, for those who start quickly
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(edges)), (rows, columns)), shape=(len(nodes), len(nodes)))
+    _, labels = connected_components(graph, directed=True, connection="strong")
+    groups: dict[int, list[str]] = {}
+    for node, label in zip(nodes, labels, strict=True):
+        groups.setdefault(int(label), []).append(node)
+    return list(groups.values())

@@ -1,0 +1,340 @@
+"""A system: FMUs, who feeds whom, and with which start values."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal
+
+from stickslip.cosim.errors import (
+    ConnectionFault,
+    CosimError,
+    ParameterError,
+)
+from stickslip.cosim.fmu.fmu import Fmu, Interface
+from stickslip.cosim.fmu.names import (
+    check_name,
+    component_of,
+    shown,
+    suggestion,
+    variable_of,
+)
+from stickslip.cosim.fmu.units import Unit
+from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.cosim.isolation.settings import Isolation
+from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.system.connections import (
+    check_end,
+    check_feed,
+    pairs,
+    transform,
+)
+from stickslip.cosim.system.coupling import Coupling, Method
+from stickslip.cosim.system.record import Record
+from stickslip.cosim.system.scaling import (
+    PLAIN,
+    Link,
+    Transform,
+)
+from stickslip.cosim.system.specification import Specification
+
+if TYPE_CHECKING:
+    from stickslip.cosim.ssp.package import Package
+
+
+class System:
+    """Components coupled from outputs to inputs. Variables are named ``component.variable``.
+
+    Pickles; FMUs go as their paths.
+
+    Attributes
+    ----------
+    components : name -> Fmu, in the order added
+    connections : "component.input" -> "component.output"
+    links : "component.input" -> how what feeds it is scaled, where that is not the usual way
+    inputs : name of an exposed input -> the component inputs it feeds
+    input_units : exposed input -> its unit, where that is not the one of its first target
+    outputs : name of an exposed output -> the component output it shows
+    parameters : "component.variable" -> start value, in the variable's unit
+    origin : the SSP package that the system was read from, None when it was not
+    """
+
+    def __init__(self, name: str = "system") -> None:
+        self.name = name
+        self.components: dict[str, Fmu] = {}
+        self.connections: dict[str, str] = {}
+        self.links: dict[str, Link] = {}
+        self.inputs: dict[str, tuple[str, ...]] = {}
+        self.input_units: dict[str, Unit] = {}
+        self.outputs: dict[str, str] = {}
+        self.parameters: dict[str, Value] = {}
+        self.origin: Package | None = None
+
+    def add(
+        self,
+        name: str,
+        fmu: Fmu | str | os.PathLike[str],
+        parameters: Mapping[str, object] | None = None,
+        *,
+        interface: Interface | None = None,
+    ) -> None:
+        """Add a component, with start values by variable name.
+
+        Parameters
+        ----------
+        interface : by which it is run: ``co_simulation``, the default where it has one, or
+            ``model_exchange``
+
+        Raises
+        ------
+        FmuError, ConnectionFault, ParameterError
+        """
+        if fault := check_name(name):
+            raise ConnectionFault(f"{shown(name)} cannot name a component: {fault}")
+        if name in self.components:
+            raise ConnectionFault(
+                f"{self.name} already has a component {name!r}; choose another name"
+            )
+        if not isinstance(fmu, Fmu):
+            fmu = Fmu(fmu, interface=interface)
+        elif interface not in (None, fmu.interface):
+            fmu = Fmu(fmu.path, interface=interface)
+        self.components[name] = fmu
+        try:
+            for variable, value in (parameters or {}).items():
+                self.set(f"{name}.{variable}", value)
+        except ParameterError:
+            del self.components[name]
+            raise
+
+    def connect(self, source: str, target: str, link: Link = PLAIN) -> None:
+        """Let an output feed an input, converted to its unit.
+
+        Parameters
+        ----------
+        source, target : ``component.variable``
+        link : a scaling beyond that of the units, or none of the units
+
+        Raises
+        ------
+        ConnectionFault
+            When an end does not exist, has the wrong causality or type, measures something else
+            than the other end, or is fed already.
+        """
+        for one, other in pairs(self, source, target):
+            check_end(self, one, "output", f"cannot connect {one} to {other}")
+            check_feed(self, one, one, self.unit_of(one), other, link)
+            self._set_link(other, link)
+            self.connections[other] = one
+
+    def expose(
+        self,
+        name: str,
+        *targets: str,
+        unit: Unit | None = None,
+        links: Mapping[str, Link] | None = None,
+    ) -> None:
+        """Make an input of the system that feeds inputs of components, converted to their units.
+
+        Parameters
+        ----------
+        name : of the input
+        targets : ``component.variable``
+        unit : of the input; that of the first target by default
+        links : target -> a scaling beyond that of the units, or none of the units
+
+        Raises
+        ------
+        ConnectionFault
+            When the name is taken, or a target does not exist, is no input, is fed already, or
+            measures something else than the input.
+        """
+        if fault := check_name(name):
+            raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
+        if name in self.inputs or not targets:
+            raise ConnectionFault(
+                f"cannot expose {shown(name)}: it needs a name that is not taken, and at least one"
+                " target"
+            )
+        if len(set(targets)) < len(targets):
+            raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
+        check_end(self, targets[0], "input", f"cannot connect {name} to {targets[0]}")
+        unit = unit and unit.like(self.unit_of(targets[0]))
+        for target in targets:
+            link = (links or {}).get(target, PLAIN)
+            check_feed(self, name, targets[0], unit or self.unit_of(targets[0]), target, link)
+            self._set_link(target, link)
+        self.inputs[name] = targets
+        if unit:
+            self.input_units[name] = unit
+
+    def expose_output(self, name: str, source: str) -> None:
+        """Make an output of the system, for tools that take the system as a whole.
+
+        Raises
+        ------
+        ConnectionFault
+            When the name is taken, or ``source`` is no output of a component.
+        """
+        if fault := check_name(name):
+            raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
+        if name in self.inputs or name in self.outputs:
+            raise ConnectionFault(f"cannot expose {shown(name)}: it needs a name that is not taken")
+        check_end(self, source, "output", f"cannot expose {source} as {name}")
+        self.outputs[name] = source
+
+    def set(self, name: str, value: object) -> None:
+        """Give a variable a start value, in the variable's unit.
+
+        Raises
+        ------
+        ParameterError
+            When there is no such variable, it cannot be set, or not to this value.
+        """
+        checked = self.checked(name, value)
+        component, variable = component_of(name), variable_of(name)
+        if isinstance(checked, int) and variable in self.components[component].structural:
+            lengths = {**self.lengths(component), variable: checked}
+            for array in self.components[component].variables.values():
+                array.shaped(lengths)
+        self.parameters[name] = checked
+
+    def checked(self, name: str, value: object) -> Value:
+        """Return ``value`` as ``set`` would store it.
+
+        Raises
+        ------
+        ParameterError
+        """
+        return self.variable(name, ParameterError).checked(value, name)
+
+    def variable(self, name: str, error: type[CosimError] = ConnectionFault) -> Variable:
+        """Return the variable called ``component.variable``.
+
+        Raises
+        ------
+        error
+            When there is none; names that look alike are suggested.
+        """
+        component, variable = component_of(name), variable_of(name)
+        if component not in self.components:
+            near = suggestion(component, self.components)
+            raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
+        fmu = self.components[component]
+        found = fmu.find(variable, self.lengths(component))
+        if found is None:
+            near = suggestion(variable, fmu.variables)
+            raise error(
+                f"{self.name}: component {component!r} ({fmu.path.name}) has no variable"
+                f" {variable!r}{near}"
+            )
+        return found
+
+    def lengths(self, component: str) -> dict[str, int]:
+        """Return the structural parameters of a component that were set, by variable."""
+        names = ((n, f"{component}.{n}") for n in self.components[component].structural)
+        values = ((name, self.parameters.get(key)) for name, key in names)
+        return {name: value for name, value in values if isinstance(value, int)}
+
+    def unit(self, name: str) -> str | None:
+        """Return the unit of an exposed input or of ``component.variable``."""
+        unit = self.unit_of(name)
+        return unit.name if unit else None
+
+    def unit_of(self, name: str) -> Unit | None:
+        """Return what an exposed input or ``component.variable`` is measured in."""
+        if name in self.inputs:
+            return self.input_units.get(name) or self.unit_of(self.inputs[name][0])
+        return self._fmu(name).unit(self.variable(name))
+
+    def scaling(self, source: str, target: str) -> Transform:
+        """Return what is done to a number on its way from what feeds an input into it."""
+        link = self.links.get(target, PLAIN)
+        return transform(self, source, self.unit_of(source), target, link)
+
+    def sources(self) -> dict[str, str]:
+        """Return what feeds each input that is fed: a component's output or an exposed input."""
+        exposed = {target: name for name, targets in self.inputs.items() for target in targets}
+        return self.connections | exposed
+
+    def feedthrough(self) -> list[tuple[str, str]]:
+        """Return the connections (source, target) whose source has direct feedthrough."""
+        return [
+            (source, target)
+            for target, source in self.connections.items()
+            if self._fmu(source).feedthrough[self.variable(source).owner]
+        ]
+
+    def prepare(
+        self,
+        *,
+        step: float,
+        stop: float,
+        start: float = 0.0,
+        record: Record | str | Sequence[str] | None = None,
+        coupling: Coupling | Method = "gauss_seidel",
+        constant_step: bool = False,
+        compiled: bool = False,
+        tolerance: float | None = None,
+        allow_nan: bool = False,
+        isolation: Isolation | Literal["process"] | None = None,
+    ) -> Simulation:
+        """Instantiate the FMUs for any number of runs.
+
+        Parameters
+        ----------
+        step, stop, start : communication step and interval, s
+        record : a Record of what to keep, or its names; every output and exposed input by default
+        coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
+            order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
+            delays every connection by one step; ``iterative`` repeats steps until all agree
+        constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
+            default they are told the distance of the two points in time (as FMPy does), so that
+            point and step size add up exactly
+        compiled : whether to compile the steps of this system into C of their own: about a second
+            once, then up to a sixth less for cheap FMUs. The values are the same
+        tolerance : relative, of the solver of Model Exchange and of those within FMUs.
+            By default each FMU has the one that it proposes; where it proposes none, Model Exchange
+            takes 1e-5 (as FMPy does) and Co-Simulation is told none
+        allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
+        isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
+            an Isolation says how long and how much memory they may take
+
+        Raises
+        ------
+        ExperimentError, ConnectionFault, FmuError
+        """
+        kept = record if record is None or isinstance(record, Record) else Record(record).wanted
+        return Specification(
+            self.copy(),
+            step,
+            stop,
+            start,
+            kept,
+            coupling,
+            constant_step,
+            compiled,
+            tolerance,
+            allow_nan,
+            isolation,
+        ).prepare()
+
+    def copy(self) -> System:
+        """Return a system that can be changed without changing this one; FMUs are shared."""
+        twin = System(self.name)
+        twin.components = dict(self.components)
+        twin.connections = dict(self.connections)
+        twin.links = dict(self.links)
+        twin.inputs = dict(self.inputs)
+        twin.input_units = dict(self.input_units)
+        twin.outputs = dict(self.outputs)
+        twin.parameters = dict(self.parameters)
+        twin.origin = self.origin
+        return twin
+
+    def _fmu(self, name: str) -> Fmu:
+        return self.components[component_of(name)]
+
+    def _set_link(self, target: str, link: Link) -> None:
+        if link != PLAIN:
+            self.links[target] = link

@@ -1,0 +1,1 @@
+"""The ground: what FMI is, and the toolchain that builds FMUs."""

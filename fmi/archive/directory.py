@@ -1,0 +1,95 @@
+"""What an archive says of itself, checked before anything is unpacked."""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import PurePosixPath
+
+from stickslip.cosim.fmu.names import shown
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.names import check_distinct, place
+
+MAX_BYTES = 2 * 1024**3  # unpacked
+MAX_RATIO = 500  # of what is large when unpacked; deflate itself ends at 1032
+LARGE = 64 * 1024**2
+_LOCAL = 30  # bytes of a member's own header, without its name
+_METHODS = {zipfile.ZIP_STORED: "stored", zipfile.ZIP_DEFLATED: "deflate"}
+_REGULAR = (0, stat.S_IFREG, stat.S_IFDIR)
+
+
+def check_members(members: Sequence[zipfile.ZipInfo], stated: int) -> list[PurePosixPath]:
+    """Check what the archive's directory says; return where each member goes.
+
+    Parameters
+    ----------
+    stated : how many members there are, by the end of the archive
+
+    Raises
+    ------
+    Refused
+        When a member is no plain file or folder, cannot be read, lies where another one does, or
+        all together are too many or too much.
+    """
+    if len(members) != stated:
+        raise Refused(
+            f"damaged zip archive: {len(members)} members listed, {stated} stated at its end; copy"
+            " or export it again"
+        )
+    places = [place(member.orig_filename) for member in members]
+    for member in members:
+        if fault := _fault(member):
+            raise Refused(f"member {shown(member.orig_filename)} {fault}")
+    _check_size("the archive", sum(m.file_size for m in members), _packed(members))
+    check_distinct((path, is_folder(member)) for path, member in zip(places, members, strict=True))
+    _check_apart(members)
+    return places
+
+
+def is_folder(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is a folder."""
+    return member.orig_filename.endswith("/")
+
+
+def _packed(members: Sequence[zipfile.ZipInfo]) -> int:
+    return sum(member.compress_size for member in members)
+
+
+def _fault(member: zipfile.ZipInfo) -> str | None:
+    mode = member.external_attr >> 16
+    if stat.S_ISLNK(mode):
+        return "is a symbolic link; only files are unpacked: pack the file itself"
+    if member.create_system == 3 and stat.S_IFMT(mode) not in _REGULAR:
+        return f"is a special file (mode {mode:o}); only files and folders are unpacked"
+    if member.flag_bits & 0x41:
+        return "is encrypted; pack it without a password"
+    if member.compress_type not in _METHODS:
+        return (
+            f"is compressed by method {member.compress_type}, expected deflate or stored;"
+            " pack the archive again"
+        )
+    if is_folder(member) and member.file_size:
+        return f"is a folder with {member.file_size} bytes of content; pack the archive again"
+    _check_size(f"member {shown(member.orig_filename)}", member.file_size, member.compress_size)
+    return None
+
+
+def _check_size(what: str, size: int, packed: int) -> None:
+    if size > MAX_BYTES:
+        raise Refused(f"{what} has {size} bytes when unpacked; at most {MAX_BYTES} are")
+    if size > max(LARGE, MAX_RATIO * packed):
+        raise Refused(
+            f"{what} grows from {packed} to {size} bytes when unpacked, expected at most"
+            f" {MAX_RATIO} times as much: a zip bomb; ask where it came from"
+        )
+
+
+def _check_apart(members: Sequence[zipfile.ZipInfo]) -> None:
+    spans = sorted((m.header_offset, m.compress_size, m.orig_filename) for m in members)
+    for (begin, size, name), (following, _, other) in pairwise(spans):
+        if begin + _LOCAL + len(name) + size > following:
+            raise Refused(
+                f"members {shown(name)} and {shown(other)} overlap in the archive; export it again"
+            )

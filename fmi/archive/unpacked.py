@@ -1,0 +1,169 @@
+"""The cache of unpacked archives: folders named by content, whole, mended and tidied."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import stat
+import tempfile
+import time
+import zlib
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+from stickslip.cosim.errors import CosimError
+from stickslip.fmi import toolchain
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.members import extract
+
+_STALE = 3600.0  # s after which a half-unpacked folder belongs to a process that was killed
+_UNUSED = 90 * 86400.0  # s after which a folder that nobody opened goes
+_NOTED = 86400.0  # s after which it is noted that a folder is used
+_PARTIAL = ".unpack-"
+
+
+def unpack(path: Path, room: str, error: type[CosimError]) -> Path:
+    """Unpack an archive to ``<cache>/<room>/<sha256 of the file>`` and return that folder.
+
+    The folder appears whole or not at all. A list beside it holds what its files were. As long as
+    they are that, the archive is not opened again; a folder in which something was changed, added
+    or removed, as an FMU can do, is replaced.
+
+    Raises
+    ------
+    error
+        When the file cannot be read, is no zip archive, or holds members that are not safe.
+    """
+    try:
+        return _unpacked(path, room)
+    except Refused as fault:
+        raise error(f"{path}: {fault}") from fault
+    except OSError as fault:
+        where = f" ({fault.filename})" if fault.filename not in (None, str(path)) else ""
+        raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}") from fault
+
+
+def restore(folder: Path, path: Path, error: type[CosimError]) -> None:
+    """Unpack an archive again where its folder is not any more as it was unpacked.
+
+    Raises
+    ------
+    error
+        When that is not possible, or the archive is another one than was unpacked.
+    """
+    if not _is_whole(folder) and unpack(path, folder.parent.name, error) != folder:
+        raise error(
+            f"{path}: its unpacked files were changed, and so was the archive itself since it was"
+            " read; read it again"
+        )
+
+
+def _unpacked(path: Path, room: str) -> Path:
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise Refused("is no file; an archive is expected")
+    with path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        folder = toolchain.cache_directory() / room / digest
+        if not _is_whole(folder):
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            _tidy(folder.parent)
+            _unpack_new(file, folder)
+    return folder
+
+
+def _list(folder: Path) -> Path:
+    return folder.with_suffix(".json")
+
+
+def _is_whole(folder: Path) -> bool:
+    """Return whether the files are those that were unpacked; note that the folder is used."""
+    listed = _list(folder)
+    try:
+        unpacked = json.loads(listed.read_bytes())
+        found = _files(folder)
+        if found.keys() != unpacked.keys():
+            return False
+        now = {name: [*file, unpacked[name][-1]] for name, file in found.items()}
+        odd = [name for name in now if now[name] != unpacked[name]]
+        if any(_check(folder / name) != unpacked[name][-1] for name in odd):
+            return False
+    except (OSError, ValueError, TypeError, LookupError, AttributeError):
+        return False
+    with suppress(OSError):  # others may own the cache
+        if odd:  # it was copied, say, with the same content
+            toolchain.write_whole(listed, json.dumps(now))
+        elif time.time() - listed.stat().st_mtime > _NOTED:
+            listed.touch()
+    return True
+
+
+def _files(folder: Path) -> dict[str, list[int]]:
+    """Return size and what changes with any change of content, of all that is no folder."""
+    found = {}
+    waiting = [""]
+    while waiting:
+        below = waiting.pop()
+        with os.scandir(folder / below) as entries:
+            for entry in entries:
+                name = f"{below}{entry.name}"
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append(f"{name}/")
+                else:
+                    s = entry.stat(follow_symlinks=False)
+                    found[name] = [s.st_size, s.st_mode, s.st_mtime_ns, s.st_ctime_ns, s.st_ino]
+    return found
+
+
+def _check(path: Path) -> int:
+    """Return the CRC-32 of a plain file."""
+    toolchain.refuse_odd(path)
+    check = 0
+    with path.open("rb") as file:
+        while part := file.read(2**20):
+            check = zlib.crc32(part, check)
+    return check
+
+
+def _unpack_new(file: IO[bytes], folder: Path) -> None:
+    temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=_PARTIAL))
+    try:
+        checks = extract(file, temporary / "new")
+        files = _files(temporary / "new")
+        unpacked = {name: [*found, checks[name]] for name, found in files.items()}
+        toolchain.write_whole(_list(folder), json.dumps(unpacked))
+        _replace(temporary / "new", folder)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _replace(new: Path, folder: Path) -> None:
+    """Put a folder in the place of one that is damaged, or that another process just made."""
+    try:
+        new.replace(folder)
+    except OSError:
+        if _is_whole(folder):
+            return
+        folder.replace(new.with_name("old"))
+        new.replace(folder)
+
+
+def _tidy(room: Path) -> None:
+    """Remove what killed processes left, and what has not been used for months."""
+    now = time.time()
+    for partial in room.glob(f"{_PARTIAL}*"):
+        if _age(partial, now) > _STALE:
+            shutil.rmtree(partial, ignore_errors=True)
+    for listed in room.glob("*.json"):
+        if _age(listed, now) > _UNUSED:
+            shutil.rmtree(listed.with_suffix(""), ignore_errors=True)
+            listed.unlink(missing_ok=True)
+
+
+def _age(path: Path, now: float) -> float:
+    try:
+        return now - path.stat().st_mtime
+    except OSError:  # another process was faster
+        return 0.0

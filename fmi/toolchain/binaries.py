@@ -1,0 +1,38 @@
+"""The libraries of an FMU for several platforms, by their place in it."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from stickslip.fmi.toolchain.platforms import Platform
+from stickslip.fmi.toolchain.threads import Threads
+from stickslip.fmi.toolchain.universal import universal
+
+
+def standard_functions(header: str) -> list[str]:
+    """Return what every FMU of a standard exports, as its ``fmi?Functions.h`` says."""
+    return re.findall(r"^ *FMI._Export +\w+ +(\w+);", header, re.MULTILINE)
+
+
+def binaries(
+    fmi: int, platforms: Iterable[Platform], build: Callable[[Platform], Path]
+) -> dict[str, bytes]:
+    """Build for all platforms side by side; return path in the FMU -> library.
+
+    Platforms that share a folder in FMI 2.0 share a universal library.
+
+    Parameters
+    ----------
+    fmi : version of the standard, which names the folders
+    build : returns the library of a platform
+    """
+    targets = list(platforms)
+    parts: dict[str, list[bytes]] = {}
+    with Threads(os.cpu_count()) as pool:
+        for platform, library in zip(targets, pool.each(build, targets), strict=True):
+            folder = platform.fmi2 if fmi == 2 else platform.tuple
+            parts.setdefault(f"binaries/{folder}/{library.name}", []).append(library.read_bytes())
+    return {path: universal(libraries) for path, libraries in parts.items()}

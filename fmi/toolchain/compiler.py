@@ -1,0 +1,172 @@
+"""C sources in, a shared library out."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import subprocess
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from stickslip.fmi.toolchain.binary import interface
+from stickslip.fmi.toolchain.cache import cache_directory
+from stickslip.fmi.toolchain.child import child_process
+from stickslip.fmi.toolchain.errors import (
+    CompilationFailed,
+    CompilerMissing,
+    WrongExports,
+)
+from stickslip.fmi.toolchain.interruption import check_interruption, temporary_folder
+from stickslip.fmi.toolchain.platforms import Platform, host_platform
+from stickslip.fmi.toolchain.whole import write_whole
+
+# No fused multiply-add and a named target: the same bits on every processor.
+# -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
+_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-s")
+# macOS exports these from every library.
+_OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
+_STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
+_LOOK = 0.1  # s between two looks for an interruption
+_WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+
+
+def shared_library(
+    name: str,
+    files: Mapping[str, str],
+    *,
+    platform: Platform | None = None,
+    flags: Sequence[str] = (),
+    standalone: bool = False,
+    exports: Collection[str] | None = None,
+) -> Path:
+    """Compile the ``.c`` files among ``files`` into one shared library and return its path.
+
+    The result lies in the cache under a hash of all that went in, so a second call returns at once.
+    Its own hash lies beside it; a library that has another one was damaged and is built again.
+
+    Parameters
+    ----------
+    name : file name of the library without ending
+    files : relative path -> text of every source and header. Headers in ``system/`` are found
+        with ``<...>`` and raise no warnings; the others are found from the root of the tree.
+    platform : what to build for; the machine's own by default
+    flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's;
+        ``$STICKSLIP_CC`` names a system compiler to take for this machine, which may know more of
+        them than ziglang does
+    standalone : on Windows, link with the system alone instead of a C runtime, which may be absent
+        there and takes a minute to compile; the sources may then call nothing of it but ``mem...``
+    exports : the names that the library must export, these and no others; not looked at if None
+
+    Raises
+    ------
+    CompilerMissing, CompilationFailed, WrongExports
+    """
+    target = platform or host_platform()
+    bare = standalone and target.suffix == ".dll"
+    if bare:
+        files = {**files, **_standalone()}
+    command = [
+        *_compiler(target),
+        *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
+        *os.environ.get("STICKSLIP_CFLAGS", "").split(),
+        *sorted(path for path in files if path.endswith(".c")),
+    ]
+    if target.suffix == ".dylib":
+        command.append(f"-Wl,-install_name,@rpath/{name}.dylib")
+    key = _digest([_compiler_version(), target.target, name, *command[1:]], files)
+    library = cache_directory() / "libraries" / key / (name + target.suffix)
+    if not _is_whole(library):
+        linked = _compile(command, files, library.name)
+        if exports is not None:
+            _check_exports(linked, exports, library.name)
+        write_whole(library, linked)
+        write_whole(_hash_file(library), hashlib.sha256(linked).hexdigest())
+    return library
+
+
+def _hash_file(library: Path) -> Path:
+    return library.with_name(f"{library.name}.sha256")
+
+
+def _is_whole(library: Path) -> bool:
+    """Return whether a library is there, with the bytes that were written."""
+    try:
+        wanted = _hash_file(library).read_bytes()
+        return hashlib.sha256(library.read_bytes()).hexdigest().encode() == wanted
+    except OSError:
+        return False
+
+
+def _compiler(target: Platform) -> list[str]:
+    own = os.environ.get("STICKSLIP_CC")
+    if own and target == host_platform():
+        return ["env", own, "-Wno-unknown-pragmas"]
+    return [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
+
+
+@cache
+def _standalone() -> dict[str, str]:
+    """Return what a Windows library without C runtime needs in its place."""
+    folder = Path(__file__).parent / "standalone"
+    text = {path.name: path.read_text(encoding="utf-8") for path in sorted(folder.iterdir())}
+    return {name if name.endswith(".c") else f"system/{name}": t for name, t in text.items()}
+
+
+def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
+    digest = hashlib.sha256("\0".join(words).encode())
+    for path, text in sorted(files.items()):
+        digest.update(f"\0{path}\0{len(text)}\0{text}".encode())
+    return digest.hexdigest()[:32]
+
+
+def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
+    exported = interface(library).exports - _OF_THE_LINKER
+    if lacking := sorted(set(expected) - exported):
+        raise WrongExports(f"{name} does not export {', '.join(lacking)}")
+    if foreign := sorted(exported - set(expected)):
+        raise WrongExports(f"{name} exports {', '.join(foreign)}, which nobody asked for")
+
+
+@cache
+def _compiler_version() -> str:
+    if importlib.util.find_spec("ziglang") is None:
+        raise CompilerMissing(
+            "the C compiler is missing: package 'ziglang' is not installed; "
+            "run 'pip install ziglang'"
+        )
+    return version("ziglang")
+
+
+def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> bytes:
+    zig = cache_directory() / "zig"
+    environment = os.environ | {
+        "ZIG_GLOBAL_CACHE_DIR": str(zig),
+        "ZIG_LOCAL_CACHE_DIR": str(zig),
+    }
+    with temporary_folder("stickslip-build-") as folder:
+        for path, text in files.items():
+            file = folder / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        (folder / "system").mkdir(exist_ok=True)
+        status, printed = _run([*command, "-o", output], folder, environment)
+        if status != 0:
+            said = printed.strip() or f"nothing, and ended with status {status}"
+            raise CompilationFailed(f"cannot compile {output}; the compiler said:\n{said}")
+        return (folder / output).read_bytes()
+
+
+def _run(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:
+    """Run the compiler; return its status and what it printed. An interruption ends it."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with child_process(command, cwd=folder, env=environment, **pipes) as process:
+        while True:
+            check_interruption()
+            with suppress(subprocess.TimeoutExpired):
+                _, printed = process.communicate(timeout=_LOOK)
+                return process.returncode, printed.decode(errors="replace")

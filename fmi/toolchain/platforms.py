@@ -1,0 +1,61 @@
+"""The platforms an FMU can be built for, with the names each standard gives them."""
+
+from __future__ import annotations
+
+import platform as machine
+import sys
+from dataclasses import dataclass
+
+from stickslip.fmi.toolchain.errors import ToolchainError
+
+
+@dataclass(frozen=True)
+class Platform:
+    """One operating system on one processor.
+
+    Attributes
+    ----------
+    tuple : platform tuple of FMI 3.0, section 2.5.1.4.1 (``x86_64-linux``)
+    fmi2 : folder under ``binaries/`` in FMI 2.0 (``linux64``); both processors of macOS share one,
+        for a universal library
+    target : the compiler's target, with the oldest system it must run on
+    suffix : ending of a shared library
+    """
+
+    tuple: str
+    fmi2: str
+    target: str
+    suffix: str
+
+
+PLATFORMS = {
+    p.tuple: p
+    for p in (
+        Platform("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
+        Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
+        Platform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll"),
+        Platform("x86_64-darwin", "darwin64", "x86_64-macos.10.13", ".dylib"),
+        Platform("aarch64-darwin", "darwin64", "aarch64-macos.11.0", ".dylib"),
+    )
+}
+
+_SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
+_PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
+
+
+def host_platform() -> Platform:
+    """Return the platform this interpreter runs on.
+
+    Raises
+    ------
+    ToolchainError
+        When it is none of ``PLATFORMS``.
+    """
+    system = _SYSTEMS.get(sys.platform, sys.platform)
+    processor = _PROCESSORS.get(machine.machine().lower(), machine.machine())
+    try:
+        return PLATFORMS[f"{processor}-{system}"]
+    except KeyError:
+        raise ToolchainError(
+            f"this machine is {processor}-{system}; FMUs run here on {', '.join(PLATFORMS)} only"
+        ) from None

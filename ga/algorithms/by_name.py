@@ -1,0 +1,57 @@
+"""Optimisers by name, on the same problem."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from stickslip.ga.algorithms.cma_es import CovarianceAdaptation
+from stickslip.ga.algorithms.differential_evolution import DifferentialEvolution
+from stickslip.ga.algorithms.genetic import GeneticAlgorithm
+from stickslip.ga.algorithms.limits import Limits
+from stickslip.ga.algorithms.optimiser import Optimiser
+from stickslip.ga.algorithms.settings import DEFAULT, PRESETS
+from stickslip.ga.errors import SettingsError
+from stickslip.ga.problem.problem import Problem
+
+OTHERS: dict[str, type[CovarianceAdaptation] | type[DifferentialEvolution]] = {
+    "cma": CovarianceAdaptation,
+    "de": DifferentialEvolution,
+}
+
+EVALUATIONS = DEFAULT.population + (DEFAULT.generations - 1) * (DEFAULT.population - DEFAULT.elites)
+"""What the presets spend: 802."""
+
+ALGORITHMS = (*sorted(PRESETS), *OTHERS)
+"""``default`` and ``paper``, our genetic algorithm; ``cma``, CMA-ES; ``de``, scipy's evolution."""
+
+
+def optimiser(
+    name: str,
+    problem: Problem,
+    limits: Limits | None = None,
+    seed: int = 0,
+    *,
+    noisy: bool = False,
+) -> Optimiser:
+    """Return a new optimiser.
+
+    Parameters
+    ----------
+    name : one of `ALGORITHMS`
+    problem : what to search
+    limits : when to stop; by default after as many evaluations as the presets have
+    seed : of all randomness
+    noisy : each run differs; only ``default`` and ``paper`` know what to do then
+
+    Raises
+    ------
+    SettingsError : no such algorithm, or one that cannot search this problem
+    """
+    if name in PRESETS:
+        settings = replace(PRESETS[name], noisy=noisy)
+        return GeneticAlgorithm(problem.genes, settings, seed, problem.repair, limits)
+    if name not in OTHERS:
+        raise SettingsError(f"no algorithm {name!r}; expected one of {', '.join(ALGORITHMS)}")
+    if noisy:
+        raise SettingsError(f"the algorithm {name!r} takes runs to be repeatable; use 'default'")
+    return OTHERS[name](problem, limits or Limits(evaluations=EVALUATIONS), seed)

@@ -1,0 +1,241 @@
+"""The genetic algorithm, generation after generation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from stickslip.ga.algorithms.generation import Candidate, Generation
+from stickslip.ga.algorithms.limits import PROGRESS, Limits
+from stickslip.ga.algorithms.optimiser import Optimiser
+from stickslip.ga.algorithms.settings import DEFAULT, Settings
+from stickslip.ga.arrays import Array
+from stickslip.ga.execution.checkpoint import seed_of
+from stickslip.ga.operators.breeding import Brood, breed
+from stickslip.ga.operators.initial import first_generation
+from stickslip.ga.operators.rates import MutationRate
+from stickslip.ga.operators.surrogates import (
+    BRED,
+    Origins,
+    Surrogates,
+)
+from stickslip.ga.problem.encoding import Encoding
+from stickslip.ga.problem.gene import Gene
+from stickslip.ga.problem.problem import Problem
+from stickslip.ga.problem.repair import Repair
+
+COLLAPSED = 1e-3
+"""A population whose strings all lie within this of each other has found the bottom of a valley."""
+
+SETTLED = 6
+"""Generations without 1 % of progress that it then has to go on, and as many again to find another
+valley along the genes, before it begins anew."""
+
+
+class GeneticAlgorithm(Optimiser):
+    """Ask/tell genetic algorithm on k genes.
+
+    The first generation holds the start as its first row. Later ones hold only children: the
+    elite's costs are known, unless the settings say that each run differs.
+
+    Parameters
+    ----------
+    genes : what to learn, k of them
+    settings : how; see `Settings` and `PRESETS`
+    seed : of all randomness; the same seed and costs give the same history, bit for bit
+    repair : makes candidates keep a constraint, e.g. `AtLeast`; its result is held to the bounds
+    limits : when to stop; by default the settings' ``generations`` and ``threshold``
+
+    Raises
+    ------
+    SettingsError : no genes, two of one name, or bounds that the encoding cannot take
+    """
+
+    kind = "genetic"
+    title = "a genetic algorithm"
+
+    def __init__(
+        self,
+        genes: Sequence[Gene],
+        settings: Settings = DEFAULT,
+        seed: int = 0,
+        repair: Repair | None = None,
+        limits: Limits | None = None,
+    ) -> None:
+        own = Limits(generations=settings.generations, target=settings.threshold)
+        super().__init__(Problem(genes, repair), limits or own, seed)
+        self.genes = self.problem.genes
+        self.settings = settings
+        self._encoding = Encoding(self.genes, settings.encoding, settings.resolution)
+        self._rng = np.random.Generator(np.random.PCG64(seed))
+        self._surrogates = Surrogates(len(self.genes)) if settings.surrogates else None
+        self._begin_anew(restarts=0)
+        self._earlier: Candidate | None = None
+        self._chosen: Candidate | None = None
+
+    def _begin_anew(self, restarts: int) -> None:
+        self._restarts = restarts
+        self._current: Generation | None = None
+        self._brood: Brood | None = None
+        self._bred: Brood | None = None
+        self._mutation = MutationRate(self.settings)
+        if self._surrogates is not None:
+            self._surrogates.begin_anew()
+        self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
+        self._settled_for = 0  # generations of these in which the population was collapsed
+
+    @property
+    def batch(self) -> int:
+        """How many candidates the next `ask` returns.
+
+        The population at first and after a restart, then the population without the elite.
+        """
+        if self._current is None or self.settings.noisy:
+            return self.settings.population
+        return self.settings.population - self.settings.elites
+
+    def _propose(self) -> Array:
+        current = self._current
+        if current is None:
+            self._brood = self._first()
+            return self._brood.values
+        self._brood = self._bred or self._next(current)
+        self._bred = self._next(current) if self.settings.ahead else None
+        again = current.values[: self.settings.elites if self.settings.noisy else 0]
+        return np.vstack([self._brood.values, again])
+
+    def _foreseen(self) -> Array:
+        return super()._foreseen() if self._bred is None else self._bred.values
+
+    def _settled(self, strings: Array, rates: Array, origins: Origins) -> Brood:
+        """Return what strings (n, k), which may leave [0, 1], are evaluated as."""
+        strings = self._encoding.settle(strings)
+        values = self._encoding.decode(strings)
+        if self.problem.repair is not None:
+            values = self.problem.repaired(values)
+            strings = self._encoding.encode(values)
+        return Brood(strings, values, rates, origins)
+
+    def _first(self) -> Brood:
+        """Return a first generation: around the start, or anew.
+
+        The first search anew is around where the cost is lowest by and large, the second anywhere,
+        and so on in turns.
+        """
+        n = self.settings.population
+        start: Array | None = self._encoding.encode(self.problem.start)
+        if self._restarts:
+            start = None
+            if self._surrogates is not None and self._restarts % 2:
+                start = self._surrogates.centre()
+        if start is None:
+            strings = self._rng.random((n, len(self.genes)))
+        else:
+            strings = first_generation(start, self.settings, self._rng)
+        return self._settled(strings, np.empty((n, 1)), np.full(n, BRED))
+
+    def _next(self, current: Generation) -> Brood:
+        settings = self.settings
+        rates = self._mutation.draw(settings.population - settings.elites, self._rng)
+        strings = breed(current.strings, current.costs, rates, settings, self._rng)
+        origins = np.full(len(strings), BRED)
+        if self._surrogates is not None:
+            origins = self._surrogates.place(strings, self._rng, spread=self._settled_for < SETTLED)
+        return self._settled(strings, rates, origins)
+
+    def _digest(self, values: Array, costs: Array) -> Array:
+        del values  # they are in the brood
+        brood = self._brood
+        assert brood is not None  # noqa: S101 - something was asked
+        n = len(brood.strings)
+        children = Generation.once(brood.strings, brood.values, costs[:n])
+        if self._current is None:
+            current = children.ranked()
+        else:
+            rivals = self._current.averaged(costs[n:])
+            wins = rivals.winners(children, self.settings)
+            self._mutation.follow(brood.rates, wins)
+            current = rivals.followed_by(children, wins)
+        if self._surrogates is not None:
+            self._surrogates.add(children.strings, children.costs)
+            if self._current is not None:
+                self._surrogates.add(self._current.strings[: len(costs) - n], costs[n:])
+                self._surrogates.follow(
+                    brood.origins, children.strings, children.costs, float(rivals.costs.min())
+                )
+            self._surrogates.move(current.strings[0], float(current.costs[0]))
+        self._current = current
+        self._chosen = self._most_trusted(current) if self.settings.noisy else None
+        self._watch(current)
+        return current.costs
+
+    def _choose(self) -> Candidate | None:
+        return self._chosen
+
+    def _most_trusted(self, current: Generation) -> Candidate:
+        """Return the lowest mean of more than one run, also of earlier starts."""
+        repeated = np.flatnonzero(current.runs > 1)
+        found = current.candidate(int(repeated[0]) if repeated.size else 0)
+        if self._earlier is not None and self._earlier.cost <= found.cost:
+            return self._earlier
+        return found
+
+    def _watch(self, current: Generation) -> None:
+        """Count generations without progress, and begin anew when it is time."""
+        stale, goal = self._stale
+        lowest = float(current.costs[0])
+        self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
+        self._settled_for = self._settled_for + 1 if self._collapsed() and self._stale[0] else 0
+        if self._at_rest() and self._restarts < self.settings.restarts:
+            self._earlier = self._chosen
+            self._begin_anew(self._restarts + 1)
+
+    def _at_rest(self) -> bool:
+        patience = self.settings.patience
+        return patience is not None and (
+            self._stale[0] >= patience or self._settled_for >= 2 * SETTLED
+        )
+
+    def _collapsed(self) -> bool:
+        current = self._current
+        return current is not None and float(np.ptp(current.strings, axis=0).max()) <= COLLAPSED
+
+    def _converged(self) -> str | None:
+        if not self._at_rest():
+            return None
+        why = f"the best cost has not fallen by 1 % in {self._stale[0]} generations"
+        if self._settled_for >= 2 * SETTLED:
+            why = "the population has collapsed to a point"
+        return f"stagnation: {why}, after {self._restarts} restarts"
+
+    def _options(self) -> dict[str, Any]:
+        kept = asdict(self.settings)
+        del kept["generations"], kept["threshold"]  # a run may go on for longer than first planned
+        return kept
+
+    @classmethod
+    def from_state(
+        cls,
+        genes: Sequence[Gene],
+        settings: Settings,
+        state: Mapping[str, Any],
+        repair: Repair | None = None,
+        limits: Limits | None = None,
+    ) -> GeneticAlgorithm:
+        """Go on from `state`: bit for bit as if it had never been interrupted.
+
+        Parameters
+        ----------
+        genes, settings, repair : as at first; `generations` and `threshold` may have changed
+        state : what `state` returned, also after a round trip through JSON
+
+        Raises
+        ------
+        StateError : the state is of other genes or settings, or is no state
+        """
+        algorithm = cls(genes, settings, seed_of(state), repair, limits)
+        algorithm.replay(state)
+        return algorithm

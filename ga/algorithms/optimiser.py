@@ -1,0 +1,256 @@
+"""The face that all optimisers share: ask for candidates, tell their costs.
+
+    ask -> tell -> ask -> tell -> ...
+
+An optimiser evaluates nothing itself and all its randomness is its own, so the result does not
+depend on where or in which order the candidates are evaluated. Its state is what it was told: told
+the same again, it is the same again.
+"""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from stickslip.ga.algorithms.generation import Candidate
+from stickslip.ga.algorithms.limits import PROGRESS, Limits
+from stickslip.ga.arrays import Array
+from stickslip.ga.errors import (
+    CallOrderError,
+    CostError,
+    StateError,
+)
+from stickslip.ga.execution import checkpoint
+from stickslip.ga.execution.record import Record
+from stickslip.ga.problem.problem import Problem
+
+NOT_A_NUMBER = "the cost is not a number"
+
+
+class Optimiser(ABC):
+    """Searches a problem by ask and tell.
+
+    Parameters
+    ----------
+    problem : the genes and their constraint
+    limits : when to stop
+    seed : of all randomness; the same seed and costs give the same history, bit for bit
+    """
+
+    kind: ClassVar[str]
+    """what a checkpoint calls it"""
+    title: ClassVar[str]
+    """what people call it"""
+
+    def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
+        self.problem = problem
+        self.limits = limits
+        self.seed = seed
+        self._record = Record()
+        self._asked: Array | None = None
+        self._best: Candidate | None = None
+        self._progress = (0, np.inf)
+        self._since = time.monotonic()
+
+    @property
+    @abstractmethod
+    def batch(self) -> int:
+        """How many candidates the next `ask` returns."""
+
+    @abstractmethod
+    def _propose(self) -> Array:
+        """Return the next candidates, shape (batch, k), in bounds and repaired."""
+
+    @abstractmethod
+    def _digest(self, values: Array, costs: Array) -> Array:
+        """Take the proposal (n, k) and its costs (n,); return those of the generation it leaves."""
+
+    def _options(self) -> dict[str, Any]:
+        """Return as plain data what a checkpoint must agree with, besides the problem."""
+        return {}
+
+    def _converged(self) -> str | None:
+        """Return why the method itself sees no point in going on, or None."""
+        return None
+
+    def _choose(self) -> Candidate | None:
+        """Return the best candidate if it is not simply the cheapest evaluation so far."""
+        return None
+
+    def _foreseen(self) -> Array:
+        """Return the rows of the next proposal that are certain already, shape (m, k)."""
+        return np.empty((0, len(self.names)))
+
+    def ask(self) -> Array:
+        """Return the candidates to evaluate next. The very first is the start.
+
+        Returns
+        -------
+        ndarray, shape (n, k), in the genes' units
+
+        Raises
+        ------
+        CallOrderError : the candidates asked for before have not been told
+        """
+        if self._asked is not None:
+            raise CallOrderError(
+                f"ask was called twice; first tell the costs of the {len(self._asked)} "
+                "candidates already asked"
+            )
+        self._asked = self._propose()
+        return self._asked.copy()
+
+    def tell(self, costs: ArrayLike, reasons: Sequence[str] | None = None) -> None:
+        """Take the costs of the candidates that `ask` returned, in their order.
+
+        Parameters
+        ----------
+        costs : shape (n,), 0 .. inf; inf for a candidate that failed. NaN counts as inf, with
+            the reason "the cost is not a number".
+        reasons : why each failed, n texts, empty where it did not
+
+        Raises
+        ------
+        CallOrderError : nothing was asked
+        CostError : wrong number of costs or reasons, or a negative cost. The candidates can
+            still be told.
+        """
+        if self._asked is None:
+            raise CallOrderError("tell was called before ask; ask for candidates first")
+        values = self._asked
+        told = np.array(costs, dtype=float)
+        notes = [""] * len(values) if reasons is None else list(reasons)
+        if told.shape != (len(values),) or len(notes) != len(values):
+            raise CostError(
+                f"tell expects {len(values)} costs (and as many reasons), one per candidate asked, "
+                f"got costs of shape {told.shape} and {len(notes)} reasons"
+            )
+        for index in np.flatnonzero(np.isnan(told)):
+            told[index], notes[index] = np.inf, notes[index] or NOT_A_NUMBER
+        if (told < 0).any():
+            raise CostError(
+                f"costs must be 0 or above, because fitness is their inverse, got {told.min()}"
+            )
+        self._record.add(values, told, notes)
+        lowest = int(np.argmin(told))
+        if self._best is None or told[lowest] < self._best.cost:
+            self._best = Candidate(values[lowest].copy(), float(told[lowest]))
+        generation = self._digest(values, told)
+        self._best = self._choose() or self._best
+        self._record.close_generation(generation, self._best.cost)
+        if self._best.cost <= self._progress[1] * (1 - PROGRESS):
+            self._progress = self.evaluations, self._best.cost
+        self._asked = None
+
+    @property
+    def ahead(self) -> Array:
+        """What the next `ask` will return, as far as that is known before this one's costs.
+
+        Shape (m, k), in the genes' units. Whoever has nothing better to do may begin with it. There
+        is none if the limits leave no next generation, and a method that starts anew forgets it.
+        """
+        asked = 0 if self._asked is None else len(self._asked)
+        none_left = self.limits.spent(
+            generations=self.generation + 1, evaluations=self.evaluations + asked, batch=self.batch
+        )
+        return np.empty((0, len(self.names))) if none_left or not asked else self._foreseen()
+
+    @property
+    def names(self) -> list[str]:
+        """The genes' names."""
+        return self.problem.names
+
+    @property
+    def best(self) -> Candidate:
+        """The candidate of the lowest cost so far.
+
+        Raises
+        ------
+        CallOrderError : no costs have been told
+        """
+        if self._best is None:
+            raise CallOrderError("there is no best candidate yet; ask and tell first")
+        best = self._best
+        return Candidate(best.values.copy(), best.cost)  # noqa: PD011 - an array
+
+    @property
+    def generation(self) -> int:
+        """How many generations have been told."""
+        return len(self._record.summaries)
+
+    @property
+    def evaluations(self) -> int:
+        """How many candidates have been told."""
+        return len(self._record.evaluations)
+
+    @property
+    def stopped(self) -> str | None:
+        """Why learning should stop, or None. `ask` goes on regardless.
+
+        Source
+        ------
+        Paper, Step 3.
+        """
+        if self._best is None:
+            return None
+        return (
+            self.limits.reached(
+                generations=self.generation,
+                evaluations=self.evaluations,
+                batch=self.batch,
+                seconds=time.monotonic() - self._since,
+                best=self._best.cost,
+                stagnant=self.evaluations - self._progress[0],
+            )
+            or self._converged()
+        )
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """Every evaluation: generation, index, a column per gene, cost, reason."""
+        return self._record.history(self.names)
+
+    def convergence(self) -> pd.DataFrame:
+        """Every generation: generation, evaluations, best_cost, mean_cost (see `Summary`)."""
+        return self._record.convergence()
+
+    def state(self) -> dict[str, Any]:
+        """Everything needed to go on later, as plain data that JSON keeps exactly.
+
+        Between `ask` and `tell` it is the state before `ask`, which will ask the same again.
+        """
+        return checkpoint.pack(self._head(), self._record)
+
+    def replay(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`: bit for bit as if the run had never been interrupted.
+
+        The optimiser must be new. It asks again what it asked then, and is told what it was told.
+
+        Parameters
+        ----------
+        state : what `state` returned, also after a round trip through JSON
+
+        Raises
+        ------
+        CallOrderError : the optimiser is not new
+        StateError : the state is of other genes or settings, or is no state
+        """
+        if self._asked is not None or self._best is not None:
+            raise CallOrderError("replay needs a new optimiser; this one has been asked before")
+        for values, costs, reasons in checkpoint.unpack(self._head(), state):
+            if not np.array_equal(self.ask(), values):
+                raise StateError(
+                    f"generation {self.generation + 1} of the checkpoint cannot be repeated; it "
+                    "was made with other versions of the packages or on another kind of "
+                    "processor; resume there or start afresh"
+                )
+            self.tell(costs, reasons)
+
+    def _head(self) -> dict[str, Any]:
+        return checkpoint.head(self.kind, self.problem, self._options(), self.seed)

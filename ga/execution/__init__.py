@@ -1,0 +1,1 @@
+"""Evaluation of candidates, and the learning loop."""

@@ -1,0 +1,168 @@
+"""Checkpoints: a run as plain data, and back.
+
+A checkpoint holds what was told, not what an optimiser keeps inside: any optimiser that is asked
+and told the same again is where it was. Floats survive JSON exactly. Infinity has no place in JSON,
+so a cost of inf is written as null.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, is_dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.fmi.toolchain import (
+    parse_json,
+    read_whole,
+    write_whole,
+)
+from stickslip.ga.arrays import Array
+from stickslip.ga.errors import StateError
+from stickslip.ga.execution.record import Record
+from stickslip.ga.problem.problem import Problem
+
+FORMAT = 2
+MOST = 1 << 30
+"""Bytes that a checkpoint may have."""
+
+Told = tuple[Array, list[float], list[str]]
+"""values (n, k), n costs and n reasons of a generation"""
+
+
+def head(kind: str, problem: Problem, settings: Mapping[str, Any], seed: int) -> dict[str, Any]:
+    """Return what a run must have in common with its checkpoint."""
+    repair = problem.repair
+    return {
+        "format": FORMAT,
+        "optimiser": kind,
+        "genes": [asdict(gene) for gene in problem.genes],
+        "repair": repr(repair) if is_dataclass(repair) else getattr(repair, "__qualname__", None),
+        "settings": dict(settings),
+        "seed": seed,
+    }
+
+
+def pack(head: Mapping[str, Any], record: Record) -> dict[str, Any]:
+    """Return plain data (dicts, lists, str, int, float, None) from a run's parts."""
+    return {
+        **head,
+        "evaluations": [
+            [e.generation, list(e.values), _finite(e.cost), e.reason] for e in record.evaluations
+        ],
+    }
+
+
+def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
+    """Yield what was told, generation after generation.
+
+    Raises
+    ------
+    StateError : the state is of another run than `head`, or is no state
+    """
+    seed_of(state)
+    for part, expected in head.items():
+        if expected != state.get(part):
+            raise StateError(
+                f"the checkpoint was made with other {part}: it has {state.get(part)!s:.200}, "
+                f"expected {expected}; resume with those or start afresh"
+            )
+    try:
+        generations = [
+            (
+                np.array([values for _, values, _, _ in rows], dtype=float),
+                [_cost(cost) for _, _, cost, _ in rows],
+                [str(reason) for _, _, _, reason in rows],
+            )
+            for rows in (
+                list(group) for _, group in groupby(state["evaluations"], lambda row: row[0])
+            )
+        ]
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise StateError(f"the checkpoint is damaged ({error!r}); start afresh") from error
+    yield from generations
+
+
+def seed_of(state: Mapping[str, Any]) -> int:
+    """Return the seed of a checkpoint.
+
+    Raises
+    ------
+    StateError : the state is no state
+    """
+    if not isinstance(state, Mapping) or state.get("format") != FORMAT:
+        raise StateError(
+            f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
+        )
+    seed = state.get("seed")
+    if not isinstance(seed, int):
+        raise StateError(f"the checkpoint is damaged (its seed is {seed!r:.40}); start afresh")
+    return seed
+
+
+def write(path: Path, state: Mapping[str, Any], about: str) -> None:
+    """Write a checkpoint, whole or not at all.
+
+    Raises
+    ------
+    OSError : the folder cannot be written or the disk is full; the old checkpoint is then whole
+    """
+    write_whole(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
+
+
+def read(path: Path, about: str) -> dict[str, Any]:
+    """Read the state from a checkpoint.
+
+    Raises
+    ------
+    StateError : the file is no JSON object, or its costs are about something else
+    OSError : it cannot be read
+    """
+    state = _load(path)
+    if state.get("about", about) != about:
+        raise StateError(
+            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
+            "with that or start afresh"
+        )
+    return state
+
+
+def check(path: Path) -> None:
+    """Check that a file is a checkpoint, of whatever run.
+
+    Raises
+    ------
+    StateError : it is none
+    OSError : it cannot be read
+    """
+    state = _load(path)
+    try:
+        seed_of(state)
+    except StateError as error:
+        raise StateError(f"{path}: {error}") from None
+
+
+def _load(path: Path) -> dict[str, Any]:
+    try:
+        state = parse_json(read_whole(path, MOST))
+    except ValueError as error:
+        raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
+    if not isinstance(state, dict):
+        raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
+    return state
+
+
+def _finite(cost: float) -> float | None:
+    return None if cost == float("inf") else cost
+
+
+def _cost(stored: float | None) -> float:
+    if stored is None:
+        return float("inf")
+    if not (isinstance(stored, int | float) and stored >= 0):
+        raise ValueError(f"a cost of {stored!r}")
+    return float(stored)

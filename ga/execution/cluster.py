@@ -1,0 +1,173 @@
+"""Candidates on a Dask cluster.
+
+A task costs Dask some milliseconds, so a generation goes there in few, and what is the same for all
+candidates is sent to each worker once.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any, ParamSpec, TypeVar
+
+from stickslip.ga.errors import SettingsError
+from stickslip.ga.execution.evaluation import Evaluate, Packed
+from stickslip.ga.execution.interrupts import without_interrupts
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+LEAN = {
+    "distributed.comm.compression": None,
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.worker.memory.monitor-interval": "5s",
+    "distributed.worker.profile.enabled": False,
+}
+"""What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
+
+RECOUNT = 5.0
+"""How long the number of workers is believed [s]."""
+
+
+class DaskWorkers(Executor):
+    """The workers of a Dask client; a generation goes there in as many tasks as they have threads.
+
+    What is sent first is done first; by itself Dask orders what comes within a tenth of a second by
+    name.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._executor = client.get_executor(pure=False)
+        self._counted = -math.inf
+        self._threads = 0
+        self._turn = 0
+        self._sent: set[str] = set()
+
+    @property
+    def parts(self) -> int:
+        """Into how many tasks a generation is divided; workers are counted again now and then."""
+        if time.monotonic() > self._counted + RECOUNT:
+            self._counted = time.monotonic()
+            self._threads = sum(self._client.ncores().values())
+        return max(1, self._threads)
+
+    def submit_all(self, fn: Callable[..., T], calls: Sequence[Sequence[Any]]) -> list[Any]:
+        """Run a function with several lists of arguments, sent in one message."""
+        self._turn += 1
+        return list(
+            self._client.map(fn, *zip(*calls, strict=True), pure=False, priority=-self._turn)
+        )
+
+    def result_all(self, futures: list[Any]) -> list[Any] | None:
+        """Wait for several results, received in one message; None if not all are well."""
+        import_module("distributed").wait(futures)
+        if any(future.status != "finished" for future in futures):
+            return None
+        results: list[Any] = self._client.gather(futures)
+        return results
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Run a function on one of the workers."""
+        self._turn += 1
+        future: Future[T] = self._executor.submit(fn, *args, priority=-self._turn, **kwargs)
+        return future
+
+    def packed(self, evaluate: Evaluate) -> Packed:
+        """Send a cost, even one of a notebook, to all workers that there are and will be."""
+        packed = Packed.of(import_module("cloudpickle").dumps(evaluate))
+        if packed.name not in self._sent:
+            self._client.register_plugin(_keeping(packed), packed.name)
+            self._sent.add(packed.name)
+        return replace(packed, content=None)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Let go of the workers, which go on without us."""
+        del cancel_futures
+        self._executor.shutdown(wait)
+        for name in self._sent:
+            self._client.unregister_worker_plugin(name)
+
+
+def _keeping(packed: Packed) -> Any:
+    """Return what Dask calls in each of its workers."""
+
+    class Keeping(import_module("distributed").WorkerPlugin):  # type: ignore[misc]
+        def setup(self, worker: object) -> None:
+            del worker
+            packed.keep()
+
+        def teardown(self, worker: object) -> None:
+            del worker
+            packed.forget()
+
+    return Keeping()
+
+
+@contextmanager
+def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
+    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`."""
+    if find_spec("distributed") is None:
+        raise SettingsError(
+            f"workers {where!r} need the package distributed; pip install stickslip[dask]"
+        )
+    distributed: Any = import_module("distributed")
+    with ExitStack() as stack:
+        scheduler = where
+        if where == "local":
+            dask: Any = import_module("dask")
+            with without_interrupts(), dask.config.set(LEAN):
+                started = distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=":0",
+                    silence_logs=logging.ERROR,
+                )
+            scheduler = stack.enter_context(started)
+        else:
+            _knock(where)
+        client = stack.enter_context(distributed.Client(scheduler))
+        yield stack.enter_context(DaskWorkers(client))
+
+
+def _knock(address: str) -> None:
+    """Raise SettingsError unless a scheduler answers.
+
+    A Client would say so too, but one that fails is closed by the garbage collector, whose thread
+    may then wait ten seconds for the lock with which the next Client starts that thread.
+    """
+    distributed: Any = import_module("distributed")
+
+    async def identity() -> dict[str, Any]:
+        secrets = distributed.Security().get_connection_args("client")
+        async with distributed.rpc(address, connection_args=secrets) as peer:
+            found: dict[str, Any] = await peer.identity()
+            return found
+
+    limit = import_module("dask.utils").parse_timedelta(
+        import_module("dask").config.get("distributed.comm.timeouts.connect")
+    )
+    loop = import_module("distributed.utils").LoopRunner(asynchronous=False)
+    try:
+        peer = loop.run_sync(identity, callback_timeout=limit)
+        fault = "" if "workers" in peer else f"there is a {peer.get('type')}"
+    except TimeoutError:  # with a message or without
+        fault = f"timed out after {limit:g} s"
+    except (OSError, ValueError, TypeError) as error:  # as Dask says that an address is none
+        fault = str(error)
+    if fault:
+        raise SettingsError(
+            f"no Dask scheduler at {address!r} ({fault}); expected the address of one that runs,"
+            " such as tcp://10.0.0.1:8786"
+        )

@@ -1,0 +1,231 @@
+"""Costs of candidates, wherever they are evaluated, and what becomes of those that fail."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.fmi.toolchain import cancel_all, result_of
+from stickslip.ga.arrays import Array
+from stickslip.ga.errors import CandidateFailed
+
+Evaluate = Callable[[Array], float]
+"""values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
+
+An attribute ``fatal``, a tuple of exceptions, names those that no candidate is to blame for."""
+
+Outcome = tuple[float, str]
+"""cost, and why it is infinite or an empty text"""
+
+ALONE = 2
+"""How often a candidate whose worker died is tried alone."""
+
+DIED = "the worker process that ran it died"
+
+_FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, CancelledError)
+"""The machine's fault, not the candidate's: the run ends, and can be resumed."""
+
+
+class Judge:
+    """Evaluates generation after generation, in the caller's own thread or by workers.
+
+    Workers that have nothing to do begin with what is known of the next generation, so none waits
+    for the slowest. What is learned does not depend on it.
+
+    Parameters
+    ----------
+    evaluate : cost of one candidate
+    executor : where; None for the caller's own thread
+    """
+
+    def __init__(self, evaluate: Evaluate, executor: Executor | None) -> None:
+        packed = getattr(executor, "packed", None)
+        self._evaluate: Evaluate | Packed = packed(evaluate) if packed else evaluate
+        self._executor = executor
+        self._begun: dict[bytes, _Place] = {}
+        self._last: list[_Place | None] = []
+
+    def outcomes(self, population: Array, ahead: Array, *, begins: bool) -> list[Outcome]:
+        """Return cost and reason of every row, in order, whatever the executor.
+
+        Candidates whose worker died are tried alone, one after the other. So the one that kills
+        its worker is known, and the others have their cost.
+
+        Parameters
+        ----------
+        population : shape (n, k)
+        ahead : rows of the next population that are known already, shape (m, k)
+        begins : whether the first row is the start. What it raises is not a candidate's fault.
+
+        Raises
+        ------
+        Exception : what the start raises, or what no candidate is to blame for
+        """
+        if self._executor is None:
+            return judge(self._evaluate, population, begins)
+        places = [self._begun.pop(row.tobytes(), None) for row in population]
+        self.dismiss()
+        missing = [index for index, place in enumerate(places) if place is None]
+        sent = self._send(population[missing], self._executor, begins and 0 in missing)
+        for index, place in zip(missing, sent, strict=True):
+            places[index] = place
+        try:
+            begun = self._send(ahead, self._executor, begins=False)
+            self._begun = {row.tobytes(): place for row, place in zip(ahead, begun, strict=True)}
+            self._wait([place.task for place in places if place is not None])
+            judged = [place.outcome() for place in places if place is not None]
+        except BaseException:
+            cancel_all(place.task.future for place in sent)
+            raise
+        self._last = places  # Dask would be told of those let go first, and 10 ms later of the next
+        return [
+            self._alone(row, self._executor, begins and index == 0) if outcome is None else outcome
+            for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
+        ]
+
+    def dismiss(self) -> None:
+        """Call off what was begun and is not wanted any more."""
+        cancel_all(
+            task.future for task in dict.fromkeys(place.task for place in self._begun.values())
+        )
+        self._begun = {}
+
+    def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:
+        """Give rows (n, k) to the workers, in as many tasks as the executor likes."""
+        if not len(rows):
+            return []
+        parts = np.array_split(rows, min(getattr(executor, "parts", len(rows)), len(rows)))
+        calls = [(self._evaluate, part, begins and not n) for n, part in enumerate(parts)]
+        if together := getattr(executor, "submit_all", None):
+            futures = together(judge, calls)
+        else:
+            futures = [executor.submit(judge, *call) for call in calls]
+        return [
+            _Place(task, index)
+            for task, part in zip(map(_Task, futures), parts, strict=True)
+            for index in range(len(part))
+        ]
+
+    def _wait(self, tasks: list[_Task]) -> None:
+        """Let an executor that can receive several results in one message do so."""
+        together = getattr(self._executor, "result_all", None)
+        waiting = list(dict.fromkeys(tasks))
+        received = together([task.future for task in waiting]) if together else None
+        for task, outcomes in zip(waiting, received or (), strict=False):
+            task.outcomes = outcomes
+
+    def _alone(self, row: Array, executor: Executor, begins: bool) -> Outcome:
+        for _ in range(ALONE):
+            outcome = self._send(row[np.newaxis], executor, begins)[0].outcome()
+            if outcome is not None:
+                return outcome
+        return float("inf"), DIED
+
+
+class _Task:
+    """Some candidates at a worker."""
+
+    def __init__(self, future: Any) -> None:
+        self.future = future
+
+    @cached_property
+    def outcomes(self) -> list[Outcome] | None:
+        """What the worker sends, as soon as it does; None if it died."""
+        try:
+            return self._received()
+        except BrokenExecutor:
+            return None
+        except Exception as error:
+            if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
+                return None
+            raise
+
+    def _received(self) -> list[Outcome]:
+        future = self.future
+        if isinstance(future, Future):
+            return result_of(future)
+        outcomes: list[Outcome] = future.result()  # one of Dask
+        return outcomes
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the outcome of a candidate will be found."""
+
+    task: _Task
+    index: int
+
+    def outcome(self) -> Outcome | None:
+        """Wait for the outcome; return None if the worker died."""
+        outcomes = self.task.outcomes
+        return None if outcomes is None else outcomes[self.index]
+
+
+@dataclass(frozen=True)
+class Packed:
+    """A cost on its way to another process, where it is unpacked once and not for each task.
+
+    Unpacking a system of FMUs takes as long as running a candidate.
+
+    Attributes
+    ----------
+    name : of the content, a hash
+    content : of `pickle`; None where each process has been told to `keep` it
+    """
+
+    name: str
+    content: bytes | None
+
+    @classmethod
+    def of(cls, content: bytes) -> Packed:
+        """Give a content its name."""
+        return cls(hashlib.sha256(content).hexdigest(), content)
+
+    def keep(self) -> None:
+        """Store the content in this process, for tasks that come without."""
+        if self.content is not None:
+            _kept[self.name] = self.content
+
+    def forget(self) -> None:
+        """Drop what was kept."""
+        _kept.pop(self.name, None)
+        _unpacked.pop(self.name, None)
+
+    def unpacked(self) -> Evaluate:
+        """Return the cost, which stays for the next task."""
+        if self.name not in _unpacked:
+            content = self.content or _kept[self.name]
+            _unpacked.clear()
+            _unpacked[self.name] = pickle.loads(content)  # noqa: S301 - of our own making
+        return _unpacked[self.name]
+
+
+_kept: dict[str, bytes] = {}
+_unpacked: dict[str, Evaluate] = {}
+
+
+def judge(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> list[Outcome]:
+    """Return cost and reason of rows (n, k), one after the other; runs where the worker is."""
+    if isinstance(evaluate, Packed):
+        evaluate = evaluate.unpacked()
+    return [_judge_one(evaluate, row, begins and index == 0) for index, row in enumerate(rows)]
+
+
+def _judge_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
+    try:
+        return float(evaluate(row)), ""
+    except CandidateFailed as failure:
+        return float("inf"), str(failure)
+    except (*_FATAL, *getattr(evaluate, "fatal", ())):
+        raise
+    except Exception as error:
+        if is_start:
+            raise
+        return float("inf"), f"{type(error).__name__}: {error}"

@@ -1,0 +1,133 @@
+"""Where candidates are evaluated: threads, processes, or a Dask cluster.
+
+A worker that dies takes no result with it: its candidates are evaluated again, see
+``ga/execution/evaluation.py``.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from types import TracebackType
+from typing import ParamSpec, TypeVar
+
+from stickslip.fmi.toolchain import Threads, held
+from stickslip.ga.errors import SettingsError
+from stickslip.ga.execution.cluster import cluster
+from stickslip.ga.execution.evaluation import Evaluate, Packed
+from stickslip.ga.execution.interrupts import without_interrupts
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@contextmanager
+def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | None]:
+    """Open what `learn` takes as its executor, and close it after the block.
+
+    Parameters
+    ----------
+    where : ``threads`` or ``processes`` of this machine; ``local``, a Dask cluster that is started
+        on it; or the address of a running Dask scheduler, e.g. ``tcp://10.0.0.1:8786``, whose
+        workers must have the same packages and see the same files
+    workers : how many; a running scheduler has its own
+
+    Yields
+    ------
+    None, which means the caller's own thread, for one thread
+
+    Raises
+    ------
+    SettingsError : no such place, no worker at all, no scheduler that answers at the address, or
+        ``distributed`` is not installed
+    """
+    if workers < 1:
+        raise SettingsError(f"workers must be at least 1, got {workers}")
+    if where == "threads":
+        if workers == 1:
+            yield None
+            return
+        with Threads(workers) as threads:
+            yield threads
+    elif where == "processes":
+        with Processes(workers) as processes:
+            yield processes
+    elif where == "local" or "://" in where:
+        with cluster(where, workers) as dask:
+            yield dask
+    else:
+        raise SettingsError(
+            f"no workers {where!r}; expected threads, processes, local or the address of a Dask "
+            "scheduler such as tcp://10.0.0.1:8786"
+        )
+
+
+class Processes(Executor):
+    """A pool of processes that is made anew when one of them dies.
+
+    Its processes leave Ctrl-C to their parent, and end with it however it ends. When its block
+    fails they are told to end by SIGTERM.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._others = set(multiprocessing.active_children())
+        with held(), without_interrupts():
+            self._pool = self._made()
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Run a function in one of the processes."""
+        with held(), without_interrupts():  # a process may be started
+            try:
+                return self._pool.submit(fn, *args, **kwargs)
+            except BrokenProcessPool:
+                self._pool.shutdown(wait=False)
+                self._pool = self._made()
+                return self._pool.submit(fn, *args, **kwargs)
+
+    def packed(self, evaluate: Evaluate) -> Packed:
+        """Return a cost as a process gets it."""
+        return Packed.of(pickle.dumps(evaluate))
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes."""
+        with held():
+            self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """End the processes, at once where the block has failed."""
+        with held():
+            if error is not None:
+                for process in set(multiprocessing.active_children()) - self._others:
+                    process.terminate()
+            self.shutdown(cancel_futures=error is not None)
+
+    def _made(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(
+            self._workers, mp_context=get_context("spawn"), initializer=_depend_on_parent
+        )
+
+
+def _depend_on_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

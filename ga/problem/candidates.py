@@ -1,0 +1,100 @@
+"""Candidates judged by running a cosim simulation: the one place here that knows cosim."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from types import TracebackType
+from typing import Literal, Self
+from uuid import uuid4
+
+from stickslip import cosim
+from stickslip.cosim.signals.signals import Input
+from stickslip.ga.arrays import Array
+from stickslip.ga.errors import CandidateFailed
+
+_Worker = tuple[int, int]  # process and thread; a forked process must not use its parent's FMUs
+
+_open: dict[tuple[str, _Worker], cosim.Simulation] = {}
+
+
+@dataclass(frozen=True)
+class SimulatedCost:
+    """Cost of a candidate: set its values as parameters, run the system, judge the result.
+
+    It pickles. Every worker, thread or process, prepares one simulation when it judges its first
+    candidate and keeps it for the others. `close`, or leaving a ``with`` block, frees those of
+    this process; the ones of other processes end with them.
+
+    Parameters
+    ----------
+    specification : the system, step, stop and recorded variables
+    names : the parameter ``component.variable`` that each value of a candidate sets
+    cost : judges a result, 0 .. inf; picklable (a function of a module, not a lambda) if the
+        workers are processes
+    inputs : exposed input -> array, signal or number, the same for every candidate
+    isolation : ``process`` lets a candidate's FMUs crash without harm, see `cosim.Isolation`; that
+        of the specification if None
+    """
+
+    specification: cosim.Specification
+    names: Sequence[str]
+    cost: Callable[[cosim.Result], float]
+    inputs: Mapping[str, Input] = field(default_factory=dict)
+    isolation: cosim.Isolation | Literal["process"] | None = None
+    _token: str = field(default_factory=lambda: uuid4().hex, init=False, repr=False)
+
+    @property
+    def fatal(self) -> tuple[type[Exception], ...]:
+        """What no candidate is to blame for."""
+        return (cosim.CosimError,)
+
+    def __call__(self, values: Array) -> float:
+        """Run one candidate.
+
+        Parameters
+        ----------
+        values : shape (k,), in the order of `names`, in the parameters' units
+
+        Raises
+        ------
+        CandidateFailed : an FMU failed during the run
+        cosim.CosimError : the system, a name or an input is wrong, whatever the candidate
+        Exception : what `cost` raises
+        """
+        parameters = dict(zip(self.names, values.tolist(), strict=True))
+        try:
+            result = self._simulation().run(parameters=parameters, inputs=self.inputs)
+        except cosim.SimulationError as error:
+            raise CandidateFailed(str(error)) from error
+        return float(self.cost(result))
+
+    def close(self) -> None:
+        """Free this cost's simulations in this process; a later call prepares them again."""
+        for key in [key for key in _open if key[0] == self._token and key[1][0] == os.getpid()]:
+            # The costs are known; one that still runs frees its FMUs when its thread lets go of it.
+            with suppress(cosim.FmuCrashed, cosim.SharedSimulation):
+                _open.pop(key).close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _simulation(self) -> cosim.Simulation:
+        key = self._token, (os.getpid(), threading.get_ident())
+        if key not in _open:
+            specification = self.specification
+            if self.isolation is not None:
+                specification = replace(specification, isolation=self.isolation)
+            _open[key] = specification.prepare()
+        return _open[key]

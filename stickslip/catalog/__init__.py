@@ -1,0 +1,1 @@
+"""Parameters: names, units and the values of the paper."""

@@ -1,0 +1,1 @@
+"""Metrics, validation, guards and comparisons."""

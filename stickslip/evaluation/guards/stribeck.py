@@ -1,0 +1,69 @@
+"""Friction that falls with speed: a loop with too little damping runs away from its command.
+
+About a steady speed v the bristle of (2) to (4) is linear, with g' = dg/dv < 0:
+
+    dz' = -a dz + (v g' / g) dv,   dF_f = sigma_0 dz + sigma_1 dz',   a = sigma_0 v / g
+
+Closed around the loop's compliance its fastest pole tells how a deviation grows at that speed. That
+speeds are passed where it grows does not matter; that the command dwells there does.
+"""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+
+from stickslip.evaluation.guards.finding import Finding
+from stickslip.evaluation.guards.trial import Trial
+from stickslip.servo.measurement import Array
+from stickslip.servo.stribeck_curve import level, slope
+
+LIMIT = 3.0
+"""Natural logarithm of how much a deviation may grow while the command passes: 20-fold."""
+_SPEEDS = 60
+
+
+def stribeck(trial: Trial) -> list[Finding]:
+    """Return a finding when deviations grow too much while the command is at low speeds."""
+    speed = np.abs(trial.v_cmd)
+    top = max(float(speed.max()), 1e-9)
+    grid = np.geomspace(min(1e-3 * trial.friction["v_s"], 0.1 * top), top, _SPEEDS)
+    rates = np.array([growth_rate(trial, v) for v in grid])
+    # Below the least speed the bristle does not slide, and holds as a spring
+    at = np.maximum(np.interp(speed, grid, rates, left=0.0), 0.0)
+    figure = _longest(at * trial.loop.T_s)
+    if figure <= LIMIT:
+        return []
+    worst = float(speed[at.argmax()])
+    falls, damping = -float(slope(trial.friction, worst)), trial.loop.K_p + trial.loop.axis.b
+    message = (
+        f"at {1e3 * worst:.3g} mm/s friction falls by {falls:.4g} N s/m against a damping K_p + b"
+        f" of {damping:.4g} N s/m, and while the command is at such speeds a deviation grows by"
+        f" e^{figure:.3g}; expected at most e^{LIMIT:g}; raise K_p, or pass these speeds faster"
+    )
+    return [Finding("stribeck", figure, LIMIT, "1", message)]
+
+
+def growth_rate(trial: Trial, v: float) -> float:
+    """Return the rate [1/s] at which a small deviation from a steady speed [m/s] grows."""
+    p, loop = trial.friction, trial.loop.compliance
+    g = float(level(p, v))
+    a, c = p["sigma_0"] * v / g, v * float(slope(p, v)) / g
+    bristle = control.sample_system(
+        control.ss(-a, c, p["sigma_0"] - p["sigma_1"] * a, p["sigma_1"] * c), trial.loop.T_s
+    )
+    A = np.block(
+        [
+            [loop.A - loop.B @ bristle.D @ loop.C, -loop.B @ bristle.C],
+            [bristle.B @ loop.C, bristle.A],
+        ]
+    )
+    return float(np.log(np.abs(np.linalg.eigvals(A)).max()) / trial.loop.T_s)
+
+
+def _longest(growth: Array) -> float:
+    """Return the largest sum over samples in a row that are not 0."""
+    ends = np.flatnonzero(np.diff(growth > 0.0, prepend=False, append=False))
+    total = np.concatenate([[0.0], np.cumsum(growth)])
+    sums = total[ends[1::2]] - total[ends[::2]]
+    return float(sums.max(initial=0.0))

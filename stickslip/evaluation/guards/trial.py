@@ -1,0 +1,78 @@
+"""A loop around an axis with known friction, run on a command with and without a compensator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.measurement import Array
+from stickslip.servo.systems import Feed, paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What is tried; the axis is a drive FMU with the mass and lag that the loop counts on.
+
+    Attributes
+    ----------
+    fmus : folder of the FMUs, as ``build_fmus`` leaves it
+    loop : the velocity loop
+    friction : of the axis, F_s F_c v_s sigma_0 sigma_1
+    compensator : its parameters by name
+    v_cmd : command (n,) [m/s], one value a sample of the loop
+    """
+
+    fmus: Path
+    loop: VelocityLoop
+    friction: Mapping[str, float]
+    compensator: Mapping[str, float]
+    v_cmd: Array
+    feed: Feed = "nominal"
+    datasheet: Datasheet = field(default_factory=Datasheet)
+
+    @contextmanager
+    def runs(self, *, compensated: bool) -> Iterator[Run]:
+        """Prepare runs with or without the compensator."""
+        chosen = dict(self.compensator) if compensated else None
+        system = paper_loop(self.fmus, self.loop, chosen, self.feed)
+        system.parameters |= {f"drive.{name}": value for name, value in self._axis().items()}
+        stop = (len(self.v_cmd) - 1) * self.loop.T_s
+        with system.prepare(step=self.loop.T_s, stop=stop, record=("drive.v",)) as simulation:
+            yield Run(self, simulation)
+
+    def _axis(self) -> dict[str, float | bool]:
+        axis, sheet = self.loop.axis, self.datasheet
+        lag = {"tau_i": axis.tau_i} if axis.tau_i else {"current_loop": False}
+        known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
+        # The paper's converter has steps larger than the friction of a small drive.
+        converters = {"dac": False, "encoder_step": sheet.encoder_step}
+        return {**self.friction, **known, **lag, **converters}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A prepared loop."""
+
+    trial: Trial
+    simulation: cosim.Simulation
+
+    def velocity(self, compensator: Mapping[str, float] | None = None) -> Array:
+        """Return the velocity (n,) [m/s], with other parameters of the compensator than its own."""
+        values = {f"compensator.{name}": value for name, value in (compensator or {}).items()}
+        commands = self.trial.loop.commands(self.trial.v_cmd)
+        return self.simulation.run(values, commands)["drive.v"]
+
+    def error(self, compensator: Mapping[str, float] | None = None) -> float:
+        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""
+        try:
+            v = self.velocity(compensator)
+        except cosim.SimulationError:
+            return np.inf
+        return float(np.sqrt(np.mean((v - self.trial.v_cmd) ** 2)))

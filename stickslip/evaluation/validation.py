@@ -1,0 +1,227 @@
+"""Section 4.2: the trapezoid with and without compensation, judged by (8a), (8b) and (9)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+
+from stickslip import cosim
+from stickslip.evaluation.motions import (
+    Motion,
+    Regions,
+    Span,
+    regions_after,
+    trapezoid,
+    windows,
+)
+from stickslip.servo.measurement import Array, measured_velocity
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import Feed, paper_loop
+from stickslip.servo.velocity_loop import VelocityLoop
+
+PAPER_TABLE4 = {
+    ("start", "E_max"): (0.98, 0.76),
+    ("start", "E_rms"): (0.86, 0.48),
+    ("reverse", "E_max"): (1.76, 0.72),
+    ("reverse", "E_rms"): (1.62, 0.44),
+}
+"""Table 4, without and with compensation; it prints no unit, and mm/s is the reading that fits."""
+
+METRICS = ("E_max", "E_rms")
+
+RECORD = (
+    *("drive.x_enc", "drive.x", "drive.v", "drive.F_f"),
+    *("nominal.v_r", "compensator.F_mean"),
+)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One motion once.
+
+    Attributes
+    ----------
+    t, v_cmd : (n,) [s], [m/s]
+    x_enc : position (n,) [m] that the encoder shows
+    v : velocity (n,) [m/s] by what shows it, ``measured`` or ``true``
+    v_r : response of the nominal loop (n,) [m/s]
+    F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
+    x : the drive's true position (n,) [m]
+    """
+
+    t: Array
+    v_cmd: Array
+    x_enc: Array
+    v: dict[str, Array]
+    v_r: Array
+    F_f: Array
+    F_ff: Array
+    x: Array
+
+    @property
+    def x_cmd(self) -> Array:
+        """The position (n,) [m] to which the command leads, from where the run begins."""
+        return np.asarray(cumulative_trapezoid(self.v_cmd, self.t, initial=0))
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Both runs, and the instants at which motion starts and reverses [s]."""
+
+    without: Run
+    compensated: Run
+    instants: dict[str, float]
+
+    def table(self) -> pd.DataFrame:
+        """Return Table 4 beside the paper's; velocities in mm/s, reductions as fractions (9)."""
+        regions = regions_after(self.instants)
+        without, compensated = (
+            velocity_errors(run, regions) for run in (self.without, self.compensated)
+        )
+        rows = []
+        for key in without:
+            velocity, region, metric = key
+            paper = PAPER_TABLE4[region, metric]
+            rows.append(
+                {
+                    "velocity": velocity,
+                    "region": region,
+                    "metric": metric,
+                    "without": 1e3 * without[key],
+                    "with": 1e3 * compensated[key],
+                    "reduction": reduction(1e3 * without[key], 1e3 * compensated[key]),
+                    "paper_without": paper[0],
+                    "paper_with": paper[1],
+                    "paper_reduction": reduction(*paper),
+                }
+            )
+        return pd.DataFrame(rows)
+
+
+def velocity_errors(run: Run, regions: Regions) -> dict[tuple[str, str, str], float]:
+    """Return (8a) and (8b) [m/s] by velocity (measured, true), region and metric."""
+    return {
+        (velocity, region, metric): value
+        for velocity, v in run.v.items()
+        for region, spans in regions.items()
+        for metric, value in tracking_errors(run.t, run.v_cmd - v, spans).items()
+    }
+
+
+def tracking_errors(t: Array, error: Array, spans: Iterable[Span]) -> dict[str, float]:
+    """Return (8a) and (8b) of an error (n,) over spans of time [s], their ends included.
+
+    The unit is that of the error.
+    """
+    counted = error[covered(t, spans)]
+    return {
+        "E_max": float(np.abs(counted).max()),
+        "E_rms": float(np.sqrt(np.mean(counted**2))),
+    }
+
+
+def covered(t: Array, spans: Iterable[Span]) -> NDArray[np.bool_]:
+    """Return which of the samples (n,) lie within one of the spans of time [s]."""
+    half = 0.5 * (t[1] - t[0])
+    inside = np.zeros(len(t), dtype=bool)
+    for begin, end in spans:
+        inside |= (t >= begin - half) & (t <= end + half)
+    return inside
+
+
+def reduction(without: float, compensated: float) -> float:
+    """Return the error reduction ratio (9)."""
+    return (without - compensated) / without
+
+
+def validate(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float],
+    command: cosim.Trapezoid,
+    feed: Feed = "nominal",
+    plain: VelocityLoop | None = None,
+) -> Validation:
+    """Run the trapezoid without and with compensation. This judges; it may see the truth.
+
+    Parameters
+    ----------
+    plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
+        counts on a compensator follows worse without: compare it with the loop it replaces.
+    """
+    motion = trapezoid(command)
+    without = run_motion(rig, plain or loop, None, motion, feed)
+    compensated = run_motion(rig, loop, compensator, motion, feed)
+    return Validation(without, compensated, windows(command))
+
+
+def run_motion(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float] | None,
+    motion: Motion,
+    feed: Feed = "nominal",
+) -> Run:
+    """Run a motion with a compensator or None."""
+    v_cmd = motion.command.sample(rig.samples(motion.duration))
+    return run_command(rig, loop, compensator, v_cmd, feed)
+
+
+def run_command(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float] | None,
+    v_cmd: Array,
+    feed: Feed = "nominal",
+) -> Run:
+    """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
+    system = paper_loop(rig.fmus, loop, compensator, feed)
+    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
+        return _run(simulation, rig, loop, {}, v_cmd)
+
+
+def run_compensators(
+    rig: Rig,
+    loop: VelocityLoop,
+    compensators: Iterable[Mapping[str, float]],
+    v_cmd: Array,
+    feed: Feed = "nominal",
+) -> list[Run]:
+    """Do what ``run_command`` does with each of several compensators, and prepare the FMUs once."""
+    system = paper_loop(rig.fmus, loop, {}, feed)
+    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
+        return [_run(simulation, rig, loop, values, v_cmd) for values in compensators]
+
+
+def _stop(rig: Rig, v_cmd: Array) -> float:
+    return (len(v_cmd) - 1) * rig.T_s
+
+
+def _run(
+    simulation: cosim.Simulation,
+    rig: Rig,
+    loop: VelocityLoop,
+    compensator: Mapping[str, float],
+    v_cmd: Array,
+) -> Run:
+    values = {f"compensator.{name}": value for name, value in compensator.items()}
+    result = simulation.run(values, loop.commands(v_cmd))
+    velocity = {
+        "measured": measured_velocity(result["drive.x_enc"], rig.T_s),
+        "true": result["drive.v"],
+    }
+    return Run(
+        result.time,
+        v_cmd,
+        result["drive.x_enc"],
+        velocity,
+        result["nominal.v_r"],
+        result["drive.F_f"],
+        result["compensator.F_mean"],
+        result["drive.x"],
+    )

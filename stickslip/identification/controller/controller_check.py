@@ -1,0 +1,123 @@
+"""Whether the controller that is said to have made a log commands the force that was logged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.identification.controller.controller_forms import OWN, forms
+from stickslip.identification.controller.initial_state import memory_force, remembered
+from stickslip.identification.criteria.known_loop import NO_LIMIT
+from stickslip.identification.criteria.motion import position_of
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array, smoothed
+
+SHARE = 1.0 / 50.0
+"""Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
+SHIFTS = range(5)  # samples by which the logged force may be older than the command
+FACTOR = 0.1
+"""Share of the force, and of the error, that a factor alone may leave, to be the error's cause."""
+BETTER = 0.5
+"""Share of the error that another form of the controller may leave, to be believed."""
+
+
+@dataclass(frozen=True)
+class ControllerCheck:
+    """What the controller FMU commands along the recorded motion.
+
+    Attributes
+    ----------
+    force : (n,) that it commands, each value held from its sample on [N]
+    error : root mean square of logged without commanded force, relative to how the logged one
+        varies, all low-passed; NaN where no force was logged
+    shift : samples by which the log shows a command late
+    gains : of the FMU, in the form that commands the logged force best, with what its memory held
+        if it was running before the log began
+    form : how that differs from the FMU's own; empty if it does not
+    factor : of the logged force over the commanded one, where that alone makes them agree; else 1
+    """
+
+    force: Array
+    error: float
+    shift: int
+    gains: Mapping[str, float]
+    form: str = OWN
+    factor: float = 1.0
+
+
+def check_controller(
+    fmus: Path, recording: Recording, gains: Mapping[str, float]
+) -> ControllerCheck:
+    """Run the controller FMU along the recorded motion and commands, in each of its forms."""
+    system = cosim.System("controller")
+    limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
+    system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
+    signals = {
+        "x_enc": position_of(recording),
+        "v_cmd": recording.velocity_command,
+        "x_cmd": recording.position_command,
+    }
+    inputs = {name: signal for name, signal in signals.items() if signal is not None}
+    for name in inputs:
+        system.expose(name, f"controller.{name}")
+    stop = (len(recording.t) - 1) * recording.T_s
+    with system.prepare(step=recording.T_s, stop=stop, record=["controller.u"]) as simulation:
+
+        def commanded(gains: Mapping[str, float]) -> Array:
+            parameters = {f"controller.{name}": value for name, value in gains.items()}
+            shown = simulation.run(parameters, inputs)["controller.u"]
+            return np.append(shown[1:], shown[-1])  # row n + 1 shows what sample n decided
+
+        if recording.force is None:
+            return ControllerCheck(commanded(gains), float("nan"), 0, gains)
+        force, T_s = recording.force, recording.T_s
+        checks = [
+            _compared(force, T_s, commanded(said), said, form)
+            for form, said in forms(gains, T_s).items()
+        ]
+    check = _believed(checks[0], min(checks, key=lambda check: check.error))
+    return replace(check, factor=_factor(force, T_s, check))
+
+
+def _factor(force: Array, T_s: float, check: ControllerCheck) -> float:
+    """Return the factor by which the logged force differs from the commanded one, else 1."""
+    n = len(force) - check.shift
+    late, commanded = (
+        smoothed(signal - signal.mean(), T_s, SHARE / T_s)
+        for signal in (force[check.shift :], check.force[:n])
+    )
+    factor = float(late @ commanded) / (float(commanded @ commanded) or 1.0)
+    rest = np.linalg.norm(late - factor * commanded) / (np.linalg.norm(late) or 1.0)
+    return factor if rest < FACTOR * min(1.0, check.error) else 1.0
+
+
+def _believed(own: ControllerCheck, other: ControllerCheck) -> ControllerCheck:
+    return other if other.error < BETTER * own.error else own
+
+
+def _compared(
+    force: Array, T_s: float, commanded: Array, gains: Mapping[str, float], form: str
+) -> ControllerCheck:
+    """Compare with a controller that begins with the log, and with one that was running before."""
+
+    def best(*, running: bool) -> ControllerCheck:
+        checks = []
+        for shift in SHIFTS:
+            late = force[shift : shift + len(force) - max(SHIFTS)]
+            missing = late - commanded[: len(late)]
+            said = {**gains, **(remembered(missing, gains, T_s) if running else {})}
+            rest = missing - memory_force(said, len(late), T_s)
+            error = _slow(rest, T_s) / (_slow(late - late.mean(), T_s) or 1.0)
+            shown = commanded + memory_force(said, len(commanded), T_s)
+            checks.append(ControllerCheck(shown, error, shift, said, form))
+        return min(checks, key=lambda check: check.error)
+
+    return _believed(best(running=False), best(running=True))
+
+
+def _slow(signal: Array, T_s: float) -> float:
+    return float(np.linalg.norm(smoothed(signal, T_s, SHARE / T_s)))

@@ -1,0 +1,44 @@
+"""By what candidates are judged: as the recording allows, with the reason."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stickslip.errors import UsageError
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.controller.initial_state import is_running
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.estimation.estimation import Task
+
+AGREES = 0.01
+"""Relative error of the commanded force up to which a controller counts as known."""
+
+
+def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
+    """Return the judge and why."""
+    loop, inverse = OutputError.name, InverseModel.name
+    if task.judge == loop and check is None:
+        raise UsageError(
+            "the output error needs the controller that made the log: give its gains, "
+            "or judge by the inverse model"
+        )
+    if task.judge != "auto":
+        return task.judge, "asked for"
+    if task.recording.friction is not None and task.recording.force is None:
+        return inverse, "friction itself was measured"
+    if check is None:
+        return inverse, "the controller is not known, so the loop cannot be run again"
+    if np.isnan(check.error):
+        return loop, "the controller is known and no force was logged"
+    if check.error > AGREES:
+        return inverse, (
+            f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
+            "the one logged, so the loop is not known well enough to run it again"
+        )
+    form = f", its {check.form}" if check.form else ""
+    running = " and was running when the log began" if is_running(check.gains) else ""
+    return loop, (
+        f"the controller is known{form}{running}, and commands the logged force within "
+        f"{100 * check.error:.2g} %"
+    )

@@ -1,0 +1,1 @@
+"""What parameters are compared by: inverse model and output error."""

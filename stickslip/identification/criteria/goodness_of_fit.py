@@ -1,0 +1,124 @@
+"""How near a model comes to a recording, in the figures of the field."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.criteria.motion import measured_force, position_of
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.unknowns import Values
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Relative errors: root mean square of the difference over that of the recorded signal.
+
+    Attributes
+    ----------
+    force : of the inverse model, recorded and implied force low-passed alike
+    force_unfiltered : the same, with the recorded force as it is
+    position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
+        when the controller is not known
+    t : (n,) [s]
+    shown, implied : (n,) force, recorded and implied [N]; of the inverse model
+    simulated : (n,) position of the closed loop [m]; None when the controller is not known
+    velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
+    """
+
+    force: float
+    force_unfiltered: float
+    position: float
+    velocity: float
+    closed_loop_force: float
+    t: Array
+    shown: Array
+    implied: Array
+    simulated: Array | None
+    velocity_recorded: Array
+
+    def errors(self) -> dict[str, float]:
+        """Return the relative errors by name."""
+        return {
+            "force": self.force,
+            "force_unfiltered": self.force_unfiltered,
+            "position": self.position,
+            "velocity": self.velocity,
+            "closed_loop_force": self.closed_loop_force,
+        }
+
+    def scaled(self, scale: Scale) -> Figures:
+        """Return the signals in other units; relative errors stay."""
+        simulated = None if self.simulated is None else self.simulated * scale.length
+        return replace(
+            self,
+            shown=self.shown * scale.force,
+            implied=self.implied * scale.force,
+            simulated=simulated,
+            velocity_recorded=self.velocity_recorded * scale.length,
+        )
+
+
+def figures(
+    fmus: Path,
+    recording: Recording,
+    inverse: InverseModel,
+    values: Values,
+    gains: Mapping[str, float] | None,
+    check: ControllerCheck | None,
+) -> Figures:
+    """Compute them all for values by name."""
+    delay = _delay(inverse, values)
+    at = {**values, "delay": delay}
+    shown, implied = inverse.shown(at), inverse.implied(at)
+    raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
+    used = inverse.used
+    force = relative(shown[used], implied[used])
+    unfiltered = relative(raw[used], implied[used])
+    nan = float("nan")
+    if gains is None or check is None:
+        return Figures(
+            force, unfiltered, nan, nan, nan, recording.t, shown, implied, None, inverse.motion.v
+        )
+    with KnownLoop(fmus, recording, gains) as loop:
+        result = loop.run({**values, "delay": max(values["delay"], 0.0)})
+    simulated, measured = result["candidate.x"], position_of(recording)
+    velocity = [np.diff(signal) / recording.T_s for signal in (measured, simulated)]
+    commanded = np.append(result["controller.u"][1:], 0.0) + values["F_0"]
+    n = len(commanded) - check.shift - 1
+    logged = measured_force(recording)[check.shift : check.shift + n]
+    return Figures(
+        force,
+        unfiltered,
+        relative(measured, simulated),
+        relative(*velocity),
+        relative(logged, commanded[:n]),
+        recording.t,
+        shown,
+        implied,
+        simulated,
+        inverse.motion.v,
+    )
+
+
+def relative(recorded: Array, modelled: Array) -> float:
+    """Return the norm of the difference (n,) over that of the recorded signal."""
+    return float(np.linalg.norm(recorded - modelled) / np.linalg.norm(recorded))
+
+
+def _delay(inverse: InverseModel, values: Values) -> float:
+    """Return the delay of the logged force that suits the inverse model best [s]."""
+    delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.T_s))
+    best: float = min(
+        delays,
+        key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2)),
+    )
+    return best

@@ -1,0 +1,131 @@
+"""The inverse model: the force that the recorded motion implies, against the recorded one.
+
+    F(t - delay) = m a + b v + F_f(v) + F_0
+
+F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike.
+Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.identification.criteria.closing import Closing
+from stickslip.identification.criteria.motion import (
+    SmoothMotion,
+    measured_force,
+    position_of,
+    smooth_motion,
+)
+from stickslip.identification.criteria.runs import Runs
+from stickslip.identification.criteria.unknowns import FRICTION, Values
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array, smoothed
+
+SHARE = 1.0 / 16.0
+"""Cut-off of the low-pass, as a share of the sample rate."""
+EDGE = 4.0  # periods of the cut-off that the filter needs at either end
+
+
+def implied_friction(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
+    """Return the run of a compensator along velocities (n,) [m/s]; it gives ``F_f``."""
+    system = cosim.System("friction")
+    system.add("compensator", fmus / "compensator.fmu", {"hold": False})
+    system.expose("v", "compensator.v")
+    return cosim.Specification(
+        system, step=T_s, stop=(len(v) - 1) * T_s, record=("compensator.F_f",)
+    )
+
+
+class InverseModel(Closing):
+    """Judges values by the force that they imply.
+
+    Parameters
+    ----------
+    fmus : folder of the FMUs
+    recording : with position, and force or friction
+    cutoff : of the low-pass [Hz]; a share of the sample rate by default
+    workers : how many runs go on side by side
+    """
+
+    name = "inverse model"
+
+    def __init__(
+        self, fmus: Path, recording: Recording, cutoff: float | None = None, workers: int = 1
+    ) -> None:
+        self.T_s = recording.T_s
+        self.cutoff = cutoff or SHARE / self.T_s
+        self.t = recording.t
+        self.measures_friction = recording.force is None
+        self.force = smoothed(measured_force(recording), self.T_s, self.cutoff)
+        self.motion: SmoothMotion = smooth_motion(position_of(recording), self.T_s, self.cutoff)
+        edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
+        self.used = slice(edge, len(self.t) - edge)
+        self.specification = implied_friction(fmus, self.motion.v, self.T_s)
+        # The velocity of row n + 1 is the one at the end of the step from t[n].
+        self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
+        self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
+        self._runs = Runs(self.specification, workers)
+        self.each, self.workers = self._runs.each, workers
+
+    def friction(self, values: Values) -> Array:
+        """Return F_f (n,) [N] along the recorded motion."""
+        parameters = {f"compensator.{name}": values[name] for name in FRICTION}
+        return self._runs.run(parameters, self.inputs)["compensator.F_f"]
+
+    def implied(self, values: Values) -> Array:
+        """Return the force (n,) [N] that the motion implies, low-passed."""
+        weights = np.array([values["m"], values["b"], values["F_0"]])
+        if self.measures_friction:
+            weights[:2] = 0.0
+        friction = smoothed(self.friction(values), self.T_s, self.cutoff)
+        return np.asarray(self.linear @ weights + friction)
+
+    def shown(self, values: Values) -> Array:
+        """Return the recorded force (n,) [N] as it acted, low-passed."""
+        return np.interp(self.t - values["delay"], self.t, self.force)
+
+    def residual(self, values: Values) -> Array:
+        """Return recorded without implied force (k,) [N]."""
+        return (self.shown(values) - self.implied(values))[self.used]
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self._runs.close()
+
+
+@dataclass(frozen=True)
+class ImpliedCost:
+    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
+
+    Attributes
+    ----------
+    T_s, cutoff : of the low-pass [s], [Hz]
+    target : (n,) recorded force, low-passed [N]
+    basis : (n, k) orthonormal, of what is linear
+    """
+
+    T_s: float
+    cutoff: float
+    target: Array
+    basis: Array
+
+    @classmethod
+    def of(cls, model: InverseModel, delay: float) -> ImpliedCost:
+        """Return the cost of a model for a given delay [s]."""
+        columns = model.linear[:, 2:] if model.measures_friction else model.linear
+        target = np.interp(model.t - delay, model.t, model.force)
+        return cls(model.T_s, model.cutoff, target, np.linalg.qr(columns)[0])
+
+    def __call__(self, result: cosim.Result) -> float:
+        """Judge the recorded ``compensator.F_f``."""
+        friction = smoothed(result["compensator.F_f"], self.T_s, self.cutoff)
+        rest = self.target - friction
+        # No linear algebra: its sums depend on its threads, in which workers differ.
+        for direction in self.basis.T:
+            rest = rest - direction * np.sum(direction * rest)
+        return float(np.sum(rest * rest))

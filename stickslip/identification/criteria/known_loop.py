@@ -1,0 +1,118 @@
+"""The known loop with a candidate in it: controller FMU, drive FMU, and the recorded commands.
+
+The drive FMU stands for the candidate here: each of its parameters that is sought is set, its
+converter and encoder are off unless a recording is to be made anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.identification.controller.initial_state import (
+    fmu_gains,
+    is_running,
+    memory_force,
+)
+from stickslip.identification.criteria.closing import Closing
+from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.runs import Runs
+from stickslip.identification.criteria.unknowns import SOUGHT, Values
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array
+
+SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
+NO_LIMIT = 1e9  # [N]
+FEW = 11  # samples that tell the first velocity
+
+
+class KnownLoop(Closing):
+    """The experiment of a recording, to be run again.
+
+    Parameters
+    ----------
+    fmus : folder of the FMUs
+    recording : gives commands, start and encoder
+    gains : parameters of the controller FMU by name, and what its memory held, if it was running
+    encoder : whether the position is read in steps; the trajectory is no smooth function of the
+        parameters then
+    workers : how many runs go on side by side
+    """
+
+    def __init__(
+        self,
+        fmus: Path,
+        recording: Recording,
+        gains: Mapping[str, float],
+        *,
+        encoder: bool = False,
+        workers: int = 1,
+    ) -> None:
+        position = position_of(recording)
+        start = {"x": position[0], "v": _first_velocity(position, recording.T_s)}
+        limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
+        system = cosim.System("known_loop")
+        system.add("controller", fmus / "velocity_controller.fmu", {**limits, **fmu_gains(gains)})
+        step = recording.encoder_step
+        optics: dict[str, object] = {"encoder": False}
+        if encoder:
+            optics = {"encoder": step > 0.0, "noise": True, "noise_F": 0.0}
+            if step > 0.0:
+                optics["encoder_step"] = step
+        system.add(
+            "candidate", fmus / "drive.fmu", {"dac": False, "u_max": NO_LIMIT, **optics, **start}
+        )
+        system.connect("controller.u", "candidate.u")
+        system.connect("candidate.x_enc", "controller.x_enc")
+        system.expose("F_ff", "controller.F_ff")
+        self._inputs: dict[str, Array] = {}
+        commands = (("v_cmd", recording.velocity_command), ("x_cmd", recording.position_command))
+        for name, command in commands:
+            if command is not None:
+                system.expose(name, f"controller.{name}")
+                self._inputs[name] = command
+        specification = cosim.Specification(
+            system,
+            step=recording.T_s,
+            stop=(len(recording.t) - 1) * recording.T_s,
+            record=("candidate.x", "candidate.x_enc", "candidate.F_m", "controller.u"),
+        )
+        self._runs = Runs(specification, workers)
+        self.each, self.workers = self._runs.each, workers
+        self._memory = memory_force(gains, len(recording.t), recording.T_s)
+        force = recording.force if is_running(gains) else None
+        self._first = None if force is None else float(force[0])
+
+    def run(self, values: Values, further: Mapping[str, float] | None = None) -> cosim.Result:
+        """Run the experiment with these values in the drive.
+
+        Parameters
+        ----------
+        further : parameters of this run only, such as ``candidate.noise_x``
+        """
+        parameters = {**candidate(values), **(further or {})}
+        if self._first is not None:  # the bristles bear what the motor gives
+            bent = np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"])
+            parameters["candidate.z"] = float(bent) / values["sigma_0"]
+        return self._runs.run(parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]})
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self._runs.close()
+
+
+def candidate(values: Values) -> dict[str, float]:
+    """Return the drive FMU's parameters for values by name."""
+    parameters = {f"candidate.{name}": values[name] for name in (*SOUGHT, "delta")}
+    parameters["candidate.b"] = max(values["b"], 0.0)
+    parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
+    return parameters
+
+
+def _first_velocity(position: Array, T_s: float) -> float:
+    """Return the slope of a parabola at its begin [m/s]."""
+    few = position[:FEW]
+    return float(np.polyfit(np.arange(len(few)) * T_s, few, 2)[1])

@@ -1,0 +1,79 @@
+"""The motion that a log of positions shows: velocity and acceleration through one low-pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.errors import UsageError
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array, smoothed
+
+
+@dataclass(frozen=True)
+class SmoothMotion:
+    """Velocity v (n,) [m/s] and acceleration a (n,) [m/s^2], low-passed without phase lag."""
+
+    v: Array
+    a: Array
+
+
+def smooth_motion(position: Array, T_s: float, cutoff: float) -> SmoothMotion:
+    """Differentiate a position (n,) [m] twice, behind a zero-phase low-pass [Hz]."""
+    v = derivative(smoothed(position, T_s, cutoff), T_s)
+    return SmoothMotion(v, derivative(v, T_s))
+
+
+def derivative(signal: Array, T_s: float) -> Array:
+    """Return the derivative (n,) of a smooth signal, of fourth order but at its ends."""
+    slope = np.gradient(signal, T_s)
+    slope[2:-2] = (signal[:-4] - 8.0 * signal[1:-3] + 8.0 * signal[3:-1] - signal[4:]) / (
+        12.0 * T_s
+    )
+    return np.asarray(slope)
+
+
+def position_noise(position: Array, step: float) -> float:
+    """Return the standard deviation [m] of what is not motion in a position (n,) [m].
+
+    Third differences of a smooth motion are small, those of white noise sqrt(20) times itself; an
+    encoder's step counts as evenly distributed at least.
+    """
+    third = float(np.mean(np.diff(position, 3) ** 2)) / 20.0
+    return float(np.sqrt(max(third, step**2 / 12.0, np.finfo(float).tiny)))
+
+
+def position_of(recording: Recording) -> Array:
+    """Return the position (n,) [m], integrated from the velocity where it was not logged.
+
+    Raises
+    ------
+    UsageError
+        When neither was logged.
+    """
+    if recording.position is not None:
+        return recording.position
+    if recording.velocity is None:
+        raise UsageError(
+            f"{recording.source}: no position and no velocity; log one of them to learn from it"
+        )
+    v = recording.velocity
+    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * recording.T_s)])
+
+
+def measured_force(recording: Recording) -> Array:
+    """Return the motor's force (n,) [N], or the friction where that was measured.
+
+    Raises
+    ------
+    UsageError
+        When neither was logged.
+    """
+    for signal in (recording.force, recording.friction, recording.force_command):
+        if signal is not None:
+            return signal
+    raise UsageError(
+        f"{recording.source}: no force; log the motor's force or current, or give the controller "
+        "whose command it was"
+    )

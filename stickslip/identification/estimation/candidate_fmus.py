@@ -1,0 +1,24 @@
+"""The FMUs that stand for a drive while its parameters are sought."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from stickslip import models
+from stickslip.fmi.toolchain import temporary_folder
+
+MODELS = ("compensator", "drive", "velocity_controller")
+
+
+@contextmanager
+def candidate_fmus() -> Iterator[Path]:
+    """Build them, as their models are, into a folder that goes with the block.
+
+    They know nothing of the drive that made a recording, not even which of its extras are on.
+    """
+    with temporary_folder() as folder:
+        for name in MODELS:
+            models.build_fmu(name, folder)
+        yield folder

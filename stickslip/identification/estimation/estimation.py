@@ -1,0 +1,159 @@
+"""What is asked of an estimation, and what it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from stickslip import ga
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.goodness_of_fit import Figures
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.criteria.unknowns import FRICTION, SOUGHT
+from stickslip.identification.fitting.fit import Fit
+from stickslip.identification.fitting.identifiability import Certainty
+from stickslip.identification.fitting.search import Search
+from stickslip.identification.fitting.start import Start
+from stickslip.logs import Finding, Recording
+
+JudgeName = Literal["auto", "output error", "inverse model"]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to learn from.
+
+    Attributes
+    ----------
+    fmus : folder of the FMUs
+    gains : of the controller FMU by name; None when the controller is not known
+    judge : how candidates are judged; ``auto`` takes what the recording allows
+    search : which algorithm, where it runs
+    seed : of the search
+    seeds : how many searches, each with a seed of its own
+    faults : what the checks found that spoils intervals or values
+    """
+
+    fmus: Path
+    recording: Recording
+    gains: Mapping[str, float] | None = None
+    judge: JudgeName = "auto"
+    search: Search = field(default_factory=Search)
+    seed: int = 0
+    seeds: int = 1
+    faults: tuple[Finding, ...] = ()
+
+    @property
+    def workers(self) -> int:
+        """How many runs of an experiment go on side by side."""
+        return self.search.execution.workers
+
+
+@dataclass(frozen=True)
+class Estimation:
+    """What was learned.
+
+    Attributes
+    ----------
+    judge, reason : how candidates were judged in the end, and why
+    fit : with coordinates, residual and covariance
+    known : certainty by name: LuGre's five, m and b
+    parameters, errors : all values by name and their standard errors, SI
+    profiles : see ``certainty.profiles``
+    searches : a row for each seed: seed, evaluations, cost, LuGre's five after the local fit
+    algorithm : the search that led to the result
+    figures : how near the model comes to the recording
+    controller : the check of the controller; None when it is not known
+    remarks : what was done to the recording
+    model_error : residual of the loop over what encoder and noise explain; NaN without the loop
+    faults : those of the task, and those that learning found; no parameter is well known then
+    """
+
+    recording: Recording
+    judge: str
+    reason: str
+    start: Start
+    fit: Fit
+    known: dict[str, Certainty]
+    parameters: dict[str, float]
+    errors: dict[str, float]
+    profiles: pd.DataFrame
+    searches: pd.DataFrame
+    algorithm: ga.Optimiser
+    figures: Figures
+    controller: ControllerCheck | None
+    model_error: float
+    gains: Mapping[str, float] | None = None
+    remarks: tuple[str, ...] = ()
+    faults: tuple[Finding, ...] = ()
+
+    def spread(self) -> dict[str, float]:
+        """Return the largest relative difference between searches by parameter; 0 for one search.
+
+        It is of the fits that finish the searches, by the inverse model: what differs there shows
+        valleys beside each other, where standard errors know of one only.
+        """
+        values = self.searches[list(SOUGHT)]
+        return {name: float(np.ptp(values[name]) / values[name].abs().max()) for name in self.known}
+
+    @property
+    def F_0(self) -> float:  # noqa: N802 - the symbol
+        """Constant force against the motor [N]."""
+        return self.parameters["F_0"]
+
+    @property
+    def delta(self) -> float:
+        """Exponent of the Stribeck curve."""
+        return self.parameters["delta"]
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The compensator's parameters by name, in SI units: LuGre's five and delta."""
+        return {name: self.parameters[name] for name in FRICTION}
+
+    @property
+    def delay(self) -> float:
+        """Of the force, beyond the log's own [s]."""
+        return self.parameters["delay"]
+
+
+def restored(estimation: Estimation, scale: Scale) -> Estimation:
+    """Return what was learned of a scaled recording in SI units; ``fit`` stays scaled."""
+    if scale == Scale():
+        return estimation
+    known = {
+        name: replace(
+            one,
+            value=one.value / scale.of(name),
+            standard_error=one.standard_error / scale.of(name),
+            low=one.low / scale.of(name),
+            high=one.high / scale.of(name),
+        )
+        for name, one in estimation.known.items()
+    }
+    profile, searches = estimation.profiles.copy(), estimation.searches.copy()
+    profile["value"] /= profile["parameter"].map(scale.of)
+    for name in SOUGHT:
+        searches[name] /= scale.of(name)
+    searches["cost"] /= scale.force**2
+    back = Scale(1.0 / scale.force, 1.0 / scale.length)
+    check = estimation.controller
+    return replace(
+        estimation,
+        recording=back.recording(estimation.recording),
+        start=replace(estimation.start, line=scale.restored(estimation.start.line)),
+        known=known,
+        parameters=scale.restored(estimation.parameters),
+        errors=scale.restored(estimation.errors),
+        profiles=profile,
+        searches=searches,
+        figures=estimation.figures.scaled(back),
+        controller=check
+        and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),
+        gains=None if estimation.gains is None else scale.restored(estimation.gains),
+    )

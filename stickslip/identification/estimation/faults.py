@@ -1,0 +1,38 @@
+"""What learning finds wrong with a recording: no parameter of it is called well known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.unknowns import NAMES
+from stickslip.identification.fitting.fit import Fit
+from stickslip.logs import Finding
+
+NEAR = 0.01
+"""Distance from a bound of the delay that counts as none [samples]."""
+DELAY = NAMES.index("delay")
+
+
+def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iterator[Finding]:
+    """Yield what is wrong, with its figure and what to do.
+
+    Parameters
+    ----------
+    fitted : by the judge of that name
+    check : of the controller; None where it is not known
+    """
+    u = fitted.unknowns
+    delay, low, high = (float(q[DELAY]) for q in (fitted.q, u.lower, u.upper))
+    at_low = delay - low < NEAR and judge != OutputError.name  # no lag is a drive without one
+    if at_low or high - delay < NEAR:
+        figure = f"{delay:.3g} samples or {1e3 * delay * u.time_unit:.3g} ms"
+        advice = "log force and position of the same instants, or shift the force by its delay"
+        what = "the delay of the force ends at the bound of the fit"
+        yield Finding("warning", what, figure, advice, spoils="intervals")
+    if check is not None and check.factor != 1.0:
+        what = "the logged force is out of scale with the force that the controller commands"
+        figure = f"{check.factor:.3g} times as large"
+        advice = f"say --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
+        yield Finding("warning", what, figure, advice, spoils="values")

@@ -1,0 +1,290 @@
+"""From one recording to a drive's parameters, with how well each is known.
+
+Search (genetic algorithm, inverse model) -> fit (least squares) -> for a known loop: output error,
+whitened, and corrected by replicas of the experiment -> certainty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from stickslip import ga
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.controller.criterion_choice import choose
+from stickslip.identification.criteria.goodness_of_fit import figures
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.criteria.scaling import Scale, scale_of
+from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
+from stickslip.identification.criteria.unknowns import (
+    NAMES,
+    SOUGHT,
+    Values,
+)
+from stickslip.identification.estimation.estimation import (
+    Estimation,
+    Task,
+    restored,
+)
+from stickslip.identification.estimation.faults import found_faults
+from stickslip.identification.fitting.bootstrap import (
+    RUNS,
+    Corrected,
+    correct,
+)
+from stickslip.identification.fitting.fit import (
+    BLOCKS,
+    Fit,
+    fit,
+    value_errors,
+)
+from stickslip.identification.fitting.identifiability import (
+    certainty,
+    harmless,
+    profiles,
+    unreliable,
+)
+from stickslip.identification.fitting.multistart import (
+    SURE,
+    best_fit,
+    with_exponent,
+    without_stribeck,
+)
+from stickslip.identification.fitting.search import (
+    Search,
+    search,
+    with_linear,
+)
+from stickslip.identification.fitting.start import Start, begin
+from stickslip.logs import Recording
+from stickslip.servo.measurement import Array
+
+MODEL_ERROR = 2.0
+"""How many times larger than encoder and noise explain the residual of the loop may be."""
+SAME = 1.01
+"""Ratio of mean squares up to which two fits count as one."""
+LAG = 0.2
+"""What the force is taken to lag behind its command at first, in samples."""
+F_0 = NAMES.index("F_0")
+F_0_DOUBT = 0.01
+"""Standard deviation that the constant force of the inverse model has at least, in F_c."""
+DOUBT = 0.12
+"""Share of the bias taken off that stays as doubt."""
+
+
+def learn(
+    task: Task,
+    on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
+) -> Estimation:
+    """Learn the parameters of the drive that made a recording.
+
+    Raises
+    ------
+    IdentificationError
+        When the recording does not show a drive that slides.
+    UsageError
+        When it lacks a signal that the judge needs.
+    ga.NothingLearned
+        When no candidate could be run.
+    """
+    scale = _scale(task.recording)
+    gains = None if task.gains is None else scale.values(task.gains)
+    scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
+    # Sums that are split over threads round differently, and a search makes more of that.
+    with threadpool_limits(limits=1, user_api="blas"):
+        estimation = _learn(scaled, on_stage, on_generation)
+    return restored(estimation, scale)
+
+
+def _scale(recording: Recording) -> Scale:
+    velocity = np.diff(position_of(recording)) / recording.T_s
+    forces = (recording.force, recording.friction, recording.force_command)
+    force = next((signal for signal in forces if signal is not None), None)
+    if force is None:  # the controller's gains will tell
+        return Scale()
+    return scale_of(force, velocity)
+
+
+def _learn(
+    task: Task,
+    on_stage: Callable[[str], object],
+    on_generation: Callable[[ga.Optimiser], object] | None,
+) -> Estimation:
+    recording, check = task.recording, None
+    if task.gains is not None:
+        on_stage("checking the controller")
+        check = check_controller(task.fmus, recording, task.gains)
+        if recording.force is None and recording.friction is None:
+            recording = replace(recording, force=check.force)
+        task = replace(task, gains=check.gains)
+    recording, remarks = _against_motion(recording)
+    task = replace(task, recording=recording)
+    judge, reason = choose(task, check)
+    with InverseModel(task.fmus, recording, workers=task.workers) as inverse:
+        start = begin(inverse, recording)
+        on_stage("searching")
+        found, rows, algorithm = _search(task, inverse, start, on_generation)
+        corrected = None
+        if judge == OutputError.name and task.gains is not None:
+            on_stage("fitting the known loop")
+            corrected, ambiguity = _output_error(task, task.gains, start, found)
+            if corrected.model_error > MODEL_ERROR and task.judge == "auto":
+                judge = InverseModel.name
+                reason = (
+                    f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
+                    "noise explain, so the drive has what the model has not, and the mean force "
+                    "decides"
+                )
+        on_stage("judging what is known")
+        model_error = corrected.model_error if corrected else float("nan")
+        if judge == OutputError.name and corrected and task.gains is not None:
+            errors, table = _known_loop(task, task.gains, corrected, ambiguity)
+            best, degrees = corrected.fit, RUNS - 1
+        else:
+            best, errors = _inverse_model(task, inverse, found)
+            degrees = BLOCKS - len(found.q)
+            table = profiles(best, inverse.residual, errors, inverse.each)
+        names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
+        known = {name: certainty(name, best, errors, degrees) for name in names}
+        faults = (*task.faults, *found_faults(best, judge, check))
+        if faults:
+            known = {name: unreliable(one) for name, one in known.items()}
+        known = harmless(known)
+        values = {**best.parameters, "F_s": known["F_s"].value}
+        shown = figures(task.fmus, recording, inverse, values, task.gains, check)
+    return Estimation(
+        recording,
+        judge,
+        reason,
+        start,
+        best,
+        known,
+        values,
+        errors,
+        table,
+        rows,
+        algorithm,
+        shown,
+        check,
+        model_error,
+        task.gains,
+        remarks,
+        faults,
+    )
+
+
+def _search(
+    task: Task,
+    inverse: InverseModel,
+    start: Start,
+    on_generation: Callable[[ga.Optimiser], object] | None,
+) -> tuple[Fit, pd.DataFrame, ga.Optimiser]:
+    """Search with each seed, finish each locally, and return the best with a table of all."""
+    fits, algorithms, rows = [], [], []
+    for seed in range(task.seed, task.seed + task.seeds):
+        algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
+        values = with_linear(inverse, start, algorithm.best.values)
+        found = without_stribeck(inverse, best_fit(inverse, start, values))
+        # Steps that shake the drive bend the curve more than its exponent does.
+        sure = 0.0 if coarse(inverse, task.recording) else SURE
+        found, ambiguity = with_exponent(inverse, found, sure)
+        found = replace(found, covariance=found.covariance + ambiguity)
+        fits.append(found)
+        algorithms.append(algorithm)
+        rows.append(
+            {
+                "seed": seed,
+                "evaluations": algorithm.evaluations,
+                "cost": found.noise,
+                **{name: found.parameters[name] for name in SOUGHT},
+            }
+        )
+    best = int(np.argmin([found.noise for found in fits]))
+    return fits[best], pd.DataFrame(rows), algorithms[best]
+
+
+def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Turn a measured friction that drives the motion, by the sign of its work."""
+    if recording.force is not None or recording.friction is None:
+        return recording, ()
+    position = position_of(recording)
+    work = float(recording.friction[1:] @ np.diff(position))
+    if work >= 0.0:
+        return recording, ()
+    turned = replace(recording, friction=-recording.friction)
+    return turned, ("the friction logged does work on the motion: its sign was turned",)
+
+
+def _of_seed(task: Task, seed: int) -> Search:
+    """Return how to search; each of several seeds has a checkpoint of its own."""
+    if task.seeds == 1:
+        return task.search
+    return replace(task.search, execution=task.search.execution.of_seed(seed))
+
+
+def _output_error(
+    task: Task, gains: Mapping[str, float], start: Start, found: Fit
+) -> tuple[Corrected, Array]:
+    """Fit the loop from the inverse model's values on: plain, then whitened, then corrected.
+
+    A constant force hides in the controller's integral; the mean of the logged force tells it.
+    Returned beside it: what the exponent's ambiguity adds to the covariance (9, 9).
+    """
+    unknowns = replace(start.unknowns, delta=found.unknowns.delta)
+    lower, expected, doubt = (
+        bound.copy() for bound in (unknowns.lower, unknowns.expected, unknowns.doubt)
+    )
+    lower[-1] = 1e-3  # a lag, in samples; the inverse model's delay may be negative
+    expected[F_0] = found.q[F_0]
+    doubt[F_0] = max(F_0_DOUBT, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
+    unknowns = replace(unknowns, lower=lower, expected=expected, doubt=doubt)
+    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
+        lag = LAG * task.recording.T_s
+        begins = [
+            unknowns.coordinates({**at, "delay": lag}) for at in (found.parameters, start.line)
+        ]
+        fits = [fit(judge, unknowns, q) for q in begins]
+        least, most = sorted(fits, key=lambda one: one.noise)
+        fitted, _ = with_exponent(judge, least, 1.0)
+        # Where valleys differ before whitening, the deepest need not be the one after it.
+        begins = begins if most.noise > SAME * least.noise else []
+        judge.whiten(fitted.parameters)
+        fits = [fit(judge, fitted.unknowns, q) for q in (fitted.q, *begins)]
+        fitted, ambiguity = with_exponent(judge, min(fits, key=lambda one: one.noise))
+        judge.whiten(fitted.parameters)
+        fitted = fit(judge, fitted.unknowns, fitted.q)
+        return correct(judge, fitted, task.fmus, task.recording, gains, task.seed), ambiguity
+
+
+def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
+    """Return the fit without its bias, and standard errors by name [SI]."""
+    if inverse.measures_friction or not coarse(inverse, task.recording):
+        return found, found.errors()
+    best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
+    if not alike:  # it is no correction, but tells how much is in doubt
+        return found, value_errors(found.unknowns, found.q, found.covariance + np.outer(bias, bias))
+    doubt = np.outer(bias, bias) * DOUBT**2
+    return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
+
+
+def _known_loop(
+    task: Task, gains: Mapping[str, float], corrected: Corrected, ambiguity: Array
+) -> tuple[dict[str, float], pd.DataFrame]:
+    """Return standard errors by name [SI], and the profiles."""
+    best = corrected.fit
+    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
+    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
+    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
+        judge.whitening = corrected.whitening
+
+        def residual(values: Values) -> Array:
+            return judge.residual(values) - corrected.mean
+
+        return errors, profiles(best, residual, errors, judge.each)

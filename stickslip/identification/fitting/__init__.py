@@ -1,0 +1,1 @@
+"""Least squares, starts, bootstrap and identifiability."""

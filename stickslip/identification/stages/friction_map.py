@@ -1,0 +1,168 @@
+"""Stage 2: friction over velocity in both directions, and the break-away force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from stickslip.errors import IdentificationError
+from stickslip.identification.stages.estimate import Estimate, covariance
+from stickslip.identification.stages.sliding import measure_sliding
+from stickslip.servo.measurement import Array, measured_velocity
+from stickslip.servo.rig import Rig
+from stickslip.servo.velocity_loop import VelocityLoop
+
+CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep break away earlier
+RAMP = 4.0  # duration of a break-away ramp [s]
+HIGHER = 1.2  # each ramp ends this much higher, so that a stage that slides does not go far
+SLIDING = 2e-3  # velocity that counts as break-away: no bristle creeps as fast [m/s]
+CERTAIN = 20  # samples to the end of the ramp that are all faster
+
+_NORMAL, _WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+_WEIGHTS /= _WEIGHTS.sum()
+
+
+@dataclass(frozen=True)
+class FrictionMap:
+    """Result of stage 2.
+
+    Attributes
+    ----------
+    b, F_c, F_s, v_s : of F(v) = b v + F_c + (F_s - F_c) exp(-|v| / v_s) [N s/m, N, N, m/s]
+    fluctuation : standard deviation of the velocity about each constant speed, which encoder steps
+        and noise cause in the loop and the slowest points show [m/s]
+    velocity, force, error : (n,) the points: speed with its sign [m/s], force as the mean of the
+        guide and its standard error [N]
+    breakaway : force at which the stage broke away, forward and back [N]
+    place : friction where it broke away, relative to the mean of the guide
+    ramp_rate : of the force that led there, at most [N/s]; a faster ramp breaks away later
+    """
+
+    b: Estimate
+    F_c: Estimate
+    F_s: Estimate
+    v_s: Estimate
+    fluctuation: float
+    velocity: Array
+    force: Array
+    error: Array
+    breakaway: tuple[float, float]
+    place: float
+    ramp_rate: float
+
+    def curve(self, v: Array) -> Array:
+        """Return the fitted friction (n,) [N] at velocities (n,) [m/s]."""
+        values = np.array([e.value for e in (self.b, self.F_c, self.F_s, self.v_s)])
+        return np.sign(v) * _friction(np.abs(v), values, 0.0)
+
+
+def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> FrictionMap:
+    """Drive at constant velocities, break away from rest, and fit the Stribeck curve.
+
+    Parameters
+    ----------
+    loop : holds the velocity
+    coarse_F_c : Coulomb friction of stage 1, at which the first ramp ends [N]
+
+    Raises
+    ------
+    IdentificationError
+        When the stage does not break away, or the points show no friction.
+    """
+    sliding = measure_sliding(rig, loop)
+    place = float(sliding.along[0])
+    broke = [_break_away(rig, direction, coarse_F_c) for direction in (1.0, -1.0)]
+    breakaway = (broke[0][0], broke[1][0])
+
+    # Standstill is F_s. Between the directions an offset and an asymmetry cancel.
+    still = np.mean(breakaway) / place
+    speed = np.append(0.0, sliding.speed)
+    mean = np.append(still, sliding.friction)
+    scatter = np.append(CREEP * still, sliding.error)
+    weight = 1.0 / np.maximum(scatter, 1e-3 * mean.max())
+
+    def residual(p: Array) -> Array:
+        return np.asarray((_friction(speed, _values(p), p[4]) - mean) * weight)
+
+    low = max(float(mean[1:].min()), 1e-3 * float(mean.max()))
+    rise = max(float(mean.max()) - low, 1e-3 * low)
+    slowest, fastest = sliding.speed[[0, -1]]
+    bounds = (
+        [-np.inf, -np.inf, -np.inf, np.log(slowest / 100.0), 0.0],
+        [np.inf, np.inf, np.inf, np.log(fastest / 2.0), sliding.fluctuation],
+    )
+    fits = [
+        least_squares(
+            residual,
+            [0.0, np.log(low), np.log(rise), np.log(v_s), 0.5 * sliding.fluctuation],
+            bounds=bounds,
+            x_scale="jac",
+        )
+        for v_s in np.geomspace(slowest, fastest / 4.0, 4)
+    ]
+    fit = min(fits, key=lambda candidate: candidate.cost)
+    values = _values(fit.x)
+    slope = np.diag(np.concatenate([[1.0], np.exp(fit.x[1:4]), [1.0]]))
+    slope[2, 1] = values[1]  # F_s is F_c and a rise
+    spread = slope @ covariance(np.asarray(fit.jac), fit.fun) @ slope.T
+    b, F_c, F_s, v_s = (
+        Estimate(float(value), float(error))
+        for value, error in zip(values, np.sqrt(np.diag(spread)[:4]), strict=True)
+    )
+    return FrictionMap(
+        b,
+        F_c,
+        F_s,
+        v_s,
+        fluctuation=float(fit.x[4]),
+        velocity=np.concatenate([-sliding.speed[::-1], sliding.speed]),
+        force=np.concatenate([sliding.back[::-1], sliding.forward]),
+        error=np.sqrt(2.0) * np.concatenate([sliding.error[::-1], sliding.error]),
+        breakaway=breakaway,
+        place=place,
+        ramp_rate=max(rate for _, rate in broke),
+    )
+
+
+def _values(p: Array) -> Array:
+    """Return b, F_c, F_s, v_s from the fit's variables, which keep F_s > F_c > 0."""
+    F_c = np.exp(p[1])
+    return np.array([p[0], F_c, F_c + np.exp(p[2]), np.exp(p[3])])
+
+
+def _friction(speed: Array, p: Array, fluctuation: float) -> Array:
+    """Return the mean friction (n,) [N] at mean speeds (n,) that fluctuate [m/s].
+
+    Bristles are slower than the fluctuation, which comes from the encoder: their mean force F_f
+    obeys v = F_f |v| / g(v) in the mean, and is less than g of the mean speed below about v_s.
+    """
+    b, F_c, F_s, v_s = p
+    v = np.abs(speed[:, np.newaxis] + fluctuation * _NORMAL)
+    g = F_c + (F_s - F_c) * np.exp(-np.minimum(v / v_s, 700.0))
+    still = speed == 0.0
+    held = np.divide(speed, (v / g) @ _WEIGHTS, out=np.full_like(speed, F_s), where=~still)
+    return np.asarray(b * speed + held)
+
+
+def _break_away(rig: Rig, direction: float, first: float) -> tuple[float, float]:
+    """Ramp the force up from rest, ever higher, until the stage slides.
+
+    Returns the force [N] without sign, and the rate of the ramp [N/s].
+    """
+    t = rig.samples(RAMP)
+    peak = rig.datasheet.peak_force
+    end = min(max(abs(first), 1e-3 * peak), peak)
+    while True:
+        log = rig.push(direction * end * t / RAMP)
+        slow = np.flatnonzero(np.abs(measured_velocity(log.x_enc, rig.T_s)) <= SLIDING)
+        if len(slow) and slow[-1] < len(t) - CERTAIN:
+            return float(np.abs(log.F_m[: slow[-1] + 1]).max()), end / RAMP
+        if end == peak:
+            break
+        end = min(HIGHER * end, peak)
+    raise IdentificationError(
+        f"break-away: the peak force of {rig.datasheet.peak_force:g} N does not make the stage "
+        "slide"
+    )

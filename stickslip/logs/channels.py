@@ -1,0 +1,214 @@
+"""Columns in SI units."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pandas as pd
+
+from stickslip.errors import RecordingError, UsageError
+from stickslip.logs.description import Description, quantity_key
+from stickslip.logs.finding import Finding
+from stickslip.logs.products import value_of
+from stickslip.logs.recording import Motion
+from stickslip.logs.roles import named_quantity, suffix_unit
+from stickslip.logs.table import LogTable
+from stickslip.logs.units import (
+    QUANTITIES,
+    Unit,
+    motion_of,
+    unit_named,
+    unit_names,
+)
+from stickslip.servo.measurement import Array
+
+LARGEST = 1e30
+"""Numbers beyond are taken for a file that was misread."""
+FEW = 10
+"""Different values that whole numbers may have and still be no counts: commands in levels."""
+
+
+def unit_of(table: LogTable, description: Description, role: str, name: str) -> Unit | None:
+    """Return the unit of a column: as its owner says, else as the header says, else None.
+
+    Raises
+    ------
+    UsageError
+        When the owner names a unit that does not exist.
+    """
+    said = description.column(role).unit
+    if said is not None:
+        if unit := unit_named(said):
+            return unit
+        raise UsageError(f"unit '{said}' of {role} is unknown; expected {_expected(role)}")
+    if stated := table.units.get(name):
+        return unit_named(stated)
+    ending = suffix_unit(name)
+    unit = unit_named(ending) if ending else None
+    fits = {"time"} if role == "time" else {q[quantity_key(role)] for q in QUANTITIES.values()}
+    fits |= {"number"} | ({"current", "voltage"} if quantity_key(role) == "force" else set())
+    return unit if unit and unit.quantity in fits else None
+
+
+def unit_fault(
+    table: LogTable,
+    description: Description,
+    role: str,
+    name: str,
+    unit: Unit | None,
+    motion: Motion,
+) -> Finding | None:
+    """Return the error of a column whose unit is unknown, is not one of its role, or is missing.
+
+    A column needs a unit or a scale where its name says that it is something else, such as a
+    current, and where it holds whole numbers only, as counts and per mille do.
+    """
+    if description.column(role).scale is not None:
+        return None
+    expected = _quantity(role, motion)
+    SI = unit_names(expected)[0]
+    if unit:
+        if unit.quantity == expected or _counted(description, role, unit):
+            return None
+        base = unit.name if unit.factor == 1 else unit_names(unit.quantity)[0]
+        one = "100 %" if unit.name in ("%", "‰") else f"one {base}"
+        what = f"{role} is in {unit.name}, which is no {expected} ({motion} motion)"
+        advice = f"give a unit such as {_expected(role, motion)}, or what {one} is in {SI}"
+        return Finding("error", what, "", f"{advice} with --scale {role}=NUMBER")
+    named = named_quantity(name)
+    elsewhere = () if quantity_key(role) == "force" else ("current", "voltage", "torque", "angle")
+    if stated := table.units.get(name):
+        what = f"unit '{stated}' is unknown"
+    elif named not in (None, expected, *elsewhere):
+        what = f"a {named} by its name, without a unit"
+    elif _whole(table.numbers.get(name)):
+        what = "whole numbers only, without a unit"
+    else:
+        return None
+    advice = f"say --unit {role}=UNIT, such as {_expected(role, motion)}"
+    per = {"current": "A", "voltage": "V", "percentage": "1 %", "torque": "N.m"}.get(named or "")
+    other = ", or --motion rotary" if named == "torque" else ""
+    advice = f"{advice}, or --scale {role}=NUMBER, in {SI} per {per or '1'}{other}"
+    return Finding("error", f"{role}: column '{name}'", what, advice)
+
+
+def _counted(description: Description, role: str, unit: Unit) -> bool:
+    """Whether a unit is counts of an encoder whose step is known."""
+    position = quantity_key(role) == "position"
+    return position and unit.name in _COUNTS and description.encoder_step is not None
+
+
+def _whole(numbers: Array | None) -> bool:
+    """Whether numbers (n,) look like raw values of a drive, such as counts or per mille."""
+    if numbers is None:
+        return False
+    known = numbers[np.isfinite(numbers)]
+    return bool(np.all(known == np.round(known))) and len(np.unique(known)) > FEW
+
+
+def motion_from(
+    description: Description, roles: dict[str, str], units: dict[str, Unit | None]
+) -> tuple[Motion, list[Finding]]:
+    """Return the motion: as its owner says, else as the first unit says, else linear.
+
+    A position that states no unit and is an angle by its name makes it rotary, too.
+    """
+    if description.motion:
+        return description.motion, []
+    for role, unit in units.items():
+        motion = motion_of(unit) if unit and description.column(role).scale is None else None
+        if motion:
+            said = unit.name if unit else ""
+            return motion, [Finding("note", f"motion is taken for {motion}", f"{role} in {said}")]
+    if named_quantity(roles.get("position", "")) == "angle":
+        figure = f"position is column '{roles['position']}'"
+        return "rotary", [Finding("note", "motion is taken for rotary", figure)]
+    return "linear", []
+
+
+def signal_of(
+    table: LogTable,
+    description: Description,
+    role: str,
+    name: str,
+    unit: Unit | None,
+) -> Array:
+    """Return a column (n,) in SI units.
+
+    A unit that is none of the role counts by its scale; ``unit_fault`` finds those without one.
+
+    Raises
+    ------
+    UsageError
+        When the scale is 0.
+    RecordingError
+        When the column holds no numbers, or larger ones than any drive shows.
+    """
+    column = description.column(role)
+    scale = value_of(
+        1.0 if column.scale is None else column.scale, table.scalars, f"scale of {role}"
+    )
+    offset = value_of(column.offset, table.scalars, f"offset of {role}")
+    factor = scale * (unit.factor if unit else 1.0)
+    if column.scale is None and unit and _counted(description, role, unit):
+        factor = value_of(description.encoder_step or 1.0, table.scalars, "encoder_step")
+    if not (math.isfinite(factor) and factor != 0):
+        raise UsageError(f"scale of {role} = {factor:g}: expected a number other than 0")
+    if role == "time" and name in table.texts:
+        return _points_in_time(table, name)
+    with np.errstate(over="ignore", invalid="ignore"):
+        signal = np.asarray(table.column(name) * factor + offset)
+        absurd = np.flatnonzero(np.isfinite(signal) & (np.abs(signal) > LARGEST))
+    if absurd.size:
+        row = table.row(int(absurd[0]))
+        raise RecordingError(
+            f"{table.path}: column '{name}', row {row}: no drive shows {signal[absurd[0]]:.3g}; "
+            "check delimiter, decimal sign and scale"
+        )
+    return signal
+
+
+_COUNTS = ("counts", "count", "cts", "inc", "increments", "1")
+
+
+def assumed_units(
+    description: Description, units: dict[str, Unit | None], motion: Motion
+) -> list[Finding]:
+    """Return the remark on columns whose unit nobody states."""
+    assumed = [
+        f"{role} in {unit_names(_quantity(role, motion))[0]}"
+        for role, unit in units.items()
+        if unit is None and description.column(role).scale is None
+    ]
+    if not assumed:
+        return []
+    advice = "--unit ROLE=UNIT says otherwise"
+    return [
+        Finding("note", "columns that state no unit", "taken for " + ", ".join(assumed), advice)
+    ]
+
+
+def _points_in_time(table: LogTable, name: str) -> Array:
+    """Return seconds (n,) since the first of points in time such as 2026-01-31T10:00:00.125."""
+    texts = table.texts[name]
+    if not all(re.match(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", text) for text in texts[:1]):
+        table.column(name)  # says which row
+    try:
+        times = pd.to_datetime(list(texts), format="ISO8601", utc=True)
+    except (ValueError, OverflowError) as error:
+        said = " ".join(str(error).split())[:80]
+        raise RecordingError(f"{table.path}: column '{name}': no point in time ({said})") from None
+    return np.asarray((times - times[0]).total_seconds(), dtype=np.float64)
+
+
+def _quantity(role: str, motion: Motion) -> str:
+    return "time" if role == "time" else QUANTITIES[motion][quantity_key(role)]
+
+
+def _expected(role: str, motion: Motion | None = None) -> str:
+    """Return the commonest units of a role."""
+    motions = [motion] if motion else list(QUANTITIES)
+    names = [name for m in motions for name in unit_names(_quantity(role, m))[:4]]
+    return ", ".join(dict.fromkeys(names))

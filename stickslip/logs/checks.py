@@ -1,0 +1,161 @@
+"""What is wrong with a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from stickslip.logs.controller import Controller
+from stickslip.logs.delay import (
+    Delay,
+    aligned,
+    force_delay,
+    samples_late,
+    signal_delay,
+)
+from stickslip.logs.excitation import Excitation, excitation
+from stickslip.logs.faults import clipped_command, lost_rows
+from stickslip.logs.finding import Finding, Severity
+from stickslip.logs.grid import runs
+from stickslip.logs.motion import kinematics
+from stickslip.logs.recording import Recording
+from stickslip.logs.visibility import visibility
+from stickslip.servo.measurement import Array
+
+SIGNALS = tuple(
+    field.name for field in fields(Recording) if field.type == "Array | None"
+)  # of a recording, by role
+
+
+def check_recording(
+    recording: Recording,
+    controller: Controller | None = None,
+    force_limit: float | None = None,
+) -> tuple[Finding, ...]:
+    """Return what should be known of a recording before one learns from it.
+
+    Parameters
+    ----------
+    recording : on its even grid
+    controller : that was in use
+    force_limit : of motor or amplifier [N]
+    """
+    controller = controller or Controller()
+    if force_limit is None and np.isfinite(controller.u_max):
+        force_limit = controller.u_max
+    findings = [*_signals(recording, controller)]
+    if any(finding.severity == "error" for finding in findings):
+        return tuple(findings)
+    shown = excitation(recording)
+    late = samples_late(recording)
+    found = (lost_rows(recording), clipped_command(aligned(recording, late)))
+    return (
+        *findings,
+        *filter(None, found),
+        *_saturation(recording, force_limit),
+        *_quantisation(recording, shown),
+        *_delays(recording, late),
+        *visibility(recording, shown),
+    )
+
+
+def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
+    """Yield what is missing, not finite, constant or short."""
+    for name in SIGNALS:
+        signal = getattr(recording, name)
+        if signal is None:
+            continue
+        if len(signal) != len(recording.t):
+            figure = f"{len(signal)} values, expected {len(recording.t)}"
+            yield Finding("error", f"{name} is not as long as the time", figure)
+        elif not np.isfinite(signal).all():
+            where = f"the first at {recording.t[np.argmin(np.isfinite(signal))]:.6g} s"
+            yield Finding("error", f"{name} holds values that are not finite", where)
+        elif np.ptp(signal) == 0:
+            severity: Severity = "warning" if name.endswith("_command") else "error"
+            figure = f"{signal[0]:.6g} throughout"
+            yield Finding(severity, f"{name} never changes", figure, "log another column")
+    if recording.position is None and recording.velocity is None:
+        yield Finding("error", "neither position nor velocity", advice="log one")
+    if recording.force is None and recording.friction is None:
+        if recording.force_command is None and controller.kind == "none":
+            advice = "log the motor's current, or say --controller"
+            yield Finding("error", "neither force nor friction", advice=advice)
+        else:
+            what = "no force was measured, only commanded"
+            yield Finding("note", what, advice="the amplifier is taken to follow")
+    if controller.needs and getattr(recording, controller.needs) is None:
+        what = f"a {controller.kind} controller, but no {controller.needs}"
+        yield Finding("error", what, advice=f"say --column {controller.needs}=NAME")
+    duration = float(recording.t[-1])
+    if duration < 1.0 or len(recording.t) < 500:
+        figure = f"{duration:.3g} s, {len(recording.t)} samples"
+        yield Finding("warning", "the recording is short", figure, "log 10 s or more")
+
+
+def _saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
+    """Yield forces at their limit, or flat at their extremes."""
+    for name in ("force", "force_command"):
+        force = getattr(recording, name)
+        if force is None:
+            continue
+        most = float(np.max(np.abs(force)))
+        at = np.abs(force) >= 0.995 * limit if limit else _flat(force)
+        share = float(np.mean(at))
+        if share > (0.0 if limit else 0.002):
+            advice = "there it does not follow its command; log a gentler motion"
+            what = f"{name} saturates at {most:.4g}"
+            yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
+        if limit and most > 1.05 * limit:
+            figure = f"{most:.4g} against {limit:.4g}"
+            advice = "check unit and scale, and that it was logged behind the limit"
+            what = f"{name} exceeds the force limit"
+            yield Finding("warning", what, figure, advice, spoils="values")
+
+
+def _flat(signal: Array) -> Array:
+    """Return where (n,) a signal stays at its maximum or minimum for three samples or more."""
+    marked = np.zeros(len(signal), dtype=bool)
+    for extreme in (signal.max(), signal.min()):
+        for begin, end in runs(signal == extreme):
+            marked[begin:end] = end - begin >= 3
+    return marked
+
+
+def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
+    """Yield steps of the position, coarse or not against the motion."""
+    step = recording.encoder_step
+    if not step or recording.position is None:
+        return
+    noise = step / recording.T_s / max(shown.top_speed, 1e-300)
+    figure = f"{step:.4g}, {noise:.2g} of the top speed as difference of two samples"
+    travel = float(np.ptp(recording.position)) / step
+    if travel < 100:
+        advice = "move farther, or use a finer encoder"
+        yield Finding("warning", "the whole travel is few encoder steps", f"{travel:.0f}", advice)
+    else:
+        yield Finding("note", "the position has steps", figure)
+
+
+def _delays(recording: Recording, late: int) -> Iterator[Finding]:
+    """Yield signals that are late against each other."""
+    if delay := force_delay(recording):
+        yield _delayed("force", "the motion", delay, recording.T_s, late)
+    if recording.position is not None and recording.velocity is not None:
+        motion = kinematics(recording)
+        other = kinematics(Recording(recording.t, velocity=recording.velocity))
+        if delay := signal_delay(recording.t, motion.v, other.v):
+            yield _delayed("velocity", "the position's derivative", delay, recording.T_s)
+
+
+def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0) -> Finding:
+    figure = f"{delay.value / T_s:.2f} +- {delay.standard_error / T_s:.2f} samples"
+    way = "late" if delay.value >= 0 else "early (negative)"
+    if taken_out:
+        advice = f"{1e3 * taken_out * T_s:.4g} ms are taken out before learning"
+        return Finding("warning", f"{name} shows {way} against {other}", figure, advice)
+    if not delay.known(T_s):
+        return Finding("note", f"how late {name} is against {other} does not show", figure)
+    return Finding("note", f"{name} shows {way} against {other}", figure)

@@ -1,0 +1,196 @@
+"""Signals of a log that contradict each other by a factor of units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import correlate
+
+from stickslip.logs.description import quantity_key
+from stickslip.logs.finding import Finding
+from stickslip.logs.motion import kinematics
+from stickslip.logs.units import (
+    QUANTITIES,
+    Unit,
+    sized_unit,
+)
+from stickslip.servo.measurement import Array, smoothed
+
+if TYPE_CHECKING:
+    from stickslip.logs.reading import Reading
+
+_TURN = 2 * math.pi
+FACTORS = {
+    "2 pi": _TURN, "60/2 pi": 60 / _TURN, "25.4": 25.4, "39.37": 1 / 0.0254, "60": 60.0,
+    "360/2 pi": 360 / _TURN, "360": 360.0, "10^3": 1e3, "60*10^3": 6e4, "10^6": 1e6, "10^9": 1e9,
+}  # fmt: skip
+"""Between units that are mistaken for each other: m, mm, inch; rad, deg, turns; s, min, ms."""
+NEAR, ROUGHLY = 0.03, 0.25
+"""How far a ratio may be from its factor, as logarithm, up to 100 and beyond."""
+RATE = "d(position)/dt"
+ALIKE, SAME = 0.8, 0.98
+"""Correlation from which one signal is the other's image, and from which a factor below
+``SMALL`` is one of units: a controller that follows badly may be off by as much."""
+SMALL = 20.0
+FOLLOWS, EQUALS = 2.0, 1.25
+"""Ratio up to which a signal follows its command, and a velocity is the position's derivative."""
+LATE, FILTERED = 0.1, 0.01
+"""Share of the log by which a signal may be later than its command, and a velocity late."""
+CUTOFF = 0.02
+"""Of the low-pass before a comparison, in sampling frequencies because the time may be wrong."""
+FASTER, SLOWER = 200.0, 20.0
+"""How much faster or slower than its log a controller may run."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor between units, and how people write it."""
+
+    value: float
+    name: str
+
+
+def near_factor(ratio: float) -> Factor | None:
+    """Return the factor of units, or its inverse, that a ratio > 0 is near, None if it is none."""
+    size = abs(math.log(ratio))
+    name, value = min(FACTORS.items(), key=lambda item: abs(math.log(item[1]) - size))
+    if abs(math.log(value) - size) > (ROUGHLY if value > 100 else NEAR):
+        return None
+    return Factor(value, name) if ratio > 1 else Factor(1 / value, f"1/({name})")
+
+
+def contradictions(reading: Reading) -> Iterator[Finding]:
+    """Yield pairs of signals, and a controller, that contradict each other by their scale."""
+    recording, units = reading.recording, reading.units
+    motion = kinematics(recording, CUTOFF / recording.T_s)
+    signals: dict[str, Array] = {
+        role: smoothed(signal, recording.T_s, motion.cutoff)
+        for role in units
+        if role != "time" and (signal := getattr(recording, role)) is not None
+    }
+    if "position" in signals and reading.timed:
+        signals[RATE] = motion.v
+    speed = "velocity" if "velocity" in signals else RATE
+    for a, b, most, late in (
+        (RATE, "velocity", EQUALS, FILTERED),
+        ("position", "position_command", FOLLOWS, LATE),
+        (speed, "velocity_command", FOLLOWS, LATE),
+        ("force", "force_command", FOLLOWS, LATE),
+    ):
+        if a in signals and b in signals and (image := _image(signals[a], signals[b], late)):
+            yield from _contradiction(reading, a, b, image, most)
+    if T_s := reading.controller.T_s:
+        ratio = recording.T_s / T_s
+        if not 1 / SLOWER <= ratio <= FASTER:
+            what = "the log's time and the controller's T_s contradict each other"
+            figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {_times(ratio)}"
+            advice = "--gain T_s is in s; a unit of the log's time is set by --unit time=ms"
+            yield Finding("error", what, figure, advice)
+
+
+def contradicted_period(spacing: float, period: float) -> Finding | None:
+    """Return the error of a sample period [s] that a column of time [s] contradicts."""
+    ratio = spacing / period
+    if 1 / EQUALS < ratio < EQUALS:
+        return None
+    what = "the column of time and --sample-period contradict each other"
+    figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {_times(ratio)}"
+    advice = f"--sample-period is in s, not a rate; say --sample-period {spacing:.6g}"
+    factor = near_factor(ratio)
+    unit = sized_unit(["time"], 1 / factor.value) if factor else None
+    other = f", --unit time={unit.name} without --sample-period" if unit else ""
+    return Finding("error", what, figure, f"{advice}{other}, or --column time=none")
+
+
+@dataclass(frozen=True)
+class _Image:
+    """How many times larger a signal is than another, and the size of their correlation."""
+
+    ratio: float
+    likeness: float
+
+
+def _image(a: Array, b: Array, late: float) -> _Image | None:
+    """Return b (n,) as image of a (n,), with a negative ratio if inverted; None if unlike.
+
+    The ratio of standard deviations is that of regression both ways, and needs no alignment; the
+    correlation, at the best lag, tells whether one is the other's image. The farthest thousandths
+    of the samples are cut off.
+    """
+    a, b = (np.clip(s, *np.quantile(s, (0.001, 0.999))) for s in (a, b))
+    a, b = a - a.mean(), b - b.mean()
+    sizes = float(np.std(a)), float(np.std(b))
+    if min(sizes) == 0:
+        return None
+    lags = correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
+    reach = int(late * len(a))
+    lags = lags[len(a) - 1 - reach : len(a) + reach]
+    if lags.max() >= ALIKE:
+        return _Image(sizes[1] / sizes[0], float(lags.max()))
+    if lags.min() <= -SAME and lags.max() < ALIKE / 2:
+        return _Image(-sizes[1] / sizes[0], -float(lags.min()))
+    return None
+
+
+def _contradiction(
+    reading: Reading, a: str, b: str, image: _Image, most: float
+) -> Iterator[Finding]:
+    """Yield the findings of two signals if b, an image of a, is not as large."""
+    ratio = image.ratio
+    what = f"{a} and {b} contradict each other"
+    leave = f"--column {b}=none leaves {b} out"
+    if ratio < 0:
+        figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
+        yield Finding("error", what, figure, f"say {_scaled(reading, b, -1)}; {leave}")
+    figure = f"{b} is {abs(ratio):.4g} times {a}"
+    factor = near_factor(abs(ratio))
+    if factor and (image.likeness > SAME or not 1 / SMALL < factor.value < SMALL):
+        ends = {b: 1 / factor.value, a: factor.value}
+        if a == RATE:
+            ends = {b: 1 / factor.value, "position": factor.value, "time": 1 / factor.value}
+        advice = _corrections(reading, ends)
+        yield Finding("error", what, f"{figure}, near {factor.name}", f"{advice}; {leave}")
+    elif not 1 / most <= abs(ratio) <= most:
+        advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
+        yield Finding("warning", f"{a} and {b} differ in scale", figure, f"{advice}; {leave}")
+
+
+def _corrections(reading: Reading, ends: dict[str, float]) -> str:
+    """Return options that multiply one of several signals, by role, by its factor."""
+    units, said = reading.units, reading.description
+    options = []
+    known = [role for role in ends if role in units]
+    for role in sorted(known, key=lambda role: units[role] is not None):  # unstated ones first
+        if said.column(role).scale is not None:
+            options.append(_scaled(reading, role, ends[role]))
+        elif unit := _unit_for(reading, role, ends[role]):
+            options.append(f"--unit {role}={unit.name}")
+    if not options:
+        names = " ".join(f"{role}=UNIT" for role in ends if role in units)
+        return f"say their units with --unit {names}"
+    return f"say {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
+
+
+def _scaled(reading: Reading, role: str, factor: float) -> str:
+    """Return the option that multiplies a signal by a factor."""
+    scale = reading.description.column(role).scale
+    before = "" if scale is None else f"{scale}*"
+    return f"--scale {role}={before}{factor:.4g}"
+
+
+def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:
+    """Return the unit that is ``factor`` times as large as that in which a signal was read."""
+    key, unit = quantity_key(role), reading.units[role]
+    motions = [reading.recording.motion] if any(reading.units.values()) else list(QUANTITIES)
+    quantities = ["time"] if key == "time" else [QUANTITIES[motion][key] for motion in motions]
+    return sized_unit(quantities, factor * (unit.factor if unit else 1.0))
+
+
+def _times(ratio: float) -> str:
+    """Return a ratio, and the factor of units that it is near."""
+    factor = near_factor(ratio)
+    return f"{ratio:.4g}" + (f", near {factor.name}" if factor else "")

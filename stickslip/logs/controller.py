@@ -1,0 +1,126 @@
+"""The controller that a log was made with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields
+from typing import Literal, get_args
+
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.errors import UsageError
+
+Kind = Literal["P", "PI", "PID", "cascade", "none"]
+
+_TAKES: dict[str, tuple[tuple[set[str], set[str]], ...]] = {
+    "P": (({"P_x"}, set()), ({"K_p"}, set())),
+    "PI": (({"P_x", "I_x"}, set()), ({"K_p", "K_i"}, set())),
+    "PID": (({"P_x", "I_x", "K_p"}, set()),),
+    "cascade": (({"K_x", "K_p"}, {"K_i"}),),
+    "none": ((set(), set()),),
+}
+"""Per kind: the gains it needs and those it may have; several ways."""
+COMMON = frozenset({"tau_f", "T_s", "u_max"})
+"""What any controller may have."""
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A controller of position and velocity, in SI units.
+
+    With e_x = x_cmd - x and e_v = v_cmd + K_x e_x - v_est::
+
+        u = P_x e_x + I_x integral(e_x) + K_p e_v + K_i integral(e_v),  |u| <= u_max
+
+    A command that was not logged is 0. P and PI act on position (P_x, I_x) or on velocity (K_p,
+    K_i); PID acts on position, with K_p for the derivative; a cascade has K_x around K_p, K_i.
+
+    Attributes
+    ----------
+    kind : P, PI, PID, cascade or none (not known)
+    K_x : [1/s]
+    P_x : [N/m]
+    I_x : [N/(m s)]
+    K_p : [N s/m]
+    K_i : [N/m]
+    tau_f : time constant of the low-pass behind v_est, which differentiates the position [s]
+    T_s : its sample period [s]; 0: that of the log
+    u_max : [N]
+    """
+
+    kind: Kind = "none"
+    K_x: float = 0.0
+    P_x: float = 0.0
+    I_x: float = 0.0
+    K_p: float = 0.0
+    K_i: float = 0.0
+    tau_f: float = 0.0
+    T_s: float = 0.0
+    u_max: float = math.inf
+
+    @property
+    def needs(self) -> str | None:
+        """The role without which its error is not known; None for a controller not known."""
+        if self.kind == "none":
+            return None
+        return "position_command" if self.K_x or self.P_x or self.I_x else "velocity_command"
+
+    def parameters(self) -> dict[str, float] | None:
+        """Return the parameters of the controller FMU by name, None for one not known.
+
+        T_s and u_max are left out where they are not known.
+        """
+        if self.kind == "none":
+            return None
+        values = {name: float(getattr(self, name)) for name in GAINS}
+        if not self.T_s:
+            del values["T_s"]
+        if math.isinf(self.u_max):
+            del values["u_max"]
+        return values
+
+
+GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind")
+"""Names that a gain can have."""
+
+
+def check_gains(kind: str, gains: Collection[str]) -> None:
+    """Check that a kind of controller takes just these gains.
+
+    Raises
+    ------
+    UsageError
+        When kind or gain is unknown, or one is missing or too many.
+    """
+    if kind not in get_args(Kind):
+        raise UsageError(f"controller '{kind}': expected one of {', '.join(get_args(Kind))}")
+    for name in gains:
+        if name not in GAINS:
+            raise UsageError(f"controller: no gain '{name}'{suggestion(name, GAINS)}")
+    if kind == "none" and gains:
+        kinds = ", ".join(get_args(Kind)[:-1])
+        raise UsageError(f"gain {sorted(gains)[0]}, but no controller; say which: {kinds}")
+    given = set(gains) - COMMON
+    ways = _TAKES[kind]
+    if not any(needed <= given <= needed | optional for needed, optional in ways):
+        expected = " or ".join(
+            " and ".join(sorted(needed)) + "".join(f" (and {name})" for name in sorted(optional))
+            for needed, optional in ways
+        )
+        got = ", ".join(sorted(given)) or "none"
+        raise UsageError(f"controller {kind}: expected gains {expected}, got {got}")
+
+
+def controller_of(kind: Kind, gains: Mapping[str, float]) -> Controller:
+    """Return a controller of checked gains.
+
+    Raises
+    ------
+    UsageError
+        When the gains do not suit the kind, or one is negative.
+    """
+    check_gains(kind, gains)
+    for name, value in gains.items():
+        if value < 0:
+            raise UsageError(f"controller: {name} = {value:g}: expected 0 or more")
+    return Controller(kind, **gains)

@@ -1,0 +1,147 @@
+"""How much later one signal of a log shows than another, finer than its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from stickslip.identification.stages.estimate import covariance
+from stickslip.logs.motion import (
+    kinematics,
+    rigid_columns,
+    sliding,
+    unexplained,
+)
+from stickslip.logs.recording import Recording
+from stickslip.servo.measurement import Array, smoothed
+
+CUTOFF = 50.0
+"""Low-pass of what is compared [Hz]."""
+ROUNDS = 12
+FARTHEST = 0.05
+"""Delays beyond are not looked for [s]."""
+NOTHING = 1e-7
+"""Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
+LARGE = 2.0
+"""Samples from which on a delay is more than that of a sampled loop."""
+EXPLAINS = 0.5
+"""Share of the unexplained force that may be left once a delay is taken out."""
+
+
+@dataclass(frozen=True)
+class Delay:
+    """A delay [s], positive when the signal shows late, and its standard error."""
+
+    value: float
+    standard_error: float
+
+    def known(self, T_s: float) -> bool:
+        """Whether it is known to half a sample."""
+        return 2 * self.standard_error < 0.5 * T_s
+
+
+def force_delay(recording: Recording) -> Delay | None:
+    """Return how much later the force shows than the motion it makes, None when nothing tells.
+
+    While sliding, F(t + d) = m a + b v + F_c sign v + F_0. A delay left over shows as a part of F
+    in step with the derivative of its inertial and viscous part, which is fitted and taken away,
+    until none is left. Samples near reversals do not count: there bristles make the force late.
+    """
+    if recording.force is None:
+        return None
+    T_s = recording.T_s
+    motion = kinematics(recording, CUTOFF)
+    used = sliding(motion, T_s)
+    if used.sum() < 50:
+        return None
+    base = rigid_columns(motion, used)
+    force = smoothed(recording.force, T_s, motion.cutoff)
+
+    def slope(fit: Array) -> Array:
+        m, b = fit[:2]
+        return np.asarray(m * motion.jerk[used] + b * motion.a[used])
+
+    return _fitted(recording.t, force, used, base, slope)
+
+
+def signal_delay(t: Array, early: Array, late: Array) -> Delay | None:
+    """Return how much later a signal shows that is else proportional to another.
+
+    Parameters
+    ----------
+    t : (n,) even [s]
+    early, late : (n,) through the same low-pass; late(t + d) = gain * early(t) + offset
+    """
+    T_s = float(t[1] - t[0])
+    used = np.ones(len(t), dtype=bool)
+    margin = max(2, len(t) // 50)
+    used[:margin] = used[-margin:] = False
+    if np.ptp(early) == 0 or np.ptp(late) == 0:
+        return None
+    rate = np.gradient(early, T_s)[used]
+    base = np.column_stack([early[used], np.ones(int(used.sum()))])
+    return _fitted(t, late, used, base, lambda fit: np.asarray(fit[0] * rate))
+
+
+def _fitted(
+    t: Array, signal: Array, used: NDArray[np.bool_], base: Array, slope: Callable[[Array], Array]
+) -> Delay | None:
+    """Return the delay of a signal (n,) against columns (k, c), by Gauss-Newton.
+
+    ``slope`` gives the derivative (k,) of what the columns fit by time. It is the same smooth
+    motion that the delay moves along, so noise in it weakens a step but not where the steps end.
+    """
+    T_s = float(t[1] - t[0])
+    spline = CubicSpline(t, signal)
+    delay = 0.0
+    fit = np.linalg.lstsq(base, signal[used], rcond=None)[0]
+    for _ in range(ROUNDS):
+        shifted = spline(t[used] + delay)
+        columns = np.column_stack([base, slope(np.asarray(fit))])
+        scale = np.linalg.norm(columns, axis=0)
+        if not np.all(scale > 0) or scale[-1] * T_s < NOTHING * np.linalg.norm(shifted):
+            return None
+        solution = np.linalg.lstsq(columns / scale, shifted, rcond=None)[0] / scale
+        residual = shifted - columns @ solution
+        fit, step = solution[:-1], -float(solution[-1])
+        delay += step
+        if not abs(delay) < FARTHEST:
+            return None
+        if abs(step) < 1e-4 * T_s:
+            break
+    error = np.sqrt(covariance(columns / scale, residual)[-1, -1]) / scale[-1]
+    return Delay(delay, float(error))
+
+
+def samples_late(recording: Recording) -> int:
+    """Return by how many samples the force shows late, where that is sure and no loop explains it.
+
+    A sampled loop and its amplifier account for less than two samples. Saturation and noise make
+    delays, too; taking those out explains no more of the force.
+    """
+    delay = force_delay(recording)
+    if delay is None or abs(delay.value) < LARGE * recording.T_s:
+        return 0
+    samples = round(delay.value / recording.T_s)
+    better = unexplained(aligned(recording, samples)) < EXPLAINS * unexplained(recording)
+    return samples if better else 0
+
+
+def aligned(recording: Recording, samples: int) -> Recording:
+    """Return a recording whose force shows so many samples earlier, cut where one signal lacks."""
+    if recording.force is None or not samples:
+        return recording
+    n = len(recording.t) - abs(samples)
+    late, other = max(samples, 0), max(-samples, 0)
+    cut: dict[str, Any] = {
+        field.name: value[other : other + n]
+        for field in fields(recording)
+        if isinstance(value := getattr(recording, field.name), np.ndarray)
+    }
+    cut |= {"t": recording.t[:n], "force": recording.force[late : late + n]}
+    return replace(recording, **cut)

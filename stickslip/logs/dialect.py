@@ -1,0 +1,110 @@
+"""How a text file writes its numbers: delimiter, decimal point or comma, header or none."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from stickslip.logs.units import unit_named
+
+_DELIMITERS = ("\t", ";", ",", "|", " ")
+_BRACKETED = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
+_BEHIND = re.compile(r"^(.+?)(?:\s*,\s*|\s+/\s*|\s+in\s+)([^,\s]+)$")
+_SAMPLE = 200
+_SAMPLED = 1 << 18
+"""Characters of lines that are looked at."""
+_LONGEST_NAME = 200
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How lines become fields and fields numbers.
+
+    Attributes
+    ----------
+    delimiter : one character; a space stands for any white space
+    decimal : . or ,
+    """
+
+    delimiter: str
+    decimal: str
+
+    def fields(self, line: str) -> list[str]:
+        """Return the fields of a line, without quotes and white space around them."""
+        if self.delimiter == " ":
+            return line.split()
+        if '"' in line:
+            with contextlib.suppress(csv.Error):
+                row = next(csv.reader([line], delimiter=self.delimiter))
+                return [field.strip() for field in row]
+        return [field.strip() for field in line.split(self.delimiter)]
+
+    def number(self, field: str) -> float | None:
+        """Return the number that a field holds, None when it holds none."""
+        try:
+            return float(field.replace(",", ".") if self.decimal == "," else field)
+        except ValueError:
+            return None
+
+
+def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | None) -> Dialect:
+    """Return the dialect in which the last lines hold most numbers, evenly many a line.
+
+    Parameters
+    ----------
+    lines : of the file
+    delimiter, decimal : where known
+    """
+    longest = max(len(line) for line in lines[-_SAMPLE - 1 :])
+    some = min(_SAMPLE, max(3, _SAMPLED // max(1, longest)))
+    sample = lines[-some - 1 : -1] or lines
+    candidates = [
+        Dialect(mark, point)
+        for mark in ([delimiter] if delimiter else _DELIMITERS)
+        for point in ([decimal] if decimal else (".", ","))
+        if mark != point
+    ]
+    return max(candidates, key=lambda dialect: _score(dialect, sample))
+
+
+def _score(dialect: Dialect, sample: Sequence[str]) -> float:
+    """Return how many numbers a line has, among lines of the commonest number of fields."""
+    rows = [dialect.fields(line) for line in sample]
+    width = commonest(map(len, rows))
+    numbers = sum(
+        dialect.number(field) is not None for row in rows if len(row) == width for field in row
+    )
+    return numbers / len(sample)
+
+
+def commonest(counts: Iterable[int]) -> int:
+    """Return the commonest of some counts; 1 of none."""
+    return max(Counter(counts).items(), key=lambda item: item[1], default=(1, 0))[0]
+
+
+def split_unit(text: str) -> tuple[str, str | None]:
+    """Return name and unit of a header such as ``Position [mm]``, ``t / s`` or ``Force, N``."""
+    if len(text) > _LONGEST_NAME:
+        return text, None
+    if match := _BRACKETED.match(text):
+        name, unit = match.groups()
+        if name and unit and not unit.isdecimal():
+            return name, unit
+    if (match := _BEHIND.match(text)) and unit_named(match.group(2)):
+        return match.group(1), match.group(2)
+    return text, None
+
+
+def states_units(fields: Sequence[str]) -> bool:
+    """Whether a row holds units: known ones or bracketed ones, or nothing."""
+    filled = [field for field in fields if field not in ("", "-")]
+    return bool(filled) and all(unit_named(unbracketed(field)) for field in filled)
+
+
+def unbracketed(field: str) -> str:
+    """Return a unit without the brackets around it."""
+    return field.strip("[](){} ")

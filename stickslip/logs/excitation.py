@@ -1,0 +1,183 @@
+"""What a recording can show of a drive, before anything is learned from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.logs.motion import (
+    Kinematics,
+    kinematics,
+    rigid_columns,
+    sliding,
+)
+from stickslip.logs.recording import Recording
+from stickslip.servo.measurement import Array, smoothed
+
+SLOW = 0.01
+"""Share of the top speed below which motion counts as slow."""
+TURNED = 0.63
+"""Share of its swing that friction makes while it turns around."""
+
+
+@dataclass(frozen=True)
+class TurnAround:
+    """How friction turns around after reversals, as medians over these.
+
+    The low-pass on the way there makes quick turns longer than they are.
+
+    Attributes
+    ----------
+    distance : of motion until friction made 63 % of its swing [m]
+    counts : steps of the encoder in it; inf where no step shows
+    samples : in it
+    times : how often
+    """
+
+    distance: float
+    counts: float
+    samples: float
+    times: int
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """Figures of a recording.
+
+    Attributes
+    ----------
+    top_speed : [m/s]
+    moving : share of the time faster than the encoder's floor
+    slow_speed : a hundredth of the top speed, or three times the encoder's floor [m/s]
+    slow : share of the moving time that is slower
+    slow_samples : as many samples
+    speeds : 5 % and 95 % of the moving time are slower [m/s]
+    reversals : of the direction
+    spacing : median samples between two reversals; inf with fewer
+    acceleration : 99 % of the samples have less [m/s^2]
+    mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
+    inertial, viscous : share of the force's standard deviation, while sliding, that accelerations
+        and changes of speed make; nan, as the mass, where too little slides or no force is known
+    turn_around : of friction; None where it cannot be told
+    """
+
+    top_speed: float
+    moving: float
+    slow_speed: float
+    slow: float
+    slow_samples: int
+    speeds: tuple[float, float]
+    reversals: int
+    spacing: float
+    acceleration: float
+    mass: float
+    inertial: float
+    viscous: float
+    turn_around: TurnAround | None
+
+
+def excitation(recording: Recording) -> Excitation:
+    """Return what a recording holds of motion.
+
+    Parameters
+    ----------
+    recording : with a position or a velocity; the force's share needs a force, too
+    """
+    motion = kinematics(recording)
+    speed = np.abs(motion.v)
+    top = float(speed.max())
+    moving = speed > motion.floor
+    share = float(np.mean(moving))
+    slow_speed = max(SLOW * top, 3 * motion.floor)
+    slow = moving & (speed < slow_speed)
+    low, high = np.quantile(speed[moving], (0.05, 0.95)) if moving.any() else (0.0, 0.0)
+    turns = reversals(recording, motion)
+    fit, inertial, viscous = _rigid(recording, motion)
+    return Excitation(
+        top_speed=top,
+        moving=share,
+        slow_speed=slow_speed,
+        slow=float(np.sum(slow)) / max(1, int(np.sum(moving))),
+        slow_samples=int(np.sum(slow)),
+        speeds=(float(low), float(high)),
+        reversals=len(turns),
+        spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
+        acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
+        mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
+        inertial=inertial,
+        viscous=viscous,
+        turn_around=_turn_around(recording, motion, turns, fit),
+    )
+
+
+def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:
+    """Return the samples (k,) at which the motion turns around.
+
+    Those count between which it moves by three steps of the encoder or a ten-thousandth of its
+    range, so that noise at rest does not.
+    """
+    x = motion.x
+    least = max(3 * recording.encoder_step, 1e-4 * float(np.ptp(x)))
+    extremes = np.flatnonzero(np.diff(np.sign(motion.v))) + 1
+    turns: list[int] = []
+    last, way = 0, 0.0  # the farthest point since the last turn, and the direction to it
+    for k in map(int, extremes):
+        travel = x[k] - x[last]
+        if way * travel >= 0 and (way or abs(travel) > least):
+            last, way = k, way or float(np.sign(travel))
+        elif abs(travel) > least:
+            turns.append(last)
+            last, way = k, -way
+    if way and abs(x[-1] - x[last]) > least and (x[-1] - x[last]) * way < 0:
+        turns.append(last)
+    return np.array(turns, dtype=np.intp)
+
+
+def _rigid(recording: Recording, motion: Kinematics) -> tuple[Array, float, float]:
+    """Return F = m a + b v + F_c sign v + F_0 fitted while sliding, and the shares of m and b."""
+    if recording.force is None:
+        return np.zeros(4), np.nan, np.nan
+    used = sliding(motion, recording.T_s)
+    columns = rigid_columns(motion, used)
+    scale = np.linalg.norm(columns, axis=0)
+    if len(columns) < 50 or not np.all(scale > 0):
+        return np.zeros(4), np.nan, np.nan
+    force = smoothed(recording.force, recording.T_s, motion.cutoff)
+    fit = np.linalg.lstsq(columns / scale, force[used], rcond=None)[0] / scale
+    whole = max(float(np.std(force[used])), 1e-300)
+    speed = np.abs(columns[:, 1])  # its changes, not its sign, tell b from F_c
+    inertial = abs(float(fit[0])) * float(np.std(columns[:, 0])) / whole
+    return fit, inertial, abs(float(fit[1])) * float(np.std(speed)) / whole
+
+
+def _turn_around(
+    recording: Recording, motion: Kinematics, turns: NDArray[np.intp], fit: Array
+) -> TurnAround | None:
+    """Return how friction turns around between reversals."""
+    if recording.friction is not None:
+        friction = smoothed(recording.friction, recording.T_s, motion.cutoff)
+    elif recording.force is not None and fit.any():
+        force = smoothed(recording.force, recording.T_s, motion.cutoff)
+        friction = force - fit[0] * motion.a - fit[1] * motion.v - fit[3]
+    else:
+        return None
+    if not np.any(np.abs(motion.v) > motion.floor):
+        return None
+    level = float(np.median(np.abs(friction[np.abs(motion.v) > motion.floor])))
+    side = np.sign(friction @ motion.v)  # some log the force on the drive, some that of the drive
+    found = []
+    for begin, end in pairwise([*turns, len(friction)]):
+        way = side * np.sign(motion.x[end - 1] - motion.x[begin])
+        swing = way * friction[begin:end] / max(level, 1e-300)
+        done = np.flatnonzero(swing > 2 * TURNED - 1)
+        if swing[0] < 0 and len(done):
+            found.append((abs(motion.x[begin + done[0]] - motion.x[begin]), done[0]))
+    if not found:
+        return None
+    distance, samples = np.median(np.array(found), axis=0)
+    step = recording.encoder_step
+    counts = float(distance / step) if step else np.inf
+    return TurnAround(float(distance), counts, float(samples), len(found))

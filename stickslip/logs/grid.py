@@ -1,0 +1,196 @@
+"""Logged times made even: gaps filled or cut off, jitter taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import RecordingError
+from stickslip.logs.finding import Finding
+from stickslip.logs.interpolation import better_method, interpolated
+from stickslip.logs.table import LogTable
+from stickslip.servo.measurement import Array
+
+FILLED = 5
+"""Samples in a row that may be missing and are drawn in; where more are, the log is cut."""
+EVEN = 0.01
+"""Deviation of times from an even grid that is taken for none, in sample periods."""
+SHORTEST = 20
+"""Samples below which nothing is a recording."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Signals at even times.
+
+    Attributes
+    ----------
+    t : (n,) from 0 on [s]
+    signals : (n,) by role
+    findings : what was done to get there
+    """
+
+    t: Array
+    signals: dict[str, Array]
+    findings: list[Finding]
+
+
+def check_times(table: LogTable, t: Array) -> None:
+    """Check that times (n,) [s] are finite and rise.
+
+    Raises
+    ------
+    RecordingError
+        When not; names the row.
+    """
+    if (wrong := np.flatnonzero(~np.isfinite(t))).size:
+        row = table.row(int(wrong[0]))
+        raise RecordingError(f"{table.path}: row {row}: expected a time, got {t[wrong[0]]}")
+    if (wrong := np.flatnonzero(np.diff(t) <= 0)).size:
+        k = int(wrong[0])
+        if t[k + 1] == t[k]:
+            raise RecordingError(
+                f"{table.path}: row {table.row(k + 1)}: time {t[k]:.9g} s comes twice "
+                f"({wrong.size} such rows); if the clock is only coarse, give --sample-period"
+            )
+        raise RecordingError(
+            f"{table.path}: row {table.row(k + 1)}: time goes back from {t[k]:.9g} to "
+            f"{t[k + 1]:.9g} s; expected it to rise; keep one run of the log"
+        )
+
+
+def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
+    """Return signals on an even grid.
+
+    Parameters
+    ----------
+    table : for messages
+    t : (n,) rising [s]
+    signals : (n,) by role, nan where a value is missing
+
+    Raises
+    ------
+    RecordingError
+        When no stretch without gaps is long enough.
+    """
+    findings: list[Finding] = []
+    steps = np.diff(t)
+    if len(steps) < SHORTEST - 1:
+        raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {SHORTEST}")
+    usual = float(np.median(steps))
+    usual = float(np.mean(steps[steps < 1.5 * usual]))
+    _check_steps(table, t, usual)
+    begin, end = _longest(table, t, signals, usual, findings)
+    t = t[begin:end]
+    count = round((t[-1] - t[0]) / usual)
+    T_s = (t[-1] - t[0]) / count
+    grid = t[0] + np.arange(count + 1) * T_s
+    off = np.abs((t - t[0]) / T_s - np.round((t - t[0]) / T_s))
+    even = len(t) == len(grid) and float(np.max(off)) <= EVEN
+    if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > EVEN:
+        findings.append(_jitter(jitter, T_s))
+    missing = len(grid) - len(t)
+    result = {}
+    methods: dict[str, list[str]] = {}
+    for role, signal in signals.items():
+        values = signal[begin:end]
+        known = np.isfinite(values)
+        if not known.all():
+            first = table.row(begin + int(np.argmin(known)))
+            figure = f"{np.sum(~known)}, the first in row {first}"
+            findings.append(Finding("warning", f"{role}: numbers are missing", figure, "filled in"))
+        if even and known.all():
+            result[role] = values.copy()
+            continue
+        method = better_method(t[known], values[known])
+        methods.setdefault(method, []).append(role)
+        result[role] = interpolated(t[known], values[known], grid, method)
+    if methods:
+        how = "; ".join(f"{', '.join(names)} {method}" for method, names in methods.items())
+        findings.append(
+            Finding("note", "drawn between the logged samples", f"{missing} rows missing; {how}")
+        )
+    return Grid(np.arange(count + 1) * T_s, result, findings)
+
+
+def _check_steps(table: LogTable, t: Array, usual: float) -> None:
+    """Check that no step is out of all proportion."""
+    if not 1e-9 <= usual <= 1e4:
+        raise RecordingError(
+            f"{table.path}: a sample period of {usual:.3g} s; expected 1e-9 to 1e4 s, check the "
+            "unit of the time"
+        )
+    if (wrong := np.flatnonzero(np.diff(t) < 1e-6 * usual)).size:
+        row, step = table.row(int(wrong[0]) + 1), float(np.diff(t)[wrong[0]])
+        raise RecordingError(
+            f"{table.path}: row {row}: time moves by {step:.3g} s; expected about {usual:.3g} s"
+        )
+
+
+def _jitter(jitter: float, T_s: float) -> Finding:
+    return Finding(
+        "warning" if jitter > 0.1 else "note",
+        "times are uneven",
+        f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)",
+        "if only the clock is coarse, give --sample-period",
+    )
+
+
+def _longest(
+    table: LogTable,
+    t: Array,
+    signals: Mapping[str, Array],
+    usual: float,
+    findings: list[Finding],
+) -> tuple[int, int]:
+    """Return the longest stretch (begin, end) without long gaps."""
+    usable = np.ones(len(t), dtype=bool)
+    for role, signal in signals.items():
+        if not np.isfinite(signal).any():
+            raise RecordingError(f"{table.path}: {role}: no finite number in the whole column")
+        for begin, end in runs(~np.isfinite(signal)):
+            if end - begin > FILLED or begin == 0 or end == len(t):
+                usable[begin:end] = False
+                where = f"rows {table.row(begin)} to {table.row(end - 1)}"
+                findings.append(Finding("warning", f"{role} has no numbers in {where}"))
+    breaks = np.flatnonzero(np.diff(t) > (FILLED + 1.5) * usual) + 1
+    for k in breaks:
+        gap = f"{t[k] - t[k - 1]:.3g} s before row {table.row(int(k))}"
+        findings.append(Finding("warning", "a gap in time", gap))
+    edges = np.unique(np.concatenate([[0], breaks, [len(t)]]))
+    stretches = [
+        (int(first) + begin, int(first) + end)
+        for first, last in pairwise(edges)
+        for begin, end in runs(usable[first:last])
+    ]
+    begin, end = max(stretches, key=lambda s: t[s[1] - 1] - t[s[0]], default=(0, 0))
+    if end - begin < SHORTEST:
+        raise RecordingError(
+            f"{table.path}: the longest stretch without gaps has {end - begin} samples; expected "
+            f"at least {SHORTEST}"
+        )
+    if end - begin < len(t):
+        figure = f"{t[begin]:.6g} to {t[end - 1]:.6g} s, {(end - begin) / len(t):.1%} of the rows"
+        rows = f"rows {table.row(begin)} to {table.row(end - 1)}"
+        findings[:] = _shortened(findings)
+        findings.append(
+            Finding("warning", f"only {rows} are used, the longest whole stretch", figure)
+        )
+    return begin, end
+
+
+def _shortened(findings: list[Finding]) -> list[Finding]:
+    """Return the first few findings, and how many more there are."""
+    if len(findings) <= 5:
+        return findings
+    return [*findings[:4], Finding("warning", f"{len(findings) - 4} more such gaps")]
+
+
+def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return (begin, end) of the runs of True in marks (n,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

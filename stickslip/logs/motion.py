@@ -1,0 +1,103 @@
+"""Velocity and acceleration that a recording shows, and the rigid part of its force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.logs.recording import Recording
+from stickslip.servo.measurement import (
+    CUTOFF,
+    Array,
+    smoothed,
+)
+
+FASTEST = 0.1
+"""Low-pass cutoff at most, in sampling frequencies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kinematics:
+    """All signals through one zero-phase low-pass, so that they stay in step.
+
+    Attributes
+    ----------
+    x : (n,) [m]
+    v : (n,) [m/s]
+    a : (n,) [m/s^2]
+    jerk : (n,) [m/s^3]
+    cutoff : of the low-pass [Hz]
+    floor : velocity below which the steps of the encoder hide motion [m/s]
+    """
+
+    x: Array
+    v: Array
+    a: Array
+    jerk: Array
+    cutoff: float
+    floor: float
+
+
+def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
+    """Return what the position, or else the velocity, shows of the motion.
+
+    Parameters
+    ----------
+    recording : with a position or a velocity
+    cutoff : of the low-pass [Hz], less where the sampling is slow
+    """
+    T_s = recording.T_s
+    cutoff = min(cutoff, FASTEST / T_s)
+    if recording.position is not None:
+        x = smoothed(recording.position, T_s, cutoff)
+        v = np.gradient(x, T_s)
+    elif recording.velocity is not None:
+        v = smoothed(recording.velocity, T_s, cutoff)
+        x = np.cumsum(v) * T_s
+    else:
+        x = v = np.zeros_like(recording.t)
+    a = np.gradient(v, T_s)
+    # Rounding to steps is noise of variance step^2 / 12, spread evenly up to half the sampling
+    # frequency; differentiated and cut off it has this standard deviation.
+    noise = 2 * np.pi * recording.encoder_step * np.sqrt(cutoff**3 * T_s / 18)
+    floor = max(3 * float(noise), 1e-4 * float(np.max(np.abs(v))))
+    return Kinematics(x, v, a, np.gradient(a, T_s), cutoff, floor)
+
+
+def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:
+    """Return where (n,) the drive slides fast, farther from slow motion than the low-pass smears.
+
+    Parameters
+    ----------
+    motion : of a recording
+    T_s : its sample period [s]
+    share : of the top speed that is fast
+    """
+    slow = np.abs(motion.v) < share * np.max(np.abs(motion.v))
+    reach = max(1, min(round(1.0 / (motion.cutoff * T_s)), (len(slow) - 1) // 2))
+    near = np.convolve(slow, np.ones(2 * reach + 1), mode="same") > 0.5
+    near[: 4 * reach] = near[len(near) - 4 * reach :] = True
+    return np.asarray(~near)
+
+
+def unexplained(recording: Recording) -> float:
+    """Return what a rigid drive leaves of the force while sliding, sum of squares [N^2].
+
+    NaN where too little slides to tell.
+    """
+    motion = kinematics(recording)
+    used = sliding(motion, recording.T_s)
+    if recording.force is None or used.sum() < 50:
+        return np.nan
+    basis = np.linalg.qr(rigid_columns(motion, used))[0]
+    force = smoothed(recording.force, recording.T_s, motion.cutoff)[used]
+    rest = force - basis @ (basis.T @ force)
+    return float(rest @ rest)
+
+
+def rigid_columns(motion: Kinematics, used: NDArray[np.bool_]) -> Array:
+    """Return the columns (k, 4) of F = m a + b v + F_c sign v + F_0 where (n,) is used."""
+    v = motion.v[used]
+    return np.column_stack([motion.a[used], v, np.sign(v), np.ones_like(v)])

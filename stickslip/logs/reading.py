@@ -1,0 +1,259 @@
+"""From a log's file to a recording."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.errors import RecordingError, UsageError
+from stickslip.logs.channels import (
+    assumed_units,
+    motion_from,
+    signal_of,
+    unit_fault,
+    unit_of,
+)
+from stickslip.logs.contradictions import contradicted_period, near_factor
+from stickslip.logs.controller import Controller, controller_of
+from stickslip.logs.description import ROLES, Description
+from stickslip.logs.file import read_table
+from stickslip.logs.finding import Finding
+from stickslip.logs.grid import check_times, even_grid
+from stickslip.logs.products import Product, value_of
+from stickslip.logs.quantisation import step_of
+from stickslip.logs.recording import Recording
+from stickslip.logs.roles import assign_roles, named_quantity
+from stickslip.logs.table import LogTable
+from stickslip.logs.units import Unit
+from stickslip.servo.measurement import Array
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A log as it was understood.
+
+    Attributes
+    ----------
+    recording : its signals in SI units on an even grid
+    controller : that was in use; kind none when it is not known
+    findings : what was guessed, filled, cut off; see ``check_recording`` for what it can show
+    force_limit : of motor or amplifier [N], None when it is not known
+    tau_i : time constant of the amplifier's current loop [s], None when it is not known
+    units : of the columns by role, None where nobody states one; without those in error
+    description : by which it was read
+    """
+
+    recording: Recording
+    controller: Controller
+    findings: tuple[Finding, ...]
+    force_limit: float | None = None
+    tau_i: float | None = None
+    units: Mapping[str, Unit | None] = field(default_factory=dict)
+    description: Description = field(default_factory=Description)
+
+    @property
+    def timed(self) -> bool:
+        """Whether the time between its samples is in a unit that is known or assumed."""
+        return "time" in self.units or self.description.sample_period is not None
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Roles whose numbers are taken for SI units, because nobody states unit or scale."""
+        scaled = self.description.columns
+        return tuple(
+            role
+            for role, unit in self.units.items()
+            if unit is None and (role not in scaled or scaled[role].scale is None)
+        )
+
+
+def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> None:
+    """Raise the first finding that is an error.
+
+    Raises
+    ------
+    RecordingError
+        When there is one.
+    """
+    for finding in findings:
+        if finding.severity == "error":
+            raise RecordingError(f"{path}: {finding}")
+
+
+def read_recording(
+    path: str | os.PathLike[str], description: Description | None = None, *, strict: bool = True
+) -> Reading:
+    """Read a log: CSV and its relatives, Parquet or MAT.
+
+    Parameters
+    ----------
+    path : of the file
+    description : what its columns mean; what it leaves open is guessed and said in the findings
+    strict : whether a column whose unit is wrong or missing is raised; else it is an error among
+        the findings, and its numbers are kept as they are
+
+    Raises
+    ------
+    RecordingError
+        When the file cannot become a recording; names row or column.
+    UsageError
+        When the description does not suit it.
+    """
+    said = description or Description()
+    table = read_table(Path(path), said.delimiter, said.decimal)
+    findings = list(table.findings)
+    roles, remarks = assign_roles(table, said)
+    _check_roles(table, roles, said)
+    findings += remarks
+    units = {r: unit_of(table, said, r, roles[r]) for r in ROLES if r in roles}
+    motion, remarks = motion_from(said, roles, units)
+    findings += remarks
+    if said.sample_period and "time" in units:
+        findings.append(_unused_time(table, said, roles["time"], units.pop("time")))
+    faults = {
+        role: fault
+        for role, unit in units.items()
+        if (fault := unit_fault(table, said, role, roles[role], unit, motion))
+    }
+    findings += faults.values()
+    signals: dict[str, Array] = {}
+    for role, unit in units.items():
+        signals[role] = signal_of(table, said, role, roles[role], unit)
+    findings += assumed_units(said, units, motion)
+    _check_lengths(table, roles, signals)
+    if "time" in signals:
+        t = signals.pop("time")
+    else:
+        n = len(next(iter(signals.values())))
+        t = np.asarray(np.arange(n) * (said.sample_period or 1.0))
+    t, signals, table = _cut(table, t, signals, said.span)
+    check_times(table, t)
+    step = _encoder_step(table, said.encoder_step, signals, findings)
+    if motion == "rotary":
+        findings += _unwrap(signals)
+    grid = even_grid(table, t, signals)
+    findings += grid.findings
+    if strict:
+        raise_errors(table.path, findings)
+    recording = Recording(
+        grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
+    )
+    gains = {
+        name: value_of(value, table.scalars, f"gain {name}") for name, value in said.gains.items()
+    }
+    return Reading(
+        recording,
+        controller_of(said.controller, gains),
+        tuple(findings),
+        _positive(table, said.force_limit, "force_limit"),
+        said.tau_i,
+        {role: unit for role, unit in units.items() if role not in faults},
+        said,
+    )
+
+
+def _check_roles(table: LogTable, roles: dict[str, str], said: Description) -> None:
+    """Check that there is a time and a motion."""
+    names = ", ".join(table.names[:12])
+    if "time" not in roles and not said.sample_period:
+        raise RecordingError(
+            f"{table.path}: no column of time; say --column time=NAME or --sample-period, the "
+            f"columns are {names}"
+        )
+    if not {"position", "velocity"} & set(roles):
+        raise RecordingError(
+            f"{table.path}: no column of position or velocity; say --column position=NAME, the "
+            f"columns are {names}"
+        )
+
+
+def _check_lengths(table: LogTable, roles: dict[str, str], signals: dict[str, Array]) -> None:
+    """Check that columns, which a MAT file keeps apart, are equally long."""
+    (first, n), *others = ((role, len(signal)) for role, signal in signals.items())
+    for role, length in others:
+        if length != n:
+            raise RecordingError(
+                f"{table.path}: '{roles[role]}' ({role}) has {length} values, '{roles[first]}' "
+                f"({first}) has {n}; expected equally many"
+            )
+
+
+def _unused_time(table: LogTable, said: Description, name: str, unit: Unit | None) -> Finding:
+    """Return the remark on a column of time beside a given sample period, which is used."""
+    period = said.sample_period or 1.0
+    counts = unit.quantity == "number" if unit else named_quantity(name) == "number"
+    if name in table.numbers and name not in table.faults and not counts:
+        t = signal_of(table, said, "time", name, unit)
+        t = t[np.isfinite(t)]
+        spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
+        if spacing and (fault := contradicted_period(spacing, period)):
+            return fault
+    what = f"column '{name}' is not used, but the given sample period"
+    return Finding("note", what, f"{period:g} s")
+
+
+def _cut(
+    table: LogTable, t: Array, signals: dict[str, Array], span: tuple[float, float] | None
+) -> tuple[Array, dict[str, Array], LogTable]:
+    """Keep what lies in a span of time [s]; the table's rows follow."""
+    if span is None:
+        return t, signals, table
+    kept = np.flatnonzero((t >= span[0]) & (t <= span[1]))
+    if not len(kept):
+        finite = t[np.isfinite(t)]
+        has = f"{finite.min():.6g} to {finite.max():.6g} s" if len(finite) else "no times"
+        raise UsageError(f"span {span[0]:g} to {span[1]:g} s: no samples there; the log has {has}")
+    rows = np.array([table.row(int(k)) for k in kept])
+    return (
+        t[kept],
+        {role: signal[kept] for role, signal in signals.items()},
+        LogTable(table.path, table.names, {}, scalars=table.scalars, rows=rows),
+    )
+
+
+def _encoder_step(
+    table: LogTable, said: Product | None, signals: dict[str, Array], findings: list[Finding]
+) -> float:
+    """Return the resolution that was said, else the one that shows."""
+    shown = step_of(signals["position"]) if "position" in signals else 0.0
+    given = _positive(table, said, "encoder_step")
+    if given is None:
+        return shown
+    factor = near_factor(shown / given) if shown else None
+    if factor and not 1 < factor.value < 1e3:  # a log may have fewer digits than the encoder
+        what = "the steps of the position and --encoder-step contradict each other"
+        figure = f"{shown:.4g} and {given:.4g}, a factor near {factor.name}"
+        advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
+        findings.append(Finding("error", what, figure, advice))
+    elif shown and abs(shown / given - max(1, round(shown / given))) > 0.05:
+        figure = f"{given:.4g} said, {shown:.4g} seen"
+        advice = "check scale and unit of the position"
+        findings.append(Finding("warning", "the position moves in other steps", figure, advice))
+    return given
+
+
+def _unwrap(signals: dict[str, Array]) -> list[Finding]:
+    """Take out the jumps of angles that start anew with each turn."""
+    findings = []
+    for role in ("position", "position_command"):
+        signal = signals.get(role)
+        if signal is None or not np.isfinite(signal).all():
+            continue
+        jumps = int(np.sum(np.abs(np.diff(signal)) > np.pi))
+        if jumps and np.ptp(signal) <= 2 * np.pi * 1.001:
+            signals[role] = np.unwrap(signal)
+            findings.append(Finding("note", f"{role} was counted on over full turns", f"{jumps}"))
+    return findings
+
+
+def _positive(table: LogTable, said: Product | None, what: str) -> float | None:
+    if said is None:
+        return None
+    value = value_of(said, table.scalars, what)
+    if value <= 0:
+        raise UsageError(f"{what} = {value:g}: expected more than 0")
+    return value

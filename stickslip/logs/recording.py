@@ -1,0 +1,47 @@
+"""One log of a drive, on an even grid, in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from stickslip.servo.measurement import Array
+
+Motion = Literal["linear", "rotary"]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a drive showed; a signal that was not logged is None.
+
+    For a rotary drive read rad for m, N m for N and kg m^2 for kg throughout.
+
+    Attributes
+    ----------
+    t : (n,) even, from 0 on [s]
+    position : (n,) shown by the encoder [m]
+    force : (n,) of the motor, at each sample [N]
+    velocity : (n,) logged beside or instead of the position [m/s]
+    friction : (n,) measured friction force [N], as a tribometer shows it
+    position_command, velocity_command, force_command : (n,) [m], [m/s], [N]
+    encoder_step : resolution of the position [m]; 0 when none shows
+    motion : linear or rotary
+    source : where it comes from, for people
+    """
+
+    t: Array
+    position: Array | None = None
+    force: Array | None = None
+    velocity: Array | None = None
+    friction: Array | None = None
+    position_command: Array | None = None
+    velocity_command: Array | None = None
+    force_command: Array | None = None
+    encoder_step: float = 0.0
+    motion: Motion = "linear"
+    source: str = "recording"
+
+    @property
+    def T_s(self) -> float:  # noqa: N802 - the symbol of the paper
+        """Sample period [s]."""
+        return float(self.t[-1] / (len(self.t) - 1))

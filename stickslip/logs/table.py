@@ -1,0 +1,88 @@
+"""The table that a log's file holds, before anybody knows what its columns are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.cosim.fmu.names import suggestion
+from stickslip.errors import RecordingError
+from stickslip.logs.finding import Finding
+from stickslip.servo.measurement import Array
+
+
+@dataclass(frozen=True, eq=False)
+class LogTable:
+    """Columns by name, as they were read.
+
+    Attributes
+    ----------
+    path : of the file, for messages
+    names : of all columns, in the file's order
+    numbers : (n,) by name; nan where a field is empty
+    texts : (n,) by name, of columns that hold no numbers
+    units : by name, where the file states one
+    faults : by name, why a column cannot be used
+    scalars : single numbers beside the columns
+    rows : (n,) number of the line or row of each value; None counts from 1
+    headed : whether the file itself names its columns
+    findings : of reading
+    """
+
+    path: str
+    names: tuple[str, ...]
+    numbers: Mapping[str, Array]
+    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    faults: Mapping[str, str] = field(default_factory=dict)
+    scalars: Mapping[str, float] = field(default_factory=dict)
+    rows: NDArray[np.intp] | None = None
+    headed: bool = True
+    findings: tuple[Finding, ...] = ()
+
+    def row(self, k: int) -> int:
+        """Return the number in the file of the k-th value."""
+        return k + 1 if self.rows is None else int(self.rows[k])
+
+    def find(self, key: str | int, role: str) -> str:
+        """Return the name of the column that an owner calls so, by name or number from 1.
+
+        Raises
+        ------
+        RecordingError
+            When there is none, or several only differ in case.
+        """
+        if isinstance(key, str) and key in self.names:
+            return key
+        if isinstance(key, int) or key.isdecimal():
+            if 1 <= int(key) <= len(self.names):
+                return self.names[int(key) - 1]
+            raise RecordingError(
+                f"{self.path}: {role}: no column {key}, there are {len(self.names)}"
+            )
+        alike = [name for name in self.names if name.lower() == key.lower()]
+        if len(alike) == 1:
+            return alike[0]
+        if alike:
+            raise RecordingError(f"{self.path}: {role}: which column, {' or '.join(alike)}?")
+        raise RecordingError(f"{self.path}: {role}: no column '{key}'{suggestion(key, self.names)}")
+
+    def column(self, name: str) -> Array:
+        """Return the numbers (n,) of a column.
+
+        Raises
+        ------
+        RecordingError
+            When it holds none.
+        """
+        if name in self.faults:
+            raise RecordingError(f"{self.path}: column '{name}': {self.faults[name]}")
+        if name in self.texts:
+            raise RecordingError(
+                f"{self.path}: column '{name}', row {self.row(0)}: expected a number, got "
+                f"'{self.texts[name][0][:40]}'"
+            )
+        return self.numbers[name]

@@ -1,0 +1,124 @@
+"""Units that logs are written in.
+
+Rotary drives have angles for lengths and torques for forces. What is no mechanical quantity
+(currents, voltages, counts) needs a scale that says what it stands for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from stickslip.logs.recording import Motion
+
+_TURN = 2 * math.pi
+_INCH = 0.0254
+
+_FACTORS: dict[str, dict[str, float]] = {
+    "time": {"s": 1, "sec": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": 3600},
+    "length": {
+        "m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9,
+        "inch": _INCH, "in": _INCH, "mil": _INCH / 1000,
+    },
+    "angle": {
+        "rad": 1, "mrad": 1e-3, "urad": 1e-6, "deg": _TURN / 360, "°": _TURN / 360,
+        "arcmin": _TURN / 21600, "arcsec": _TURN / 1296000, "rev": _TURN, "turn": _TURN,
+    },
+    "speed": {
+        "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6, "nm/s": 1e-9, "mm/min": 1e-3 / 60,
+        "m/min": 1 / 60, "inch/s": _INCH, "in/s": _INCH, "km/h": 1 / 3.6,
+    },
+    "angular speed": {
+        "rad/s": 1, "mrad/s": 1e-3, "deg/s": _TURN / 360, "°/s": _TURN / 360, "rpm": _TURN / 60,
+        "1/min": _TURN / 60, "rev/min": _TURN / 60, "rev/s": _TURN, "Hz": _TURN,
+    },
+    "force": {"N": 1, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "torque": {"N.m": 1, "mN.m": 1e-3, "uN.m": 1e-6, "kN.m": 1e3, "N.cm": 1e-2, "N.mm": 1e-3},
+    "current": {"A": 1, "mA": 1e-3, "Arms": 1},
+    "voltage": {"V": 1, "mV": 1e-3, "kV": 1e3},
+    "number": {
+        "1": 1, "%": 1e-2, "‰": 1e-3, "counts": 1, "count": 1, "cts": 1, "inc": 1, "increments": 1,
+    },
+}  # fmt: skip
+_SPELT = {
+    "Nm": "N.m", "mNm": "mN.m", "uNm": "uN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm",
+    "A_rms": "Arms", "seconds": "s", "second": "s", "degrees": "deg", "degree": "deg",
+    "radians": "rad", "revolutions": "rev", "revs": "rev", "turns": "turn", "ticks": "counts",
+    "min^-1": "1/min", "min-1": "1/min", "A.rms": "Arms",
+    "micron": "um", "microns": "um", "inches": "inch", "samples": "counts", "sample": "counts",
+    "0.1 %": "‰", "0.1%": "‰", "0,1 %": "‰", "0,1%": "‰", "1/1000": "‰", "permille": "‰",
+    "percent": "%", "pct": "%", "pulses": "counts", "mps": "m/s", "mmps": "mm/s", "rps": "rev/s",
+}  # fmt: skip
+
+QUANTITIES: dict[Motion, dict[str, str]] = {
+    "linear": {"position": "length", "velocity": "speed", "force": "force"},
+    "rotary": {"position": "angle", "velocity": "angular speed", "force": "torque"},
+}
+"""What a drive's signals are by its motion."""
+
+_CASE_COUNTS = frozenset({"force", "torque", "current", "voltage"})
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: value in SI units = factor * value.
+
+    Attributes
+    ----------
+    name : as it is written here
+    quantity : what it measures
+    """
+
+    name: str
+    quantity: str
+    factor: float
+
+
+_UNITS = {
+    name: Unit(name, quantity, float(factor))
+    for quantity, factors in _FACTORS.items()
+    for name, factor in factors.items()
+}
+
+
+def unit_named(text: str) -> Unit | None:
+    """Return the unit that people write so, None when there is none.
+
+    Upper and lower case count (mN and MN, nm and Nm), except where only one unit is meant.
+    """
+    name = text.strip().replace("μ", "u").replace("µ", "u")
+    name = _SPELT.get(name, name)
+    for sign in "·*⋅- ":
+        if name not in _UNITS:
+            name = name.replace(sign, ".")
+    if name in _UNITS:
+        return _UNITS[name]
+    alike = [key for key in (*_UNITS, *_SPELT) if key.lower() == name.lower()]
+    found = _UNITS[_SPELT.get(alike[0], alike[0])] if len(alike) == 1 else None
+    return found if found and found.quantity not in _CASE_COUNTS else None
+
+
+def sized_unit(quantities: Collection[str], factor: float) -> Unit | None:
+    """Return the first unit of some quantities that is as large, None when there is none."""
+    return next(
+        (
+            unit
+            for unit in _UNITS.values()
+            if unit.quantity in quantities and abs(math.log(unit.factor / factor)) < 0.01
+        ),
+        None,
+    )
+
+
+def unit_names(quantity: str) -> tuple[str, ...]:
+    """Return the names of the units of a quantity."""
+    return tuple(_FACTORS.get(quantity, ()))
+
+
+def motion_of(unit: Unit) -> Motion | None:
+    """Return the motion that a unit belongs to, None when to either."""
+    for motion, quantities in QUANTITIES.items():
+        if unit.quantity in quantities.values():
+            return motion
+    return None

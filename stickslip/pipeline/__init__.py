@@ -1,0 +1,1 @@
+"""From experiment to result, for each mode of the application."""

@@ -1,0 +1,216 @@
+"""The paper from beginning to end: build, identify, learn, validate.
+
+Data flow: the drive's truth goes into drive.fmu and, when all is learned, into Table 2. What is in
+between sees a ``Rig``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+import pandas as pd
+
+from stickslip import cosim, ga, models
+from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.fmpy_check import SecondOpinion
+from stickslip.evaluation.motion_study import MotionStudy
+from stickslip.evaluation.validation import Validation, validate
+from stickslip.identification.stages import (
+    Estimate,
+    Identification,
+    identify,
+)
+from stickslip.pipeline.extras import Extras
+from stickslip.pipeline.steps import with_steps
+from stickslip.results.tables import table2
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    VALIDATION,
+    Datasheet,
+)
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import (
+    Feed,
+    build_fmus,
+    paper_loop,
+)
+from stickslip.tuning.coarse_start import coarsened
+from stickslip.tuning.execution import Execution
+from stickslip.tuning.learning import (
+    Study,
+    learn,
+    parameters,
+)
+from stickslip.tuning.published import WholeStudy
+from stickslip.tuning.refinement import (
+    Refinement,
+    refine,
+    without_search,
+)
+
+
+@dataclass(frozen=True)
+class Options:
+    """What can be chosen.
+
+    Attributes
+    ----------
+    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
+    preset : how to learn, a name in ``ga.ALGORITHMS``
+    feed : what drives the compensator
+    published_seeds : how many seeds learn as published
+    complete : take all steps: learn as published and from one recording, too
+    coarse : factors by name on what identification found, to begin learning there; see
+        ``stickslip/tuning/coarse_start.py``
+    """
+
+    truth: Mapping[str, float] = field(default_factory=dict)
+    seed: int = 0
+    preset: str = "default"
+    feed: Feed = "nominal"
+    published_seeds: int = 20
+    complete: bool = False
+    coarse: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def refined(self) -> bool:
+        """Whether the learning ends with the fit of ``stickslip/tuning/refinement.py``."""
+        return self.preset != "paper"
+
+    @property
+    def may_skip(self) -> bool:
+        """Whether nothing is searched where the drive shows that it would not be worth it.
+
+        An algorithm that was asked for always searches.
+        """
+        return self.preset == "default"
+
+
+class Progress(Protocol):
+    """Is told how far a reproduction is."""
+
+    def stage(self, name: str) -> None:
+        """Begin a stage."""
+
+    def generation(self, algorithm: ga.Optimiser) -> None:
+        """One more generation of candidates is done."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """All that was computed.
+
+    Attributes
+    ----------
+    truth : every parameter of the drive FMU
+    start : the five parameters that learning began with
+    algorithm : what searched; where that was skipped it has done its first generation alone
+    system : the loop of Fig. 2a with the learned compensator
+    cost_without : of the training run without compensation [m^2/s^2]
+    extras : the same on the drive with all effects on, if that was asked for
+    beforehand : what ``vary_datasheet`` found, if that was asked for
+    opinion : what FMPy makes of the compensator, once its FMU is written
+    motions : all motions with each step, once they were run
+    published : the learning as published, where that was asked for
+    """
+
+    options: Options
+    truth: Mapping[str, float]
+    identification: Identification
+    start: Mapping[str, Estimate]
+    algorithm: ga.Optimiser
+    learned: Refinement
+    validation: Validation
+    system: cosim.System
+    cost_without: float
+    extras: Extras | None = None
+    beforehand: pd.DataFrame | None = None
+    opinion: SecondOpinion | None = None
+    motions: MotionStudy | None = None
+    published: WholeStudy | None = None
+
+    @property
+    def cost_of_identified(self) -> float:
+        """Cost of the training run with the parameters that learning began with [m^2/s^2].
+
+        They are the identified ones, times the factors of ``Options.coarse``.
+        """
+        return float(self.algorithm.history["cost"].iloc[0])
+
+    def table2(self) -> pd.DataFrame:
+        """Return Table 2 with what was found."""
+        return table2(self.identification, self.start, self.learned, self.truth)
+
+    def table4(self) -> pd.DataFrame:
+        """Return Table 4, with a column for each step once all motions were run."""
+        table = self.validation.table()
+        return with_steps(table, self.motions.evaluation.table()) if self.motions else table
+
+
+def drive_truth(changes: Mapping[str, float]) -> dict[str, float]:
+    """Return every parameter of the drive FMU.
+
+    Raises
+    ------
+    models.StartValueError
+        When a change names no parameter or lies outside its range.
+    """
+    model = models.load_model("drive").with_start(changes)
+    return {v.name: v.start for v in model.variables if v.role == "parameter"}
+
+
+def reproduce(
+    options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
+) -> Reproduction:
+    """Run the whole paper; FMUs are built into the folder ``fmus``, which must stay.
+
+    Raises
+    ------
+    models.ModelError, toolchain.ToolchainError
+    stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
+        When the drive does not show what is looked for, or its loop cannot be designed.
+    """
+    truth = drive_truth(options.truth)
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
+    start = {name: identification.estimates[name] for name in LUGRE}
+    if options.coarse:
+        start = coarsened(identification.estimates, options.coarse)
+    study = Study(
+        rig,
+        identification.loop,
+        start,
+        TRAINING.sample(rig.samples(TRAINING.duration)),
+        feed=options.feed,
+        algorithm=options.preset,
+        seed=options.seed,
+    )
+    progress.stage("trying what learning could bring")
+    learned = without_search(study) if options.may_skip else None
+    progress.stage("learning")
+    limits = ga.Limits(generations=1) if learned else None
+    algorithm = learn(study, progress.generation, execution, limits)
+    if learned is None:
+        progress.stage("refining")
+        learned = refine(study, parameters(algorithm.best.values), fitted=options.refined)
+    progress.stage("validating")
+    loop = identification.loop
+    validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
+    system = paper_loop(fmus, loop, learned.values, options.feed)
+    return Reproduction(
+        options,
+        truth,
+        identification,
+        start,
+        algorithm,
+        learned,
+        validation,
+        system,
+        study.cost_without(),
+    )

@@ -1,0 +1,84 @@
+"""What each step brings: one drive, controlled in every way that a reproduction knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+
+from stickslip.catalog.parameters import LUGRE
+from stickslip.evaluation.comparison import Entry
+from stickslip.evaluation.motion_study import (
+    IDENTIFIED,
+    LEARNED,
+    UNCOMPENSATED,
+)
+from stickslip.evaluation.motions import MOTIONS
+from stickslip.identification.stages import Identification
+from stickslip.servo.tuned_pi import tuned_pi
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.published import Published
+
+TRAPEZOID = MOTIONS[0]
+
+STEPS = {
+    UNCOMPENSATED: "None",
+    "tuned_pi": "Tuned PI alone",
+    IDENTIFIED: "Identified",
+    "as_published": "As published",
+    "coarse_default": "Default, coarse",
+    LEARNED: "Default",
+    "one_recording": "One recording",
+    "velocity_filter": "And filter",
+}
+"""The steps by the names of their columns, in the order in which they are shown."""
+
+Recorded = tuple[VelocityLoop, VelocityLoop, Mapping[str, float]]
+"""What one recording gave: the paper's loop, that with velocity filter, and the parameters."""
+
+
+def steps(
+    identification: Identification,
+    learned: Mapping[str, float],
+    published: Published | None = None,
+    coarse: Sequence[Mapping[str, float]] = (),
+    recorded: Recorded | None = None,
+) -> dict[str, Entry]:
+    """Return the steps that there are, in the order of ``STEPS``.
+
+    Parameters
+    ----------
+    learned : parameters of the default
+    coarse : parameters of the default from the coarse starts of some of the published seeds
+    """
+    loop = identification.loop
+    identified = {name: identification.estimates[name].value for name in LUGRE}
+    found = {
+        UNCOMPENSATED: Entry(loop),
+        "tuned_pi": Entry(tuned_pi(loop)),
+        IDENTIFIED: Entry(loop, identified),
+        LEARNED: Entry(loop, learned),
+    }
+    if published is not None:
+        first, *others = (one.learned for one in published.seeds)
+        found["as_published"] = Entry(loop, first, others)
+    if coarse:
+        found["coarse_default"] = Entry(loop, coarse[0], coarse[1:])
+    if recorded is not None:
+        plain, filtered, compensator = recorded
+        found["one_recording"] = Entry(plain, compensator)
+        found["velocity_filter"] = Entry(filtered, compensator)
+    return {name: found[name] for name in STEPS if name in found}
+
+
+def with_steps(table4: pd.DataFrame, motions: pd.DataFrame) -> pd.DataFrame:
+    """Return Table 4 with a column [mm/s] for each step that it has not yet.
+
+    Parameters
+    ----------
+    motions : what ``Evaluation.table`` returns
+    """
+    keys = ["velocity", "region", "metric"]
+    rows = motions[motions["motion"] == TRAPEZOID.name]
+    more = [name for name in STEPS if name in rows and name not in (UNCOMPENSATED, LEARNED)]
+    return table4.merge(rows[[*keys, *more]], on=keys, how="left", validate="one_to_one")

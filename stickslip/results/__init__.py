@@ -1,0 +1,1 @@
+"""learned.json and the folders of results."""

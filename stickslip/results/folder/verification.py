@@ -1,0 +1,105 @@
+"""Whether a folder still holds the results that its manifest names."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from stickslip.errors import ResultsError
+from stickslip.results.folder.claim import OURS
+from stickslip.results.folder.manifest import (
+    MANIFEST,
+    Manifest,
+    hash_of,
+)
+from stickslip.results.folder.ownership import refuse_places
+from stickslip.results.folder.publishing import (
+    READY,
+    complete,
+    files_in,
+)
+
+NOTES = {
+    "learning.checkpoint*.json": "of a learning that did not end; go on with --resume",
+    "unfinished/*": "of a study that did not end; go on with --resume",
+    f"{OURS}*": "of a process that writes, or was killed; the next that writes deletes it",
+}
+"""Files that may be there beside results, by pattern."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a folder holds.
+
+    Parameters
+    ----------
+    intact : files that are as they were written
+    faults : what is not, by the name of the file: missing, changed, additional, or why not read
+    notes : what else is to be said of files
+    """
+
+    intact: int
+    faults: dict[str, str]
+    notes: dict[str, str]
+
+    def __str__(self) -> str:
+        counts = Counter(self.faults.values())
+        bad = [f"{n} {what}" for what, n in sorted(counts.items())]
+        return ", ".join([*bad, f"{self.intact} intact"])
+
+
+def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
+    """Compare a folder with its manifest; what a killed process left ready is moved in first.
+
+    Parameters
+    ----------
+    without : patterns of files that may be missing, such as those a repository leaves out
+
+    Raises
+    ------
+    ResultsError
+        When there is no such folder or no manifest in it.
+    UsageError
+        When another process is replacing the results.
+    """
+    if not folder.is_dir():
+        raise ResultsError(f"{folder}: there is no such folder")
+    while True:
+        complete(folder)
+        manifest = Manifest.read(folder)
+        verdict = _compare(folder, manifest, without)
+        if manifest == Manifest.read(folder) and not os.path.lexists(folder / READY):
+            return verdict  # else another process has replaced the results meanwhile
+
+
+def _compare(folder: Path, manifest: Manifest, without: Sequence[str]) -> Verdict:
+    said = {name: _state(folder, name, digest) for name, digest in manifest.sha256.items()}
+    notes = {
+        name: "missing, as it may be"
+        for name, what in said.items()
+        if what == "missing" and any(fnmatchcase(name, pattern) for pattern in without)
+    }
+    for name in files_in(folder):
+        if name not in said and name != MANIFEST:
+            known = [note for pattern, note in NOTES.items() if fnmatchcase(name, pattern)]
+            if known:
+                notes[name] = known[0]
+            else:
+                said[name] = "additional"
+    faults = {name: what for name, what in said.items() if what and name not in notes}
+    return Verdict(sum(not what for what in said.values()), dict(sorted(faults.items())), notes)
+
+
+def _state(folder: Path, name: str, digest: str) -> str:
+    """Return what is wrong with a file; nothing if it is as it was written."""
+    try:
+        refuse_places(folder, name)
+        return "" if hash_of(folder / name) == digest else "changed"
+    except FileNotFoundError:
+        return "missing"
+    except OSError as error:
+        return f"unreadable ({error.strerror})"

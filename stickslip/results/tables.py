@@ -1,0 +1,84 @@
+"""The tables that a reproduction writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from stickslip.catalog.parameters import (
+    LUGRE,
+    PAPER,
+    UNITS,
+)
+from stickslip.identification.stages import Estimate, Identification
+from stickslip.tuning.refinement import Refinement
+
+
+def table2(
+    identification: Identification,
+    start: Mapping[str, Estimate],
+    learned: Refinement,
+    truth: Mapping[str, float],
+) -> pd.DataFrame:
+    """Return Table 2 with what was found, in SI units.
+
+    Columns parameter, unit, paper, drive (the proxy's truth), identified, learned, spread (standard
+    error of the learned value), identified_spread, remark, start (where learning began). m and b
+    are not learned.
+    """
+    rows = []
+    for name, unit in UNITS.items():
+        before = identification.estimates[name]
+        after = learned.estimates.get(name)
+        rows.append(
+            {
+                "parameter": name,
+                "unit": unit,
+                "paper": PAPER[name],
+                "drive": truth[name],
+                "identified": before.value,
+                "learned": after.value if after else None,
+                "spread": after.standard_error if after else None,
+                "identified_spread": before.standard_error,
+                "remark": _remark(name, identification, start, learned, truth[name]),
+                "start": start[name].value if name in start else None,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _remark(
+    name: str,
+    identification: Identification,
+    start: Mapping[str, Estimate],
+    learned: Refinement,
+    truth: float,
+) -> str:
+    """Say how well a parameter is known, and whether learning took it away from the truth."""
+    if name not in LUGRE:
+        return "identified only, not learned"
+    before, after = identification.estimates[name], learned.estimates[name]
+    prior = start[name].standard_error / start[name].value
+    if learned.chosen == "start":
+        said = "as learning began: the training run alone would know it to "
+        said += f"+-{100 * learned.alone[name]:.2g} %"
+    elif learned.alone[name] < prior:
+        said = "well known from the training run"
+    elif learned.accepted:
+        said = (
+            f"hardly visible in the training run (alone +-{100 * learned.alone[name]:.2g} %): "
+            "identification decides"
+        )
+    else:
+        said = (
+            f"hardly visible in the training run (+-{100 * learned.alone[name]:.2g} %): "
+            "worse known than identified"
+        )
+    error_before, error_after = (abs(value / truth - 1.0) for value in (before.value, after.value))
+    if error_after > error_before:
+        said += (
+            f"; farther from the drive's value than identified "
+            f"({100 * error_after:.2g} % after {100 * error_before:.2g} %)"
+        )
+    return said

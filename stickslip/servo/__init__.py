@@ -1,0 +1,1 @@
+"""The axis, its velocity loop and filter, and the loops as systems of FMUs."""

@@ -1,0 +1,78 @@
+"""The axis without friction, and what a sample period does to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.fmi.toolchain import Fault
+
+Array = NDArray[np.float64]
+
+
+class ControlError(Fault, ValueError):
+    """No controller meets the specification; the message says what can be reached."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The axis without friction: mass m [kg], viscous friction b [N s/m], current lag tau_i [s].
+
+    Raises
+    ------
+    ControlError
+        When m is not positive, tau_i negative, or a number not finite.
+    """
+
+    m: float
+    b: float
+    tau_i: float = 0.0
+
+    def __post_init__(self) -> None:
+        check("m", self.m, "kg", self.m > 0.0, "above 0")
+        check("b", self.b, "N s/m", True, "a number")
+        check("tau_i", self.tau_i, "s", self.tau_i >= 0.0, "0 or above")
+
+    def sampled(self, T_s: float) -> control.StateSpace:
+        """Return the axis from a held command u [N] to motor force F, velocity v and position x.
+
+        The states are the outputs. Without a lag F follows u at once: at a sample it is the command
+        of the period that ends.
+        """
+        A = np.array([[0, 0, 0], [1 / self.m, -self.b / self.m, 0], [0, 1, 0]])
+        B = np.array([[0], [1 / self.m], [0]])
+        if self.tau_i > 0.0:
+            A[0, 0], B[0, 0] = -1 / self.tau_i, 1 / self.tau_i
+            B[1, 0] = 0.0
+        else:
+            A[1, 0] = 0.0
+        sampled = control.sample_system(control.ss(A, B, np.eye(3), 0), T_s, method="zoh")
+        A, B = np.array(sampled.A), np.array(sampled.B)
+        if self.tau_i == 0.0:
+            A[0, 0], B[0, 0] = 0.0, 1.0
+        return control.ss(A, B, np.eye(3), 0, T_s, inputs="u", outputs=["F", "v", "x"])
+
+    def period(self, T_s: float) -> tuple[Array, Array, Array]:
+        """Return what a period does, told by the motor force at its ends.
+
+        (x, v, d)+ = A (x, v, d) + last F + now F+, with a held disturbing force d [N]: A (3, 3),
+        last (3,), now (3,). Exact, since between samples F follows the lag.
+        """
+        system = self.sampled(T_s)
+        keep, held = system.A[0, 0], system.B[[2, 1], 0]
+        now = held / (1.0 - keep)
+        last = system.A[[2, 1], 0] - now * keep
+        A = np.eye(3)
+        A[:2, :2] = system.A[np.ix_([2, 1], [2, 1])]
+        free = Axis(self.m, self.b).sampled(T_s)
+        A[:2, 2] = free.B[[2, 1], 0]
+        return A, np.append(last, 0.0), np.append(now, 0.0)
+
+
+def check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:
+    """Raise a ControlError unless a value is finite and what is asked of it holds."""
+    if not (holds and np.isfinite(value)):
+        raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")

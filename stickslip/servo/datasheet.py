@@ -1,0 +1,49 @@
+"""What an engineer knows of the axis before any experiment, and how its loop is to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stickslip.cosim import SineSweep, Trapezoid
+from stickslip.servo.axis import Axis
+from stickslip.servo.velocity_loop import LoopSpecification
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """From the data sheets of motor, amplifier, encoder and controller.
+
+    Attributes
+    ----------
+    mass : that moves, roughly [kg]
+    peak_force : of the motor [N], Table 1
+    tau_i : time constant of the amplifier's current loop [s]
+    encoder_step : resolution of the encoder [m]
+    force_noise : standard deviation of the motor force that the current shows [N]
+    """
+
+    mass: float = 5.5
+    peak_force: float = 205.0
+    tau_i: float = 1e-4
+    encoder_step: float = 4e-7
+    force_noise: float = 0.05
+
+    def axis(self, m: float, b: float) -> Axis:
+        """Return the axis without friction, for a mass [kg] and viscous friction [N s/m]."""
+        return Axis(m, b, self.tau_i)
+
+
+LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-4)
+"""The velocity loop. How it was calibrated to Table 4: docs/decisions/0003-calibration.md."""
+
+TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
+"""The training command of section 4.2 [m/s]."""
+
+SLOW = SineSweep(frequency=(0.1, 0.5), amplitude=(0.030, 0.040), duration=10.0)
+"""Reversals slower than nearly all of the training command, to compare results of it on [m/s]."""
+
+VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
+"""The trapezoid of Fig. 6(a) [m/s]."""
+
+REGION = (0.030, 0.070)
+"""The judged windows: from when to when after motion starts or reverses [s]."""

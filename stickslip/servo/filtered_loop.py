@@ -1,0 +1,40 @@
+"""The velocity loop with a velocity filter and feedforward of inertia: beyond the paper.
+
+The gains stay; what changes is how the loop knows its velocity, and that it need not lag behind
+the command. Figures: docs/decisions/0022-velocity-filter.md.
+"""
+
+from __future__ import annotations
+
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.velocity_filter import (
+    FilterSpecification,
+    design_velocity_filter,
+)
+from stickslip.servo.velocity_loop import VelocityLoop
+
+UNKNOWN_SHARE = 0.25
+"""Share of the Coulomb friction by which what is unknown of it may wander in a second."""
+
+
+def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -> VelocityLoop:
+    """Return a loop with the same gains, its velocity from a filter of encoder and motor force.
+
+    Parameters
+    ----------
+    F_c : Coulomb friction [N], on which the disturbance is measured that the filter expects
+
+    Raises
+    ------
+    stickslip.servo.axis.ControlError
+        When the loop is unstable with it.
+    """
+    specification = FilterSpecification(
+        datasheet.encoder_step, datasheet.force_noise, UNKNOWN_SHARE * F_c
+    )
+    return loop.changed(velocity_filter=design_velocity_filter(loop.axis, loop.T_s, specification))
+
+
+def with_inertia(loop: VelocityLoop) -> VelocityLoop:
+    """Return a loop that feeds the force forward that accelerates its mass."""
+    return loop.changed(m_ff=loop.axis.m)

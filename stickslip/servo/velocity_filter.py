@@ -1,0 +1,117 @@
+"""A stationary Kalman filter that sees an axis through its encoder and its motor force.
+
+    x' = v,   m v' = F - F_known - b v + d,   d' = white noise
+    x_enc = x + error of the encoder's step
+
+Between samples the force F moves as a current loop with the lag tau_i lets it, so it is known
+throughout from its values at the samples. Then the prediction is exact, and without disturbance
+and quantisation the estimate is the velocity itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+
+from stickslip.servo.axis import Axis, check
+
+
+@dataclass(frozen=True)
+class FilterSpecification:
+    """What the filter may take for granted.
+
+    Attributes
+    ----------
+    encoder_step : resolution of the encoder [m]
+    force_noise : standard deviation of the force from sample to sample [N]
+    disturbance_rate : standard deviation of what the unknown force changes by in a second, growing
+        with the square root of the time [N/s^0.5]
+
+    Raises
+    ------
+    ControlError
+        When a number is out of its range.
+    """
+
+    encoder_step: float
+    force_noise: float
+    disturbance_rate: float
+
+    def __post_init__(self) -> None:
+        check("encoder_step", self.encoder_step, "m", self.encoder_step > 0.0, "above 0")
+        check("force_noise", self.force_noise, "N", self.force_noise >= 0.0, "0 or above")
+        rate = self.disturbance_rate
+        check("disturbance_rate", rate, "N/s^0.5", rate > 0.0, "above 0")
+
+
+@dataclass(frozen=True)
+class VelocityFilter:
+    """A designed filter.
+
+    Attributes
+    ----------
+    axis, T_s : what it was designed for
+    L_x, L_v, L_d : gains from the unexpected way [m] to position [1], velocity [1/s] and
+        disturbing force [N/m]
+    """
+
+    axis: Axis
+    T_s: float
+    L_x: float
+    L_v: float
+    L_d: float
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of the velocity-filter FMU."""
+        axis = {"m": self.axis.m, "b": self.axis.b, "tau_i": self.axis.tau_i}
+        return {"T_s": self.T_s, **axis, "L_x": self.L_x, "L_v": self.L_v, "L_d": self.L_d}
+
+    def system(self) -> control.StateSpace:
+        """Return the filter from way per sample [m] and net force [N] to velocity estimate [m/s].
+
+        Its states are the way that the last sample left unexplained [m], v [m/s], d [N] and the
+        net force at the last sample [N]; all differences, so that none drifts.
+        """
+        A, by_last, by_now = self.axis.period(self.T_s)
+        unexpected = np.concatenate([[1.0], -A[0, 1:], [-by_last[0]], [1.0, -by_now[0]]])
+        gain = np.array([self.L_x, self.L_v, self.L_d])
+        row = np.zeros((4, 6))  # states and inputs: (rest, v, d, N_last, way, N)
+        row[0] = (1.0 - self.L_x) * unexpected
+        row[1, 1:3], row[1, 3], row[1, 5] = A[1, 1:], by_last[1], by_now[1]
+        row[2, 2] = 1.0
+        row[1:3] += np.outer(gain[1:], unexpected)
+        row[3, 5] = 1.0
+        A_f, B_f = row[:, :4], row[:, 4:]
+        names = {"name": "estimator", "inputs": ["d", "N"], "outputs": "v_est"}
+        return control.ss(A_f, B_f, row[[1], :4], row[[1], 4:], self.T_s, **names)
+
+
+def design_velocity_filter(
+    axis: Axis, T_s: float, specification: FilterSpecification
+) -> VelocityFilter:
+    """Return the stationary Kalman filter, by python-control's Riccati equation.
+
+    The encoder's error counts as white with the variance step^2 / 12.
+
+    Raises
+    ------
+    ControlError
+        When T_s is not positive.
+    """
+    s = specification
+    check("T_s", T_s, "s", T_s > 0.0, "above 0")
+    A, _, _ = axis.period(T_s)
+    # In steps of the encoder, a period each: x / q, v T_s / q, d T_s^2 / (m q)
+    unit = s.encoder_step / np.array([1.0, T_s, T_s**2 / axis.m])
+    # A force that is held for a period, and what a random walk of d moves in it
+    held = np.append(A[:2, 2], 0.0)
+    walk = np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]])
+    reach = np.array([T_s**2 / axis.m, T_s / axis.m, 1.0])
+    Q = s.disturbance_rate**2 * T_s * walk * np.outer(reach, reach)
+    Q += s.force_noise**2 * np.outer(held, held)
+    C, R = np.array([[1.0, 0.0, 0.0]]), np.array([[1 / 12]])
+    _, P, _ = control.dlqe(A / unit[:, None] * unit, np.eye(3), C, Q / np.outer(unit, unit), R)
+    gain = unit / unit[0] * P[:, 0] / (P[0, 0] + R[0, 0])
+    return VelocityFilter(axis, T_s, *(float(value) for value in gain))

@@ -1,0 +1,242 @@
+"""The sampled velocity loop of a servo axis: PI controller, encoder, motor.
+
+    v_cmd -> (+) -> C(z) -> hold -> 1/(tau_i s + 1) -> 1/(m s + b) -> v -> 1/s -> x
+              ^ -                                                                |
+              +------------- filter <- difference over T_s <------- sampler -----+
+
+A velocity filter can take the place of difference and filter. It sees the motor force too, and
+takes from it the feedforward that it is told of.
+
+Everything is discretised exactly for a held force, so the loop of FMUs without friction and
+quantisation follows the same difference equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+
+from stickslip.servo import frequency
+from stickslip.servo.axis import (
+    Array,
+    Axis,
+    ControlError,
+    check,
+)
+from stickslip.servo.loop_parts import known_force, plant_and_estimator
+from stickslip.servo.velocity_filter import VelocityFilter
+
+_SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too few digits
+
+
+@dataclass(frozen=True)
+class LoopSpecification:
+    """What the loop shall do, and how it is sampled.
+
+    Attributes
+    ----------
+    bandwidth : gain crossover of the open loop [Hz]
+    phase_margin : at that crossover [deg]
+    T_s : sample period [s]
+    tau_f : time constant of the low-pass in the velocity estimate [s], 0 for none
+
+    Raises
+    ------
+    ControlError
+        When a number is out of its range.
+    """
+
+    bandwidth: float
+    phase_margin: float
+    T_s: float = 5e-4
+    tau_f: float = 0.0
+
+    def __post_init__(self) -> None:
+        check("T_s", self.T_s, "s", self.T_s > 0.0, "above 0")
+        check("tau_f", self.tau_f, "s", self.tau_f >= 0.0, "0 or above")
+        inside = 0.0 < self.phase_margin < 180.0
+        check("phase margin", self.phase_margin, "deg", inside, "between 0 and 180")
+        rate = 1.0 / self.T_s
+        inside = _SLOWEST * rate < self.bandwidth < 0.5 * rate
+        limits = f"between {_SLOWEST * rate:g} and {0.5 * rate:g} Hz, half the sample rate"
+        check("bandwidth", self.bandwidth, "Hz", inside, limits)
+
+
+@dataclass(frozen=True)
+class VelocityLoop:
+    """A designed loop.
+
+    Attributes
+    ----------
+    axis, T_s, tau_f : what it was designed for
+    K_p : proportional gain [N s/m]
+    K_i : integral gain [N/m]
+    open_loop : from velocity error to velocity estimate, discrete
+    nominal : from v_cmd [m/s] to the velocity v_r [m/s], discrete, minimal: Fig. 2b of the paper
+    compliance : from a feedforward force [N] to the velocity it adds [m/s], discrete
+    acceleration : from a_cmd [m/s2] to the velocity that m_ff a_cmd adds [m/s], with the states of
+        ``nominal``
+    m_ff : mass in the feedforward of inertia [kg], 0 for none
+    velocity_filter : what estimates the velocity, None for the controller's own difference; with
+        it ``nominal`` is not minimal, and tau_f is without effect
+    """
+
+    axis: Axis
+    T_s: float
+    tau_f: float
+    K_p: float
+    K_i: float
+    open_loop: control.StateSpace
+    nominal: control.StateSpace
+    compliance: control.StateSpace
+    acceleration: control.StateSpace
+    m_ff: float = 0.0
+    velocity_filter: VelocityFilter | None = None
+
+    def commands(self, v_cmd: Array) -> dict[str, Array]:
+        """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
+
+        With feedforward of inertia there is ``a_cmd`` too, what leads to the next velocity.
+        """
+        if self.m_ff == 0.0:
+            return {"v_cmd": v_cmd}
+        return {"v_cmd": v_cmd, "a_cmd": np.diff(v_cmd, append=v_cmd[-1]) / self.T_s}
+
+    def changed(
+        self, *, m_ff: float | None = None, velocity_filter: VelocityFilter | None = None
+    ) -> VelocityLoop:
+        """Return the loop with another feedforward of inertia [kg] or a velocity filter.
+
+        Raises
+        ------
+        ControlError
+            When it is unstable with the filter.
+        """
+        return close_velocity_loop(
+            self.axis,
+            self.T_s,
+            self.tau_f,
+            self.K_p,
+            self.K_i,
+            m_ff=self.m_ff if m_ff is None else m_ff,
+            velocity_filter=velocity_filter or self.velocity_filter,
+        )
+
+    def margins(self) -> dict[str, float]:
+        """Return crossover and closed-loop bandwidth [Hz], phase [deg] and gain margin [dB]."""
+        crossover, phase, gain = frequency.stability_margins(self.open_loop)
+        return {
+            "crossover_Hz": crossover,
+            "phase_margin_deg": phase,
+            "gain_margin_dB": gain,
+            "bandwidth_Hz": frequency.bandwidth(self.nominal),
+        }
+
+    def step_response(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return time [s] and velocity [m/s], both (n,), after a step of 1 m/s at t = 0."""
+        t = np.arange(round(duration / self.T_s) + 1) * self.T_s
+        response = control.step_response(self.nominal, t)
+        return t, np.asarray(response.outputs)
+
+
+def design_velocity_loop(
+    axis: Axis,
+    specification: LoopSpecification,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
+) -> VelocityLoop:
+    """Find the PI gains that put crossover and phase margin where the specification wants them.
+
+    Both are met exactly: at the crossover C(z) must be the complex number that turns the rest of
+    the open loop into e^(j (phase margin - 180 deg)), and K_p and K_i are two real unknowns.
+
+    Raises
+    ------
+    ControlError
+        When that needs a negative gain, or leaves the closed loop unstable.
+    """
+    s = specification
+    z = np.exp(2j * np.pi * s.bandwidth * s.T_s)
+    plant, estimator = plant_and_estimator(axis, s.T_s, s.tau_f, velocity_filter)
+    rest = complex((estimator * plant[1:, 0])(z))
+    wanted = -np.exp(1j * np.radians(s.phase_margin)) / rest
+    integrator = s.T_s * z / (z - 1.0)
+    K_i = wanted.imag / integrator.imag
+    K_p = wanted.real - K_i * integrator.real
+    if K_i < 0.0 or K_p < 0.0:
+        most = np.degrees(np.angle(-rest))  # with P alone
+        least = most + np.degrees(np.angle(integrator))  # with I alone
+        change = "raise the bandwidth or the margin"
+        if K_i < 0.0:
+            change = "lower the bandwidth, T_s, tau_f or the margin"
+        raise ControlError(
+            f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
+            f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
+        )
+    gains = float(K_p), float(K_i)
+    return close_velocity_loop(
+        axis, s.T_s, s.tau_f, *gains, m_ff=m_ff, velocity_filter=velocity_filter
+    )
+
+
+def close_velocity_loop(
+    axis: Axis,
+    T_s: float,
+    tau_f: float,
+    K_p: float,
+    K_i: float,
+    *,
+    m_ff: float = 0.0,
+    velocity_filter: VelocityFilter | None = None,
+) -> VelocityLoop:
+    """Close the loop with given gains; units as in ``VelocityLoop``.
+
+    Raises
+    ------
+    ControlError
+        When a time means nothing, the closed loop is unstable, or the filter has another sample
+        period.
+    """
+    check("T_s", T_s, "s", T_s > 0.0, "above 0")
+    check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
+    # I+ = I + T_s K_i e,  u = K_p e + I+
+    names = {"name": "controller", "inputs": "e", "outputs": "u_pi"}
+    controller = control.ss(1.0, T_s * K_i, 1.0, K_p + T_s * K_i, T_s, **names)
+    if K_i == 0.0:  # no integrator, whose pole would stay at 1
+        controller = control.ss([], [], [], K_p, T_s, **names)
+    error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
+    plant, estimator = plant_and_estimator(axis, T_s, tau_f, velocity_filter)
+    told = [] if velocity_filter is None else known_force(velocity_filter)
+    force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
+    parts = [plant, estimator, controller, error, force]
+    closed = control.interconnect([*parts, *told[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
+    nominal, pushed = (
+        control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
+    )
+    compliance = pushed
+    if told:
+        compliance = control.interconnect(
+            [*parts, *told[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
+        )[0, 1]
+    fastest = max(abs(nominal.poles()))
+    if not fastest < 1.0:
+        raise ControlError(
+            f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
+            f"a pole lies at |z| = {fastest:.4f}"
+        )
+    return VelocityLoop(
+        axis,
+        T_s,
+        tau_f,
+        K_p,
+        K_i,
+        open_loop=estimator * plant[1:, 0] * controller,
+        nominal=nominal,
+        compliance=compliance,
+        acceleration=control.ss(pushed.A, m_ff * pushed.B, pushed.C, m_ff * pushed.D, T_s),
+        m_ff=m_ff,
+        velocity_filter=velocity_filter,
+    )

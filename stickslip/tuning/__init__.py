@@ -1,0 +1,1 @@
+"""Learning on the drive, and the refinement after it."""

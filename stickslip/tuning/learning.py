@@ -1,0 +1,151 @@
+"""The learning of Fig. 3: an algorithm tries compensators on the drive.
+
+Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows it, v_r from the
+nominal loop, both through the same low-pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip import cosim, ga
+from stickslip.catalog.parameters import LUGRE, UNITS
+from stickslip.identification.stages import Estimate
+from stickslip.servo.measurement import (
+    CUTOFF,
+    Array,
+    smoothed,
+)
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import Feed
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.execution import Execution
+
+BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
+CONSTRAINT = ga.AtLeast("F_s", "F_c")
+
+
+@dataclass(frozen=True)
+class VelocityCost:
+    """Sum of (v - v_r)^2 [m^2/s^2] over the samples of a run on the drive.
+
+    Attributes
+    ----------
+    T_s : sample period [s]
+    cutoff : of the low-pass of v - v_r [Hz], None for none
+    """
+
+    T_s: float
+    cutoff: float | None = CUTOFF
+
+    def __call__(self, result: cosim.Result) -> float:
+        """Judge the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
+        gap = self.gap(result)
+        return float(np.sum(gap * gap))  # the same bits whatever the threads of the linear algebra
+
+    def gap(self, result: cosim.Result) -> Array:
+        """Return v - v_r (n,) [m/s]."""
+        v = np.gradient(result["drive.x_enc"], self.T_s)
+        gap = v - result["nominal.v_r"]
+        return gap if self.cutoff is None else smoothed(gap, self.T_s, self.cutoff)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a learning run needs, and nothing of the drive but its rig.
+
+    Attributes
+    ----------
+    loop : the velocity loop of the drive, and its nominal loop
+    start : the five parameters by name, with the standard errors of their identification, SI units
+    v_cmd : (n,) training command [m/s], one value a sample
+    algorithm : one of ``ga.ALGORITHMS``
+    settings : of the genetic algorithm, instead of those that ``algorithm`` names
+    """
+
+    rig: Rig
+    loop: VelocityLoop
+    start: Mapping[str, Estimate]
+    v_cmd: Array
+    feed: Feed = "nominal"
+    algorithm: str = "default"
+    settings: ga.Settings | None = None
+    seed: int = 0
+
+    def cost(self) -> ga.SimulatedCost:
+        """Return what judges one candidate on the drive."""
+        judge = VelocityCost(self.rig.T_s)
+        return self.rig.judge(self.v_cmd, self.loop, judge, self.feed)
+
+    def cost_without(self) -> float:
+        """Return the cost of the training run without compensation [m^2/s^2]."""
+        judge = VelocityCost(self.rig.T_s)
+        any_values = np.array([self.start[name].value for name in LUGRE])
+        with self.rig.judge(self.v_cmd, self.loop, judge, self.feed, compensated=False) as cost:
+            return cost(any_values)
+
+
+def learn(
+    study: Study,
+    on_generation: Callable[[ga.Optimiser], object] | None = None,
+    execution: Execution | None = None,
+    limits: ga.Limits | None = None,
+) -> ga.Optimiser:
+    """Run the algorithm to its end, or to ``limits``, and return it, with its history.
+
+    Raises
+    ------
+    ga.NothingLearned
+        When no candidate could be run.
+    ga.StateError
+        When the checkpoint is of another run, or is there and not to be resumed.
+    ga.Interrupted
+        At Ctrl-C.
+    """
+    execution = execution or Execution()
+    algorithm = optimiser(study, limits)
+    with study.cost() as cost, execution.opened() as executor:
+        ga.learn(
+            algorithm,
+            cost,
+            executor,
+            on_generation,
+            checkpoint=execution.checkpoint,
+            resume=execution.resume,
+            about=f"feed {study.feed}, {len(study.v_cmd)} samples",
+        )
+    return algorithm
+
+
+def optimiser(study: Study, limits: ga.Limits | None = None) -> ga.Optimiser:
+    """Return what searches the five genes."""
+    settings = study.settings or ga.PRESETS.get(study.algorithm)
+    problem = ga.Problem(genes(study.start), repair(settings))
+    if study.settings is not None:
+        return ga.GeneticAlgorithm(
+            problem.genes, study.settings, study.seed, problem.repair, limits
+        )
+    return ga.optimiser(study.algorithm, problem, limits, seed=study.seed)
+
+
+def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
+    """Return the five genes: identified values to start from, and the bounds of the paper."""
+    low, high = BOUNDS
+    values = {name: start[name].value for name in LUGRE}
+    return [
+        ga.Gene(name, low * value, high * value, value, UNITS[name])
+        for name, value in values.items()
+    ]
+
+
+def repair(settings: ga.Settings | None) -> ga.AtLeast | None:
+    """Return F_s >= F_c; the paper, whose genes are linear, does not ask for it."""
+    return None if settings is not None and settings.encoding == "linear" else CONSTRAINT
+
+
+def parameters(values: Array) -> dict[str, float]:
+    """Return the genes' values (5,) by name."""
+    return dict(zip(LUGRE, values.tolist(), strict=True))

@@ -1,0 +1,11 @@
+"""The paper's learning as published: coarse starts, Table 3, several seeds, and no later step.
+
+    study = study_as_published(rig, identification, seeds=range(20), reading_seeds=5, workers=2)
+
+``study.py`` learns, ``readings.py`` knows what the paper leaves open, ``whole.py`` does both.
+"""
+
+from stickslip.tuning.published.study import Published, learn_as_published
+from stickslip.tuning.published.whole import WholeStudy, study_as_published
+
+__all__ = ["Published", "WholeStudy", "learn_as_published", "study_as_published"]

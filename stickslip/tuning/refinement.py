@@ -1,0 +1,143 @@
+"""Before and after the search: whether the drive has more to teach, and what of it to keep.
+
+The cost sees some parameters well and others hardly; left to the genetic algorithm the latter end
+anywhere, or where they fit what only the training run shows. So a least-squares fit, which knows
+the start with its standard errors, follows the search, and the drive decides between the results.
+The same fit tells beforehand whether a search is worth its runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from stickslip.catalog.parameters import LUGRE
+from stickslip.identification.stages.estimate import Estimate
+from stickslip.tuning.learning import Study
+from stickslip.tuning.linear_fit import (
+    REPEATS,
+    Bench,
+    Fit,
+    Runs,
+    fit,
+)
+
+WORTHWHILE = 0.5
+"""Share of its cost below which the start must come, in a fit, for a search to be worth it."""
+ROUNDS = 2
+MARGIN = 0.1
+"""By how much a fit may cost more than the cheapest: the scatter of repeated runs."""
+
+Chosen = Literal["refined", "winner", "start"]
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What is known in the end.
+
+    Attributes
+    ----------
+    estimates : the five parameters with standard errors, in SI units
+    alone : relative standard error that the training runs alone would leave, by name
+    cost : of a typical training run on the drive [m^2/s^2]
+    chosen : the fit's parameters, the winner of the search, or what the search began with
+    runs : further runs of the drive that it took
+    skipped : why nothing was searched, as a sentence, or empty
+    """
+
+    estimates: dict[str, Estimate]
+    alone: dict[str, float]
+    cost: float
+    chosen: Chosen
+    runs: int
+    skipped: str = ""
+
+    @property
+    def result(self) -> str:
+        """What the final parameters are, in words."""
+        return {
+            "refined": "after refinement",
+            "winner": "best candidate, typical run",
+            "start": "as learning began, typical run",
+        }[self.chosen]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters by name, in SI units."""
+        return {name: estimate.value for name, estimate in self.estimates.items()}
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the fit's parameters are the result."""
+        return self.chosen == "refined"
+
+
+def without_search(study: Study) -> Refinement | None:
+    """Return the start as the result, where the drive shows that a search cannot improve it much.
+
+    Repeated runs with the start say how the gap v - v_r would change with the parameters. Where no
+    parameters would halve the cost, what is left is noise, or is not in the compensator's model:
+    a search would fit it to one command.
+    """
+    bench = Bench(study)
+    runs = bench.run(_start(study))
+    best = fit(study, runs, prior=False)
+    if best.cost < WORTHWHILE * runs.cost:
+        return None
+    said = (
+        f"with the parameters it would begin at, {2 * REPEATS} runs of the training command and "
+        f"its mirror image cost {runs.cost:.3g} m2/s2 in the mean, and no parameters would bring "
+        f"that below {best.cost:.3g} m2/s2 ({100.0 * best.cost / runs.cost:.0f} %), as a "
+        "least-squares fit of the five to these runs shows; a search is made for less than "
+        f"{100.0 * WORTHWHILE:.0f} %"
+    )
+    return _refinement(study, runs, best, "start", bench, said)
+
+
+def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) -> Refinement:
+    """Fit the parameters to repeated runs and to the start, beginning at ``winner``.
+
+    The drive has the last word: a result is not taken that costs more than the start in repeated
+    runs of the training command and its mirror image together, or of a slow command. Of the fit and
+    the winner, the fit is taken if it costs at most ``MARGIN`` more. With ``fitted`` False, the
+    winner is only measured.
+    """
+    bench = Bench(study)
+    won = bench.run(winner)
+    if not fitted:
+        return _refinement(study, won, fit(study, won), "winner", bench)
+    start = bench.run(_start(study))
+    # Where the winner lies too far off for the linear step, the start lies nearer.
+    refined = min((_refined(study, bench, runs) for runs in (won, start)), key=lambda r: r.cost)
+    results: dict[Chosen, Runs] = {"refined": refined, "winner": won}
+    results = {
+        name: runs
+        for name, runs in results.items()
+        if runs.cost <= (1.0 + MARGIN) * start.cost and runs.slow <= (1.0 + MARGIN) * start.slow
+    } or {"start": start}
+    limit = (1.0 + MARGIN) * min(runs.cost for runs in results.values())
+    chosen = next(name for name, runs in results.items() if runs.cost <= limit)
+    runs = results[chosen]
+    return _refinement(study, runs, fit(study, runs), chosen, bench)
+
+
+def _refined(study: Study, bench: Bench, runs: Runs) -> Runs:
+    for _ in range(ROUNDS):
+        runs = bench.run(fit(study, runs).values)
+    return runs
+
+
+def _refinement(
+    study: Study, runs: Runs, final: Fit, chosen: Chosen, bench: Bench, skipped: str = ""
+) -> Refinement:
+    if chosen == "start":
+        estimates = {name: study.start[name] for name in LUGRE}
+    else:
+        errors = final.errors if chosen == "refined" else final.alone
+        estimates = {n: Estimate(runs.values[n], runs.values[n] * errors[n]) for n in LUGRE}
+    return Refinement(estimates, final.alone, runs.training_cost, chosen, bench.runs, skipped)
+
+
+def _start(study: Study) -> dict[str, float]:
+    return {name: study.start[name].value for name in LUGRE}
