@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test test-platforms check format sanitize bench clean
+.PHONY: help setup reproduce test quick test-platforms check format sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -20,13 +20,18 @@ reproduce: .venv/installed ## reproduce the paper into results/paper, with all t
 test: .venv/tested ## run the tests, on all cores
 	$(BIN)/python -m pytest $(SPREAD)
 
+quick: .venv/tested ## run the quick tier of the tests, a minute on two cores
+	$(BIN)/python -m pytest $(SPREAD) --quick
+
 test-platforms: .venv/tested ## run FMUs of other platforms: needs qemu-user, libc6-arm64-cross, wine
 	$(BIN)/python -m pytest -m platforms
 
 check: .venv/checked ## lint, types and C format
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	@mkdir -p .typed/stickslip # the packages as they are when installed
+	@ln -sfn $(addprefix $(CURDIR)/,$(wildcard stickslip/*) cosim fmi fmucheck ga models) .typed/stickslip
+	cd .typed && ../$(BIN)/mypy --config-file ../pyproject.toml
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 
 format: .venv/checked ## format Python and C
@@ -49,14 +54,14 @@ clean: ## remove the environment and all that git ignores
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
 
-.venv/installed: pyproject.toml | .venv/bin/python
+.venv/installed: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
-.venv/tested: pyproject.toml | .venv/bin/python
+.venv/tested: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	touch $@ .venv/installed
 
-.venv/checked: pyproject.toml | .venv/bin/python
+.venv/checked: pyproject.toml setup.py | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[check]'
 	touch $@ .venv/installed

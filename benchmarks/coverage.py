@@ -28,7 +28,7 @@ from stickslip.identification.estimation import (
 )
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
-from stickslip.plan import plan
+from stickslip.planning import plan
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop

@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from stickslip.cosim.fmu.names import printable, shown
+from stickslip.fmi.messages import printable, shown
 
 MAX_BYTES = 512 * 1024**2
 

@@ -30,4 +30,4 @@ _THEMES = (
     "ending",
 )
 for _theme in _THEMES:  # importing a theme registers its rules
-    import_module(f"fmucheck.{_theme}")
+    import_module(f"stickslip.fmucheck.{_theme}")

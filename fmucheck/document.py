@@ -48,11 +48,11 @@ def wrong_encoding(document: Document) -> Claims:
         yield document.name, f"is encoded in {encoding}"
 
 
-@rule(Severity.ERROR, fmi2="", fmi3="", advice="export it as FMI 2.0 or 3.0 to have it judged")
+@rule(Severity.ERROR, fmi2="", fmi3="", advice="export it as FMI 2.0 or 3.0")
 def fmi1_is_not_judged(document: Document) -> Claims:
-    """An FMU of FMI 1.0, of which nothing more is judged."""
+    """An FMU of FMI 1.0, which is not supported."""
     if (claimed_version(document) or "").startswith("1."):
-        yield document.name, "FMI 1.0 is not judged; nothing more was looked at"
+        yield document.name, "FMI 1.0 is not supported; nothing else was checked"
 
 
 @rule(Severity.ERROR, fmi2="2.2.1", fmi3="2.4.1", advice="write 2.0 or 3.0")

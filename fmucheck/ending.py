@@ -101,9 +101,9 @@ def prints(ending: Ending) -> Claims:
         yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
 
 
-@rule(Severity.WARNING, fmi2="", fmi3="", advice="report it with the FMU: a mistake of the judge")
+@rule(Severity.WARNING, fmi2="", fmi3="", advice="report it with the FMU: an error in stickslip")
 def rule_not_tried(ending: Ending) -> Claims:
-    """A rule could not be tried, because the judge did not foresee what happened."""
+    """A rule could not be tried, because of an unexpected exception in stickslip."""
     if ending.reason == "puzzled":
         yield ending.place, ending.text.strip().splitlines()[-1]
 

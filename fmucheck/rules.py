@@ -91,7 +91,7 @@ def rule(
         RULES[name] = Rule(
             id=name,
             severity=severity,
-            stage=check.__module__.split(".")[1],
+            stage=check.__module__.split(".")[2],
             sections={v: s for v, s in sections.items() if s is not None},
             summary=(check.__doc__ or "").split("\n")[0],
             advice=advice,

@@ -1,4 +1,51 @@
-"""The application: learns a friction compensator for a servo drive, and reproduces the paper.
+"""stickslip learns a friction compensator for a servo drive, in FMUs.
 
-StickslipError                    drawn in ``stickslip/errors.py``
+>>> import stickslip as ss
+>>> system = ss.System("loop")
+>>> result = ss.simulate("drive.fmu", stop=2.0, inputs={"u": 1.0})
+>>> learned = ss.learn("log.csv")
+
+The public names are loaded when they are first used; ``__init__.pyi`` tells type checkers of them.
+Below are the packages: ``stickslip.cosim`` couples and steps FMUs, ``stickslip.ga`` optimises,
+``stickslip.models`` builds FMUs, ``stickslip.fmucheck`` checks them, ``stickslip.servo`` designs
+velocity loops. The errors of the application are drawn in ``stickslip/errors.py``.
 """
+
+from importlib import import_module
+from importlib.metadata import version
+
+_PLACES = {
+    "stickslip.cosim": (
+        *("Adaptive", "Coupling", "Fmu", "Record", "Result", "Scenario", "Simulation"),
+        *("SineSweep", "Specification", "System", "Table", "Trapezoid"),
+        *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
+    ),
+    "stickslip.cosim.control": ("linearise", "measure_response"),
+    "stickslip.fmucheck": ("check",),
+    "stickslip.models": ("build_fmu", "export_lti"),
+    "stickslip.pipeline.log_learning": ("learn", "write_learned"),
+    "stickslip.planning": ("plan",),
+    "stickslip.servo": (
+        *("Axis", "LoopSpecification", "VelocityLoop"),
+        *("design_velocity_filter", "design_velocity_loop"),
+    ),
+    "stickslip.simulation": ("simulate",),
+}
+_PLACE = {name: place for place, names in _PLACES.items() for name in names}
+
+__all__ = [*_PLACE]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used."""
+    if name == "__version__":
+        return version("stickslip")
+    if name not in _PLACE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_PLACE[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PLACE, "__version__"})

@@ -1,15 +1,51 @@
-"""Settings of all tests.
+"""Settings of all tests, and the quick tier.
 
-Tests interrupt runs with Ctrl-C, which a process started in the background, or by xdist, ignores.
+Tests interrupt runs, but a process that xdist, nohup or a shell starts aside ignores signals.
 A busy machine may take any time for one example of Hypothesis, so examples have no deadline.
 """
 
-import signal
+from __future__ import annotations
 
+import signal
+from collections import Counter
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+HERE = Path(__file__).parent
+CASES = 2
+"""Of each test in a folder that has parameters, so many cases belong to the quick tier."""
+
+for name in ("SIGINT", "SIGHUP"):
+    if (number := getattr(signal, name, None)) and signal.getsignal(number) is signal.SIG_IGN:
+        default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
+        signal.signal(number, default)
 
 settings.register_profile("stickslip", deadline=None)
 settings.load_profile("stickslip")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add --quick."""
+    parser.addoption(
+        "--quick",
+        action="store_true",
+        help=f"run at most {CASES} cases of each test, and none that is marked slow",
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave what the quick tier does not run."""
+    if not config.getoption("--quick"):
+        return
+    taken: Counter[str] = Counter()
+    kept, left = [], []
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        taken[test] += 1
+        few = taken[test] <= CASES or item.path.parent == HERE
+        quick = few and item.get_closest_marker("slow") is None
+        (kept if quick else left).append(item)
+    config.hook.pytest_deselected(items=left)
+    items[:] = kept

@@ -123,14 +123,15 @@ def results(commit: str, commands: dict[str, str], keep: Path) -> Path:
         ["git", "rev-parse", "--verify", f"{commit}^{{commit}}"],  # noqa: S607
         cwd=ROOT, check=True, capture_output=True, text=True,
     ).stdout.strip()  # fmt: skip
-    whole = keep / f"{sha[:12]}-{_fingerprint(commands)}"
-    if whole.is_dir():
-        return whole
     keep.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=keep, prefix="unfinished-") as name:
         folder = Path(name)
-        environment = install(sha, folder)
         simulate_log(folder / "log.csv")
+        inputs = repr(commands).encode() + (folder / "log.csv").read_bytes()
+        whole = keep / f"{sha[:12]}-{hashlib.sha256(inputs).hexdigest()[:8]}"
+        if whole.is_dir():
+            return whole
+        environment = install(sha, folder)
         for out, command in commands.items():
             print(f"{sha[:12]}: stickslip {command}", file=sys.stderr, flush=True)
             arguments = [*command.split(), "--out", f"results/{out}"]
@@ -142,12 +143,6 @@ def results(commit: str, commands: dict[str, str], keep: Path) -> Path:
                 sys.exit(f"same_results: {commit}: stickslip {command}: status {done.returncode}")
         (folder / "results").replace(whole)
     return whole
-
-
-def _fingerprint(commands: dict[str, str]) -> str:
-    """Return a hash of what is run and of the source that simulates the log."""
-    text = repr(commands) + Path(__file__).read_text(encoding="utf-8").partition("def install")[0]
-    return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
 def compare(first: Path, second: Path) -> Iterator[Outcome]:
@@ -176,7 +171,7 @@ def _presence(old: Path) -> str:
 
 def first_difference(old: Path, new: Path) -> str:
     """Name the first cell in which two CSV files differ: the first number, else the first text."""
-    a, b = (list(csv.reader(path.open(encoding="utf-8", newline=""))) for path in (old, new))
+    a, b = (list(csv.reader(path.read_text("utf-8").splitlines())) for path in (old, new))
     if len(a) != len(b):
         return f"{len(a)} rows against {len(b)}"
     texts = ""

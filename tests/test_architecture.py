@@ -15,14 +15,18 @@ from stickslip import models
 
 ROOT = Path(models.__file__).parent.parent
 ALLOWED = {
-    "toolchain": set(),
-    "models": {"toolchain"},
-    "cosim": {"toolchain"},
-    "fmucheck": {"toolchain"},
-    "ga": {"cosim", "toolchain"},
-    "stickslip": {"fmucheck", "ga", "cosim", "models", "toolchain"},
+    "fmi": set(),
+    "models": {"fmi"},
+    "cosim": {"fmi"},
+    "fmucheck": {"fmi"},
+    "ga": {"cosim", "fmi"},
+    "stickslip": {"fmucheck", "ga", "cosim", "models", "fmi"},
 }
 FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}
+
+
+def imported_as(package: str) -> str:
+    return package if package == "stickslip" else f"stickslip.{package}"
 
 
 def modules(package: str) -> Iterator[Path]:
@@ -30,12 +34,18 @@ def modules(package: str) -> Iterator[Path]:
 
 
 def imported(tree: ast.AST) -> Iterator[str]:
-    """Yield the top-level names that a module imports, wherever in it."""
+    """Yield the packages of stickslip that a module imports, by folder, wherever in it."""
     for node in ast.walk(tree):
+        names = []
         if isinstance(node, ast.Import):
-            yield from (alias.name.split(".")[0] for alias in node.names)
+            names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            yield node.module.split(".")[0]
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        for name in names:
+            top, _, rest = f"{name}.".partition(".")
+            if top == "stickslip":
+                below = rest.split(".")[0]
+                yield below if below in ALLOWED else "stickslip"
 
 
 @pytest.mark.parametrize("package", ALLOWED)
@@ -44,7 +54,7 @@ def test_arrows_run_down(package):
         f"{path.relative_to(ROOT)} imports {name}"
         for path in modules(package)
         for name in imported(ast.parse(path.read_text(encoding="utf-8")))
-        if name in ALLOWED and name not in {package, *ALLOWED[package]}
+        if name not in {package, *ALLOWED[package]}
     ]
     assert not wrong
 
@@ -73,7 +83,7 @@ def test_every_module_has_a_docstring(package):
 
 def public(package: str) -> Iterator[tuple[str, object]]:
     """Yield the public names of a package, and the public methods of its classes."""
-    module = importlib.import_module(package)
+    module = importlib.import_module(imported_as(package))
     for name in getattr(module, "__all__", []):
         item = getattr(module, name)
         yield f"{package}.{name}", item
@@ -84,7 +94,7 @@ def public(package: str) -> Iterator[tuple[str, object]]:
                     yield f"{package}.{name}.{key}", function
 
 
-@pytest.mark.parametrize("package", [*ALLOWED, "stickslip.cosim.control"])
+@pytest.mark.parametrize("package", [*ALLOWED, "cosim.control"])
 def test_public_names_have_docstrings(package):
     """A dataclass without one would get its signature for a docstring, which does not count."""
     silent = [
@@ -96,10 +106,10 @@ def test_public_names_have_docstrings(package):
     assert not silent
 
 
-@pytest.mark.parametrize("package", ["toolchain", "models", "cosim", "fmucheck", "ga"])
+@pytest.mark.parametrize("package", ["stickslip", "models", "cosim", "fmucheck", "ga"])
 def test_public_names_are_listed(package):
     """`__all__` is sorted the way ruff sorts it, complete, and all of it exists."""
-    module = importlib.import_module(package)
+    module = importlib.import_module(imported_as(package))
     assert module.__all__
     assert all(hasattr(module, name) for name in module.__all__)
 

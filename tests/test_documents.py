@@ -12,7 +12,8 @@ DOCUMENTS = [
     *(ROOT / "docs").rglob("*.md"),
     *(ROOT / "models").rglob("*.md"),
 ]
-REWRITTEN = [path for path in DOCUMENTS if path.parent.name in ("decisions", "measurements")]
+GENERATED = ("hostile.md", "check-defects.md")  # they quote messages and names of defects
+WRITTEN = [path for path in DOCUMENTS if path.name not in (*GENERATED, "ARCHITECTURE.md")]
 REPLACED = (
     *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),
     *("replica", "replicas", "valley", "valleys", "stand-in", "facade", "knock", "foretell"),
@@ -60,13 +61,14 @@ def test_relative_links_lead_to_files(path):
     assert not missing
 
 
-@pytest.mark.parametrize("path", REWRITTEN, ids=name)
+@pytest.mark.parametrize("path", WRITTEN, ids=name)
 def test_no_replaced_word(path):
     pattern = rf"\b({'|'.join(REPLACED)})\b"
     text = path.read_text(encoding="utf-8")
     found = {
         f"line {number}: {match[0]}"
         for number, line in enumerate(text.splitlines(), 1)
-        for match in re.finditer(pattern, line, re.IGNORECASE)
+        if not line.startswith("    ")  # what a command prints
+        for match in re.finditer(pattern, re.sub(r"`[^`]*`", "", line), re.IGNORECASE)
     }
     assert not found

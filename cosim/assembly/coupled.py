@@ -14,11 +14,12 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import fed_inputs
 from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import coupling as tables
 from stickslip.cosim.run.result import Array
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System

@@ -9,8 +9,9 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 from stickslip.cosim.errors import ConnectionFault
-from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.system.record import Deviation, Record
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System

@@ -18,10 +18,11 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.system.scaling import Scaling
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System

@@ -8,9 +8,9 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.errors import ConnectionFault, ParameterError
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System

@@ -13,8 +13,8 @@ from stickslip.cosim.control.errors import LinearisationError
 from stickslip.cosim.control.exchange import Exchange
 from stickslip.cosim.control.step_map import StepMap, alone
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.system.system import System
+from stickslip.fmi.messages import suggestion
 
 Array = NDArray[np.float64]
 Dynamics = Exchange | StepMap

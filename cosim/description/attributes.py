@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.fmu.names import shown
+from stickslip.fmi.messages import shown
 
 _WHOLE = re.compile(r"\s*[-+]?[0-9]{1,20}\s*")
 _NAMELESS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")

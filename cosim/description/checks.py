@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.fmu.names import shown
 from stickslip.cosim.fmu.variables import Variable
+from stickslip.fmi.messages import shown
 
 
 def check_distinct(

@@ -25,9 +25,9 @@ from stickslip.cosim.description.variables import (
     read_variable,
     typed_element,
 )
-from stickslip.cosim.fmu.names import shown
 from stickslip.cosim.fmu.variables import MAX_ELEMENTS, Variable
 from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.fmi.messages import shown
 
 _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 

@@ -11,7 +11,7 @@ from typing import Any
 from stickslip.cosim.description.attributes import whole
 from stickslip.cosim.description.faults import DescriptionFault
 from stickslip.cosim.description.model import Unknown
-from stickslip.cosim.fmu.names import shown
+from stickslip.fmi.messages import shown
 
 Places = Mapping[str, str]
 """Index or value reference, in digits -> name of the variable."""

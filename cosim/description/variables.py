@@ -19,7 +19,6 @@ from stickslip.cosim.description.attributes import (
 )
 from stickslip.cosim.description.faults import DescriptionFault
 from stickslip.cosim.description.types import TypeDefinition
-from stickslip.cosim.fmu.names import shown
 from stickslip.cosim.fmu.variables import (
     FLOATS,
     MAX_ELEMENTS,
@@ -29,6 +28,7 @@ from stickslip.cosim.fmu.variables import (
     Value,
     Variable,
 )
+from stickslip.fmi.messages import shown
 
 MAX_REFERENCE = 2**32 - 1
 

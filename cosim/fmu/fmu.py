@@ -20,12 +20,12 @@ from stickslip.cosim.description.clocks import Clock
 from stickslip.cosim.document import Malformed, parse_xml
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.collection import paused_collection
-from stickslip.cosim.fmu.names import shown
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Variable, parse_element
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
 from stickslip.fmi.archive.names import is_device
+from stickslip.fmi.messages import shown
 
 Interface = Literal["co_simulation", "model_exchange"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stickslip.cosim.errors import ParameterError
-from stickslip.cosim.fmu.names import shown
+from stickslip.fmi.messages import shown
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System

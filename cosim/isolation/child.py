@@ -85,7 +85,7 @@ class _Served:
         self._specification, self._shared, self._reply = specification, shared, reply
         self._simulation: Simulation | None = None
         self._logged = _Kept()
-        logging.getLogger("cosim").addHandler(self._logged)
+        logging.getLogger("stickslip.cosim").addHandler(self._logged)
 
     def do(self, what: str, arguments: dict[str, Any]) -> None:
         """Do what the parent asks for and tell it what came out."""

@@ -13,7 +13,7 @@ from weakref import finalize
 
 import numpy as np
 
-import stickslip.cosim.errors
+from stickslip.cosim import errors
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import (
     CosimError,
@@ -267,7 +267,7 @@ def _raise(reply: Reply) -> NoReturn:
     """Raise here what was raised in the child."""
     if "file" in reply:
         raise OSError(*reply["file"])
-    kind = getattr(cosim.errors, reply["error"], None) or getattr(builtins, reply["error"], None)
+    kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)
     if isinstance(kind, type) and issubclass(kind, CosimError | ValueError | TypeError | OSError):
         raise kind(reply["message"])
     raise SimulationError(f"{reply['error']}: {reply['message']}")

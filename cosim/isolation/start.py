@@ -1,7 +1,7 @@
 """The first lines of a child: ``python start.py SHARED SIZE TOKEN``.
 
-The package ``cosim`` would import all it has, which takes longer than many a run; a child needs a
-third of it. So it has an empty package of that name, whose modules it imports one by one.
+``stickslip.cosim`` would import all it has, which takes longer than many a run; a child needs a
+third of it. So it gets an empty package of that name, whose modules it imports one by one.
 """
 
 import sys
@@ -9,9 +9,9 @@ from pathlib import Path
 from types import ModuleType
 
 if __name__ == "__main__":
-    package = ModuleType("cosim")
+    package = ModuleType("stickslip.cosim")
     package.__path__ = [str(Path(__file__).parent.parent)]
-    sys.modules["cosim"] = package
+    sys.modules[package.__name__] = package
     from stickslip.cosim.isolation.child import main
 
     main(sys.argv[1], int(sys.argv[2]), bytes.fromhex(sys.argv[3]))

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu.names import printable
 from stickslip.cosim.run.result import Array
 from stickslip.fmi import toolchain
+from stickslip.fmi.messages import printable
 
 MOST_BYTES = 1 << 30
 FORMAT = 2

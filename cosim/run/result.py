@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.fmi import toolchain
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd

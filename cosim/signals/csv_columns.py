@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.fmu.names import printable, shown
 from stickslip.fmi import toolchain
+from stickslip.fmi.messages import printable, shown
 
 Array = NDArray[np.float64]
 

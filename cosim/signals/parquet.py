@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.fmu.names import printable, shown
+from stickslip.fmi.messages import printable, shown
 
 MOST_BYTES = 1 << 30
 MOST_VALUES = 100_000_000

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.fmu.names import component_of, suggestion
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.signals.csv_columns import read_columns
 from stickslip.cosim.signals.span import slack
+from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.fmu.variables import Value

@@ -12,7 +12,6 @@ from typing import Any
 import pandas as pd
 
 from stickslip.cosim.errors import CosimError, SignalError
-from stickslip.cosim.fmu.names import printable, shown
 from stickslip.cosim.signals.parquet import (
     MOST_BYTES,
     Unreadable,
@@ -20,6 +19,7 @@ from stickslip.cosim.signals.parquet import (
 )
 from stickslip.cosim.signals.signals import Table
 from stickslip.fmi import toolchain
+from stickslip.fmi.messages import printable, shown
 
 
 def read_tables(

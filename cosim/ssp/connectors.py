@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import shown
 from stickslip.cosim.fmu.units import BASE_UNITS, Unit
 from stickslip.cosim.ssp.markup import (
     attribute,
@@ -18,6 +17,7 @@ from stickslip.cosim.ssp.markup import (
     place,
 )
 from stickslip.cosim.ssp.names import NAMESPACES, tag
+from stickslip.fmi.messages import shown
 
 Items = Mapping[str, int]
 """Names of the values of an enumeration."""

@@ -9,7 +9,6 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Variable, parse_element
 from stickslip.cosim.ssp.connectors import (
@@ -36,6 +35,7 @@ from stickslip.cosim.system.scaling import (
     Scaling,
     Transform,
 )
+from stickslip.fmi.messages import suggestion
 
 End = tuple[Path, str]
 """Path of an element and name of its connector; a dictionary ends its path with a blank name.

@@ -12,7 +12,6 @@ from lxml import etree
 
 from stickslip.cosim.document import Malformed, parse_xml
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import printable, shown
 from stickslip.cosim.ssp.names import (
     NAMESPACES,
     OSP,
@@ -22,6 +21,7 @@ from stickslip.cosim.ssp.names import (
 )
 from stickslip.cosim.ssp.schema import violation
 from stickslip.fmi import toolchain
+from stickslip.fmi.messages import printable, shown
 
 MOST_BYTES = 1 << 26
 

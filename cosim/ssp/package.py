@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.ssp.markup import attribute, parse
 from stickslip.cosim.ssp.names import STRUCTURE
 from stickslip.fmi.archive import unpack
+from stickslip.fmi.messages import suggestion
 
 
 @dataclass(frozen=True)

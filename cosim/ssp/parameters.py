@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.ssp.connectors import (
@@ -40,6 +39,7 @@ from stickslip.cosim.system.scaling import (
     ValueMap,
 )
 from stickslip.fmi.archive import unpack
+from stickslip.fmi.messages import suggestion
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
 _WORDS = {"true": 1, "false": 0}

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.ssp.compose import add
 from stickslip.cosim.ssp.connectors import FAMILY, Items
@@ -23,6 +22,7 @@ from stickslip.cosim.system.scaling import (
     Transform,
     ValueMap,
 )
+from stickslip.fmi.messages import suggestion
 
 _WORDS = {"true": 1, "1": 1, "false": 0, "0": 0}
 _FITS = {

@@ -12,13 +12,7 @@ from stickslip.cosim.errors import (
     ParameterError,
 )
 from stickslip.cosim.fmu.fmu import Fmu, Interface
-from stickslip.cosim.fmu.names import (
-    check_name,
-    component_of,
-    shown,
-    suggestion,
-    variable_of,
-)
+from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.isolation.settings import Isolation
@@ -37,6 +31,7 @@ from stickslip.cosim.system.scaling import (
     Transform,
 )
 from stickslip.cosim.system.specification import Specification
+from stickslip.fmi.messages import shown, suggestion
 
 if TYPE_CHECKING:
     from stickslip.cosim.ssp.package import Package

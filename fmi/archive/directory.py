@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import PurePosixPath
 
-from stickslip.cosim.fmu.names import shown
 from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.names import check_distinct, place
+from stickslip.fmi.messages import shown
 
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of what is large when unpacked; deflate itself ends at 1032

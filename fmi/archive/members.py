@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from stickslip.cosim.fmu.names import printable, shown
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import directory
 from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.messages import printable, shown
 
 _CHUNK = 1024**2
 

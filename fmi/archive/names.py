@@ -7,8 +7,8 @@ import unicodedata
 from collections.abc import Iterable
 from pathlib import PurePosixPath
 
-from stickslip.cosim.fmu.names import shown
 from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.messages import shown
 
 MAX_DEPTH = 64
 MAX_LENGTH = 1000  # bytes of a path

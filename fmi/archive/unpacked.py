@@ -14,7 +14,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
-from stickslip.cosim.errors import CosimError
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.members import extract
@@ -25,7 +24,7 @@ _NOTED = 86400.0  # s after which it is noted that a folder is used
 _PARTIAL = ".unpack-"
 
 
-def unpack(path: Path, room: str, error: type[CosimError]) -> Path:
+def unpack(path: Path, room: str, error: type[toolchain.Fault]) -> Path:
     """Unpack an archive to ``<cache>/<room>/<sha256 of the file>`` and return that folder.
 
     The folder appears whole or not at all. A list beside it holds what its files were. As long as
@@ -46,7 +45,7 @@ def unpack(path: Path, room: str, error: type[CosimError]) -> Path:
         raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}") from fault
 
 
-def restore(folder: Path, path: Path, error: type[CosimError]) -> None:
+def restore(folder: Path, path: Path, error: type[toolchain.Fault]) -> None:
     """Unpack an archive again where its folder is not any more as it was unpacked.
 
     Raises

@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO
 
-import stickslip.fmucheck.rules
+from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
@@ -68,7 +68,7 @@ def main(job_file: str, report_file: str) -> None:
 def _try(job: Job, bench: Bench, report: IO[str]) -> None:
     kind = bench.interface.kind
     bench.tick = partial(_tell, job, report)
-    for rule in fmucheck.rules.stage(job.stage):
+    for rule in rules.stage(job.stage):
         applies = job.description.version in rule.sections
         if kind == "ScheduledExecution":
             applies = applies and rule.id in LOADING
@@ -82,7 +82,7 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
                 return
 
 
-def _claims(bench: Bench, rule: fmucheck.rules.Rule) -> tuple[list[tuple[str, str]], str, str]:
+def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], str, str]:
     """Return what a rule finds, which call failed on the way, and what we did not foresee."""
     claims: list[tuple[str, str]] = []
     failed = puzzled = ""

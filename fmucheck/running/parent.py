@@ -14,8 +14,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import stickslip.fmucheck.rules
 from stickslip.fmi.toolchain import check_interruption, child_process
+from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries.folders import target
 from stickslip.fmucheck.ending import (
     MOST_TEXT,
@@ -91,9 +91,9 @@ def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
         fatal = f"dies of {signal_name(ending.status)}"
         how = f"does not return in {ending.seconds:g} s" if ending.reason == "hang" else fatal
         claim = ending.interface, f"the process {how}"
-        yield fmucheck.rules.RULES[ending.during].finding(claim, fmu.description.version)
+        yield rules.RULES[ending.during].finding(claim, fmu.description.version)
         return
-    for rule in fmucheck.rules.stage("ending"):
+    for rule in rules.stage("ending"):
         yield from rule.findings(ending, fmu.description.version)
 
 
@@ -108,7 +108,7 @@ def _tried(
         results |= child.results
         for (_, rule), claims in child.claims.items():
             for claim in _agreed(rule, claims, child.claims):
-                yield fmucheck.rules.RULES[rule].finding(claim, fmu.description.version)
+                yield rules.RULES[rule].finding(claim, fmu.description.version)
         for (interface, rule, reason), text in child.failed.items():
             yield from _ended(Ending(interface, rule, reason, text=text), fmu)
         if ending is None:

@@ -34,7 +34,8 @@ class Settings:
         waits for the slowest
     threshold : stop as soon as the best cost is at most this, in the cost's unit; None never does
     adaptive : the mutation rate follows what succeeds, see ``ga/operators/rates.py``
-    surrogates : some children are where models of the cost are lowest, see ``ga/operators/surrogates.py``
+    surrogates : some children are where models of the cost are lowest, see
+        ``ga/operators/surrogates.py``
     patience : generations in which the best cost has not fallen by 1 % after which the search
         begins anew, where a bowl through all candidates is lowest or anywhere; None never does
     restarts : how often at most. A search that then comes to rest again is at its end.

@@ -34,13 +34,13 @@ from stickslip.logs import (
 from stickslip.pipeline.log_learning import (
     FILES,
     LogLearning,
-    learn_from_log,
+    learn,
     read_and_check,
     write_learned,
 )
 from stickslip.results.folder import reserved
 
-JUDGES: dict[str, JudgeName] = {
+CRITERIA: dict[str, JudgeName] = {
     "auto": "auto",
     "loop": "output error",
     "inverse": "inverse model",
@@ -61,11 +61,18 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="write results and report there")
     parser.add_argument(
-        "--judge",
-        choices=sorted(JUDGES),
+        "--criterion",
+        choices=sorted(CRITERIA),
         default="auto",
-        help="loop: run the known loop again (output error); inverse: the force that the motion "
-        "implies; auto: what the log allows",
+        help="loop: output error of the simulated closed loop; inverse: force predicted from the "
+        "motion; auto: the one that the log allows",
+    )
+    parser.add_argument(  # the old spelling
+        "--judge",
+        dest="criterion",
+        choices=sorted(CRITERIA),
+        default=argparse.SUPPRESS,
+        help=argparse.SUPPRESS,
     )
     parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
     parser.add_argument(
@@ -103,10 +110,10 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
     if not options.out and options.checkpoint is None:
         execution = replace(execution, checkpoint=None)
     with TerminalProgress(sys.stderr) as progress, keeping(execution, options):
-        learned = learn_from_log(
+        learned = learn(
             options.log,
             description,
-            judge=JUDGES[options.judge],
+            judge=CRITERIA[options.criterion],
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
@@ -143,8 +150,8 @@ def _print_findings(findings: Iterable[Finding]) -> None:
 
 
 def print_estimation(estimation: Estimation) -> None:
-    """Print judge, parameters with intervals, and relative errors."""
-    print(f"\njudged by the {estimation.judge}: {estimation.reason}")
+    """Print criterion, parameters with intervals, and relative errors."""
+    print(f"\ncriterion: {estimation.judge} ({estimation.reason})")
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 from stickslip.logs import (
     ROLES,
     Column,

@@ -11,7 +11,7 @@ import pandas as pd
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import write_whole
-from stickslip.plan import (
+from stickslip.planning import (
     LINEAR,
     ROTARY,
     Stretch,

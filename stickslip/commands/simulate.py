@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from stickslip import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
-from stickslip.commands.default_input import packed_input
 from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import refuse_odd
 from stickslip.results.folder import writable
-
-_STEPS = 500  # of an FMU that proposes no step
+from stickslip.simulation import Model
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -84,44 +80,23 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    system, experiment, inputs = _open(options.file, options.variant)
+    model = Model.open(options.file, options.variant)
     for name, value in split_assignments(options.set).items():
-        system.set(_qualified(system, name), value)
-    lone = options.file.suffix == ".fmu"
-    if lone:
-        _expose_inputs(system)
+        model.system.set(model.qualified(name), value)
+    inputs = model.inputs
     if options.hold and not options.input:
         raise UsageError("--hold names columns of --input; give one")
     if options.input:
         tables = cosim.read_tables(options.input, options.hold)
-        inputs = {_exposed(system, name): table for name, table in tables.items()}
-    experiment = replace(
-        experiment,
-        stop=experiment.stop if options.stop is None else options.stop,
-        step=experiment.step if options.step is None else options.step,
+        inputs = {model.exposed(name): table for name, table in tables.items()}
+    prepared = model.prepare(
+        stop=options.stop,
+        step=options.step,
+        record=model.record(options.record, options.every, "last" if options.last else "all"),
+        tolerance=options.tolerance,
+        allow_nan=options.allow_nan,
+        isolation=isolation_of(options),
     )
-    if lone and experiment.stop is not None and experiment.step is None:
-        span = experiment.stop - (experiment.start or 0.0)
-        experiment = replace(experiment, step=span / _STEPS)
-    if experiment.stop is None or experiment.step is None:
-        missing = "stop" if experiment.stop is None else "step"
-        raise UsageError(f"{options.file}: the file proposes no {missing}; give --{missing}")
-    names = options.record and [_qualified(system, name) for name in options.record]
-    record = cosim.Record(names, options.every, "last" if options.last else "all")
-    isolation = isolation_of(options)
-    try:
-        prepared = system.prepare(
-            start=experiment.start or 0.0,
-            stop=experiment.stop,
-            step=experiment.step,
-            record=record,
-            tolerance=options.tolerance,
-            allow_nan=options.allow_nan,
-            isolation=isolation,
-        )
-    except cosim.ExperimentError as fault:
-        hint = "" if "tolerance" in str(fault) else "; see --stop and --step"
-        raise UsageError(f"{options.file}: {fault}{hint}") from fault
     with prepared as simulation:
         how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
         if options.resume:
@@ -143,42 +118,3 @@ def _simulate(options: argparse.Namespace) -> None:
             f"real time: late {pace.overruns} of {pace.looks} times by more than"
             f" {pace.interval} s, at most {max(0.0, pace.worst):.3g} s"
         )
-
-
-def _open(
-    path: Path, variant: str | None
-) -> tuple[cosim.System, cosim.DefaultExperiment, Mapping[str, cosim.Table]]:
-    """Return the system in a file, the times it proposes and the input packed with it."""
-    if path.suffix == ".ssp":
-        return *cosim.read_ssp(path, variant), packed_input(path)
-    if path.suffix != ".fmu":
-        raise UsageError(f"{path}: expected a file .ssp or .fmu")
-    if variant is not None:
-        raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
-    fmu = cosim.Fmu(path)
-    system = cosim.System(path.stem)
-    system.add(fmu.identifier, fmu)
-    return system, fmu.experiment, {}
-
-
-def _expose_inputs(system: cosim.System) -> None:
-    """Expose the inputs of the only component, those that are arrays by element."""
-    ((name, fmu),) = system.components.items()
-    inputs = (v.name for v in fmu.variables.values() if v.causality == "input")
-    for element in (e for v in inputs for e in system.variable(f"{name}.{v}").elements()):
-        if element.is_signal:
-            system.expose(element.name.replace(".", "_"), f"{name}.{element.name}")
-
-
-def _exposed(system: cosim.System, column: str) -> str:
-    """Return the input that a column feeds: named so, or as the variable, dots and all."""
-    return column if column in system.inputs else column.replace(".", "_")
-
-
-def _qualified(system: cosim.System, name: str) -> str:
-    """Return component.variable, of a lone component also for the variable alone."""
-    components = list(system.components)
-    first = name.partition(".")[0]
-    if len(components) > 1 or first in components or name in system.inputs:
-        return name
-    return f"{components[0]}.{name}"

@@ -20,14 +20,16 @@ from stickslip.identification.estimation import (
     Estimation,
     Task,
     candidate_fmus,
-    learn,
+)
+from stickslip.identification.estimation import (
+    learn as estimate,
 )
 from stickslip.logs import (
     Description,
     check_recording,
     load_description,
 )
-from stickslip.pipeline.log_learning import learn_from_log, learned_document
+from stickslip.pipeline.log_learning import learn, learned_document
 from stickslip.pipeline.record_mode import gains_of, record_drive
 from stickslip.results.learned import estimation_document
 from stickslip.servo.axis import ControlError
@@ -73,7 +75,7 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
     if isinstance(drive.source, LogSource):
         config = drive.source.config
         description = load_description(config) if config else Description()
-        learned = learn_from_log(drive.source.log, description, seed=seed, on_stage=on_stage)
+        learned = learn(drive.source.log, description, seed=seed, on_stage=on_stage)
         document, findings = learned_document(learned), learned.findings
     else:
         with rig_of(drive.source.changes) as rig:
@@ -81,7 +83,7 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
         findings = check_recording(recording)
         with candidate_fmus() as fmus:
             task = Task(fmus, recording, gains_of(recording_loop), seed=seed)
-            estimation = learn(task, on_stage, on_generation=lambda _: on_stage("searching"))
+            estimation = estimate(task, on_stage, on_generation=lambda _: on_stage("searching"))
         document = estimation_document(estimation, _designed(estimation), seed)
     return document | {"findings": [str(finding) for finding in findings]}
 

@@ -12,13 +12,13 @@ from typing import NoReturn
 
 from stickslip import models
 from stickslip.commands.assignments import drive_changes
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
 from stickslip.fleet.drive import (
     Drive,
     LogSource,
     Variant,
 )
+from stickslip.fmi.messages import suggestion
 from stickslip.fmi.toolchain import MOST_TEXT, read_whole
 from stickslip.pipeline.reproduction import drive_truth
 

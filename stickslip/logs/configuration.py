@@ -7,8 +7,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 from stickslip.fmi.toolchain import (
     MOST_TEXT,
     parse_toml,

@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 
 Kind = Literal["P", "PI", "PID", "cascade", "none"]
 

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 from stickslip.logs.controller import Kind, check_gains
 from stickslip.logs.products import Product
 from stickslip.logs.recording import Motion

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from stickslip.cosim.fmu.names import printable
 from stickslip.cosim.signals.parquet import Unreadable, read_columns
 from stickslip.errors import RecordingError
+from stickslip.fmi.messages import printable
 from stickslip.logs.dialect import split_unit
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array

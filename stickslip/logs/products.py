@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 
 Product = float | str
 """A number, or factors joined by ``*``, each a number or a name."""

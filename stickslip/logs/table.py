@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.fmu.names import suggestion
 from stickslip.errors import RecordingError
+from stickslip.fmi.messages import suggestion
 from stickslip.logs.finding import Finding
 from stickslip.servo.measurement import Array
 

@@ -17,7 +17,9 @@ from stickslip.identification.estimation import (
     Search,
     Task,
     candidate_fmus,
-    learn,
+)
+from stickslip.identification.estimation import (
+    learn as estimate,
 )
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import (
@@ -117,9 +119,9 @@ def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple
     return reading, (*reading.findings, *check_units(reading), *checks)
 
 
-def learn_from_log(
-    path: Path,
-    description: Description,
+def learn(
+    path: Path | str,
+    description: Description | None = None,
     *,
     judge: JudgeName = "auto",
     seed: int = 0,
@@ -130,6 +132,11 @@ def learn_from_log(
 ) -> LogLearning:
     """Learn a drive's parameters from a log of it; options are those of ``estimation.Task``.
 
+    Parameters
+    ----------
+    path : CSV, Parquet or MAT file
+    description : of its columns and of the controller; by default the columns are detected
+
     Raises
     ------
     RecordingError, UsageError
@@ -138,7 +145,8 @@ def learn_from_log(
         When it does not show a drive that slides.
     """
     on_stage("reading the log")
-    reading, findings = read_and_check(path, description)
+    path = Path(path)
+    reading, findings = read_and_check(path, description or Description())
     raise_errors(path, findings)
     on_findings(findings)
     recording = aligned(reading.recording, samples_late(reading.recording))
@@ -154,7 +162,7 @@ def learn_from_log(
             search=search or Search(),
             faults=tuple(finding for finding in findings if finding.spoils),
         )
-        estimation = learn(task, on_stage)
+        estimation = estimate(task, on_stage)
     on_stage("trying the compensator")
     trial = try_compensator(reading, estimation)
     return LogLearning(reading, findings, estimation, trial, seed)

@@ -34,7 +34,7 @@ from stickslip.pipeline.reproduction import (
     Progress,
     drive_truth,
 )
-from stickslip.plan import plan
+from stickslip.planning import plan
 from stickslip.servo.datasheet import (
     LOOP,
     VALIDATION,

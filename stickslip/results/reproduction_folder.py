@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip import cosim, models
-from stickslip.commands.default_input import pack_input
+from stickslip.default_input import pack_input
 from stickslip.evaluation.fmpy_check import SecondOpinion, second_opinion
 from stickslip.fmi.toolchain import write_whole
 from stickslip.pipeline.reproduction import Options, Reproduction

@@ -1,4 +1,4 @@
-"""The Python that the README shows runs as it stands."""
+"""The Python of the README and of docs/python.md runs as it is."""
 
 import re
 import subprocess
@@ -12,27 +12,35 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory):
+def printed(tmp_path_factory):
     """Return what each piece of code prints."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    printed = []
+    pages = ("README.md", "docs/python.md")
+    text = "".join((ROOT / page).read_text(encoding="utf-8") for page in pages)
+    found = []
     for code in re.findall(r"```python\n(.*?)```", text, flags=re.S):
         folder = tmp_path_factory.mktemp("readme")
         done = subprocess.run(
             [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False
         )
         assert done.returncode == 0, done.stderr
-        printed.append(done.stdout)
-    return printed
+        found.append(done.stdout)
+    return found
 
 
-def test_a_stiffer_loop_errs_less(said):
-    errors = [float(x) for x in re.findall(r"error ([\d.]+) mm/s", said[0])]
+def test_a_sliding_stage_follows_its_closed_form(printed):
+    """Constant force and friction: m dv/dt = u - F_c - b v."""
+    [velocity] = re.findall(r"([\d.]+) m/s", printed[0])
+    m, b, force = 5.557, 6.6135, 12.0 - 4.0
+    assert float(velocity) == pytest.approx(force / b * (1 - np.exp(-b / m)), rel=0.01)
+
+
+def test_a_stiffer_loop_errs_less(printed):
+    errors = [float(x) for x in re.findall(r"error ([\d.]+) mm/s", printed[1])]
     assert len(errors) == 3
     assert errors == sorted(errors, reverse=True)
 
 
-def test_the_notch_comes_back_with_its_poles(said):
-    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", said[1])]
+def test_the_notch_comes_back_with_its_poles(printed):
+    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", printed[2])]
     expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
     assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)

@@ -18,7 +18,7 @@ from stickslip.pipeline.reproduction import (
     reproduce,
 )
 from stickslip.pipeline.studies import step_by_step, with_motions
-from stickslip.plan import LINEAR, plan
+from stickslip.planning import LINEAR, plan
 from stickslip.results.reproduction_folder import write_results
 from stickslip.servo.datasheet import (
     LOOP,

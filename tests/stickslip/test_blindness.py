@@ -15,12 +15,9 @@ from stickslip.tuning.refinement import refine, without_search
 
 SOURCES = Path(stickslip.__file__).parent
 BLIND = [
-    *sorted((SOURCES / "identification").glob("*.py")),
-    *sorted((SOURCES / "estimation").glob("*.py")),
-    *(
-        SOURCES / name
-        for name in ("coarse.py", "learning.py", "linear_fit.py", "refinement.py", "rig.py")
-    ),
+    *sorted((SOURCES / "identification").rglob("*.py")),
+    *sorted((SOURCES / "tuning").glob("*.py")),
+    SOURCES / "servo" / "rig.py",
 ]
 SETTINGS = ga.Settings(generations=3)
 

@@ -18,7 +18,7 @@ def folder(log, tmp_path_factory):
 
 
 def test_it_prints_what_is_known(log, capsys):
-    assert main(["learn", "--log", str(log), "--judge", "inverse"]) == 0
+    assert main(["learn", "--log", str(log), "--criterion", "inverse"]) == 0
     lines = capsys.readouterr().out.splitlines()
     known = {line.split()[0]: line for line in lines if "known" in line or "visible" in line}
     assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.plan import (
+from stickslip.planning import (
     LINEAR,
     ROTARY,
     Limits,

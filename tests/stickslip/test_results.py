@@ -12,7 +12,7 @@ from scipy.signal import butter, sosfiltfilt
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
-from stickslip.commands.default_input import packed_input
+from stickslip.default_input import packed_input
 from stickslip.evaluation.validation import run_command
 from stickslip.servo.datasheet import TRAINING, Datasheet
 from stickslip.servo.rig import Rig

@@ -2,8 +2,8 @@
 
     learned_report.write_estimation_report(estimation, findings, Path("results/log"))
 
-A file a picture, a file a section, as in ``stickslip.report.reproduction``, whose style it shares; the same
-estimation gives the same bytes.
+A file a picture, a file a section, as in ``stickslip.report.reproduction``, whose style it shares;
+the same estimation gives the same bytes.
 """
 
 from __future__ import annotations

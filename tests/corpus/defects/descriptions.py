@@ -9,12 +9,7 @@ _FILE = "modelDescription.xml"
 
 _BOTH = [
     ("not-well-formed", "end tag missing", "</ModelStructure>", ""),
-    (
-        "document-type-declaration",
-        "entity of a file",
-        "<fmiModelDescription ",
-        '<!DOCTYPE a [<!ENTITY e SYSTEM "file:///etc/hostname">]>\n<fmiModelDescription ',
-    ),
+    ("document-type-declaration", "entity of a file", "<fmiModelDescription ", '<!DOCTYPE a [<!ENTITY e SYSTEM "file:///etc/hostname">]>\n<fmiModelDescription '),
     ("schema-violation", "unknown causality", 'causality="input"', 'causality="inlet"'),
     ("schema-violation", "unknown attribute", 'variability="discrete"', 'variabel="discrete"'),
     ("bad-model-identifier", "path in it", '"reference" can', '"../../reference" can'),

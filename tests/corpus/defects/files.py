@@ -100,14 +100,10 @@ def _needing(code: bytes) -> bytes:
 
 _FILES3 = [
     ("sources-without-build-description", "none", with_files({_BUILD: None})),
-    (
-        "headers-of-the-standard",
-        "among the sources",
-        with_files({"sources/fmi3Functions.h": b"/* */"}),
-    ),
+    ("headers-of-the-standard", "among the sources", with_files({"sources/fmi3Functions.h": b"/* */"})),
     ("extra-without-domain", "folder data", with_files({"extra/data/a.txt": b"a"})),
     ("bad-terminals-file", "other version", replaced(_TERMINALS, ('"3.0"', '"3.1"'))),
-]
+]  # fmt: skip
 
 
 def _raw(write: Callable[[bytes], bytes]) -> Writer:

@@ -20,19 +20,20 @@ DOCUMENT = Path(__file__).parents[3] / "docs" / "hostile.md"
 
 Row = tuple[Case, Verdict, Verdict]
 
-HEAD = f"""# Hostile inputs
+HEAD = f"""# Malformed input
 
-FMUs are foreign native code, and logs come from the workshop floor. These are the files and folders
-that we feed to `stickslip` in `tests/hostile`, by what they attack: each ends in one line on
-standard error and status 1 or 2, and leaves nothing behind. `python -m tests.corpus.hostile` writes
-this page.
+FMUs are native code from other tools, and logs come from many sources. The page lists the
+malformed files and folders with which `tests/hostile` runs `stickslip`, by the reader that
+they concern. Each case ends in one line on standard error and status 1 or 2, and leaves
+nothing behind. `python -m tests.corpus.hostile` writes this page.
 
-Beside it stands what FMPy {fmpy.__version__} does with the same file, in a process with 4 GB of
-memory and {PATIENCE:g} s of time, by `simulate_fmu`, `simulate_ssp` and `read_csv` with their
-defaults. The words are found mechanically: *crashes*, a signal ended the process; *hangs*, it was
-still running; *ends silently*, the process ended without coming back; *runs*, no complaint; *own
-message*, an exception that FMPy raises itself; *Python error*, one that came through it from
-elsewhere. *No counterpart*: FMPy has no such command. Lines are cut at {LONGEST} characters.
+The second column is what FMPy {fmpy.__version__} does with the same file, in a process with 4
+GB of memory and {PATIENCE:g} s of time, through `simulate_fmu`, `simulate_ssp` and `read_csv`
+with their defaults. The words are assigned automatically: *crashes*, a signal ended the
+process; *hangs*, it was still running; *ends silently*, the process ended without returning;
+*runs*, no complaint; *own message*, an exception that FMPy raises itself; *Python error*, an
+exception from elsewhere that passed through it; *no counterpart*, FMPy has no such command.
+Lines are shortened to {LONGEST} characters.
 """
 
 

@@ -46,15 +46,11 @@ _NAMES = [
     _named("nameless-member", "no name at all", "empty part", b""),
     _named("double-slash", "a//b", "empty part", b"a//b"),
     _named("long-name", "a name of 300 bytes", "path of 300 bytes", b"n" * 300),
-    _named(
-        "long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]
-    ),
+    _named("long-path", "a path of 60,000 bytes", "folders deep", b"/".join([b"n" * 199] * 300)[:-1]),
     _named("deep-folders", "100 folders deep", "folders deep|path of", b"d/" * 100 + b"a"),
     _named("twice", "two members of one name", "occurs twice", b"a.txt", b"a.txt"),
     _named("case", "names that differ in case", "occurs twice", b"a.txt", b"A.TXT"),
-    _named(
-        "accents", "one letter as one and as two", "twice", "\u00e9".encode(), "e\u0301".encode()
-    ),
+    _named("accents", "one letter as one and as two", "twice", "\u00e9".encode(), "e\u0301".encode()),
     _named("file-and-folder", "a file that others lie in", "a folder of other", b"a", b"a/b"),
     _named("file-as-folder", "a file and a folder of one name", "a folder of other", b"a", b"a/"),
     _named("dot", "a file that is the folder", "names a folder", b"."),
@@ -63,82 +59,29 @@ _NAMES = [
     _named("device", "a device of Windows", "device of Windows", b"resources/NUL"),
     _named("device-extension", "one with an extension", "device of Windows", b"com1.txt"),
     _named("stream", "a stream of NTFS", "colon", b"a.txt:evil"),
-]
+]  # fmt: skip
 
 _LINKS = [
     _beside(2, "link-out", "a link to a file outside", "link", Member(b"a", b"/etc", mode=LINK)),
     _beside(2, "link-up", "a link upwards", "symbolic link", Member(b"a", b"../..", mode=LINK)),
-    _beside(
-        2,
-        "through-link",
-        "a link, and a member behind it",
-        "symbolic link",
-        Member(b"out", b"/tmp", mode=LINK),
-        Member(b"out/evil", b"evil"),
-    ),
-    _made(
-        2,
-        "linked-description",
-        "the description is a link",
-        "symbolic link",
-        lambda: zipped(
-            [Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])]
-        ),
-    ),
+    _beside(2, "through-link", "a link, and a member behind it", "symbolic link", Member(b"out", b"/tmp", mode=LINK), Member(b"out/evil", b"evil")),
+    _made(2, "linked-description", "the description is a link", "symbolic link", lambda: zipped([Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])])),
     _beside(2, "pipe", "a named pipe", "special file", Member(b"pipe", mode=FIFO)),
     _beside(2, "device-file", "a block device", "special", Member(b"disk", mode=0o060666)),
-]
+]  # fmt: skip
 
 
 _BOMBS = [
-    _made(
-        3,
-        "ratio",
-        "70 MB of zeros in 70 kB",
-        "zip bomb",
-        lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)]),
-    ),
-    _beside(
-        3,
-        "several",
-        "many members that grow together",
-        "zip bomb",
-        *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3)),
-    ),
+    _made(3, "ratio", "70 MB of zeros in 70 kB", "zip bomb", lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)])),
+    _beside(3, "several", "many members that grow together", "zip bomb", *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3))),
     _beside(3, "claims", "3 GB, says the header", "3000000000 bytes", Member(b"a", size=3 * 10**9)),
-    _made(
-        3,
-        "lies",
-        "20 MB, though the header says 1 kB",
-        "damaged",
-        lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)]),
-    ),
-    _beside(
-        3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)
-    ),
-    _made(
-        3,
-        "members",
-        "30,000 members",
-        "at most 20000",
-        lambda: zipped([Member(b"%d" % i) for i in range(30_000)]),
-    ),
-    _made(
-        3,
-        "overlap",
-        "a hundred members over the same bytes",
-        "overlap",
-        lambda: zipped([*members(), *(Member(b"%d" % i, b"a" * 99, offset=0) for i in range(100))]),
-    ),
+    _made(3, "lies", "20 MB, though the header says 1 kB", "damaged", lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)])),
+    _beside(3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)),
+    _made(3, "members", "30,000 members", "at most 20000", lambda: zipped([Member(b"%d" % i) for i in range(30_000)])),
+    _made(3, "overlap", "a hundred members over the same bytes", "overlap", lambda: zipped([*members(), *(Member(b"%d" % i, b"a" * 99, offset=0) for i in range(100))])),
     _beside(3, "full-folder", "a folder with content", "folder with", Member(b"a/", b"text")),
-    _made(
-        3,
-        "nested",
-        "zip in zip in zip, an FMU at the bottom",
-        "modelDescription.xml is missing",
-        lambda: zipped([Member(b"a.zip", zipped([Member(b"b.zip", zipped(members()))]))]),
-    ),
-]
+    _made(3, "nested", "zip in zip in zip, an FMU at the bottom", "modelDescription.xml is missing", lambda: zipped([Member(b"a.zip", zipped([Member(b"b.zip", zipped(members()))]))])),
+]  # fmt: skip
 
 
 def _sound() -> bytes:

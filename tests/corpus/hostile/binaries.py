@@ -73,15 +73,8 @@ def _binaries(name: str, about: str, says: str, **files: object) -> Case:
 _HERE = fmus.place()
 
 _NOT_LOADING = [
-    _binaries(
-        "no-binaries", "no binary at all", r".*h\.fmu: no binary for this machine", binaries={}
-    ),
-    _binaries(
-        "other-platform",
-        "binaries for other platforms only",
-        r".*no binary for this machine: expected .*, the FMU has plan9",
-        binaries={"binaries/plan9/hostile.so": fmus.library},
-    ),
+    _binaries("no-binaries", "no binary at all", r".*h\.fmu: no binary for this machine", binaries={}),
+    _binaries("other-platform", "binaries for other platforms only", r".*no binary for this machine: expected .*, the FMU has plan9", binaries={"binaries/plan9/hostile.so": fmus.library}),
     _binaries(
         "no-name-fits",
         "several libraries, none called like the modelIdentifier",
@@ -91,45 +84,15 @@ _NOT_LOADING = [
             fmus.place(name="other"): fmus.library,
         },
     ),
-    _binaries(
-        "binary-is-folder",
-        "a folder in the place of the library",
-        r".*(no binary for this machine|cannot be loaded)",
-        binaries={f"{_HERE}/readme.txt": b"nothing"},
-    ),
+    _binaries("binary-is-folder", "a folder in the place of the library", r".*(no binary for this machine|cannot be loaded)", binaries={f"{_HERE}/readme.txt": b"nothing"}),
     _binaries("text", "text as a library", r".*cannot be loaded", binaries={_HERE: b"#!/bin/sh\n"}),
     _binaries("empty", "an empty library", r".*cannot be loaded", binaries={_HERE: b""}),
-    _binaries(
-        "cut-short",
-        "half a library",
-        r".*(cannot be loaded|loading its binary died)",
-        binaries={_HERE: lambda: fmus.library()[: len(fmus.library()) // 2]},
-    ),
-    _binaries(
-        "head-only",
-        "the first 64 bytes of a library",
-        r".*cannot be loaded",
-        binaries={_HERE: lambda: fmus.library()[:64]},
-    ),
-    _binaries(
-        "wrong-architecture",
-        "a library for another processor",
-        r".*cannot be loaded",
-        binaries={_HERE: lambda: _other_machine(fmus.library())},
-    ),
-    _binaries(
-        "missing-function",
-        "a library without fmi2DoStep",
-        r".*has no function fmi2DoStep",
-        binaries={_HERE: lambda: _lying((b"\0fmi2DoStep\0", b"\0fmi2DoStup\0"))},
-    ),
-    _binaries(
-        "missing-library",
-        "needs a library that is not there",
-        r".*cannot be loaded: libq",
-        binaries={_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))},
-    ),
-]
+    _binaries("cut-short", "half a library", r".*(cannot be loaded|loading its binary died)", binaries={_HERE: lambda: fmus.library()[: len(fmus.library()) // 2]}),
+    _binaries("head-only", "the first 64 bytes of a library", r".*cannot be loaded", binaries={_HERE: lambda: fmus.library()[:64]}),
+    _binaries("wrong-architecture", "a library for another processor", r".*cannot be loaded", binaries={_HERE: lambda: _other_machine(fmus.library())}),
+    _binaries("missing-function", "a library without fmi2DoStep", r".*has no function fmi2DoStep", binaries={_HERE: lambda: _lying((b"\0fmi2DoStep\0", b"\0fmi2DoStup\0"))}),
+    _binaries("missing-library", "needs a library that is not there", r".*cannot be loaded: libq", binaries={_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))}),
+]  # fmt: skip
 
 
 def _refusing(folder: Path) -> list[str | Path]:
@@ -137,78 +100,21 @@ def _refusing(folder: Path) -> list[str | Path]:
 
 
 _REFUSING = [
-    Case(
-        15,
-        "token-refused",
-        "the token of the description is not that of the binary",
-        _refusing,
-        r"hostile: h\.fmu cannot be instantiated; the FMU says: wrong token",
-    ),
-    _attack(
-        "null",
-        "Instantiate null",
-        "no instance, and not a word",
-        r"hostile: h\.fmu cannot be instantiated",
-        group=15,
-    ),
-    _attack(
-        "null-with-reason",
-        "Instantiate say_null",
-        "no instance, for a reason",
-        r"hostile: h\.fmu cannot be instantiated; the FMU says: no licence",
-        version=3,
-        group=15,
-    ),
-    _attack(
-        "garbage-instance",
-        "Instantiate garbage",
-        "an address that is no instance",
-        r"hostile \(h\.fmu\): fmi2SetReal died of SIGSEGV",
-        group=15,
-    ),
-]
+    Case(15, "token-refused", "the token of the description is not that of the binary", _refusing, r"hostile: h\.fmu cannot be instantiated; the FMU says: wrong token"),
+    _attack("null", "Instantiate null", "no instance, and not a word", r"hostile: h\.fmu cannot be instantiated", group=15),
+    _attack("null-with-reason", "Instantiate say_null", "no instance, for a reason", r"hostile: h\.fmu cannot be instantiated; the FMU says: no licence", version=3, group=15),
+    _attack("garbage-instance", "Instantiate garbage", "an address that is no instance", r"hostile \(h\.fmu\): fmi2SetReal died of SIGSEGV", group=15),
+]  # fmt: skip
 
 _DIES = r"hostile \(h\.fmu\): "
 
 _ATTACKING = [
-    _attack(
-        "constructor-crash",
-        "load segv",
-        "crashes when it is loaded",
-        r"h\.fmu: loading its binary died of SIGSEGV",
-    ),
-    _attack(
-        "constructor-exit",
-        "load exit0",
-        "ends the process with success when it is loaded",
-        r"h\.fmu: loading its binary ended its process with status 0",
-        version=3,
-    ),
-    _attack(
-        "constructor-hang",
-        "load hang",
-        "never comes back from being loaded",
-        r"h\.fmu: loading its binary did not return",
-    ),
-    _attack(
-        "instantiate-crash",
-        "Instantiate segv",
-        "crashes when instantiated",
-        _DIES + "fmi2Instantiate died of SIGSEGV",
-    ),
-    _attack(
-        "instantiate-exit",
-        "Instantiate exit0",
-        "ends the process with success when instantiated",
-        _DIES + "fmi3InstantiateCoSimulation ended its process with status 0",
-        version=3,
-    ),
-    _attack(
-        "setup-abort",
-        "SetupExperiment abort",
-        "aborts in the setup",
-        _DIES + "fmi2SetupExperiment died of SIGABRT",
-    ),
+    _attack("constructor-crash", "load segv", "crashes when it is loaded", r"h\.fmu: loading its binary died of SIGSEGV"),
+    _attack("constructor-exit", "load exit0", "ends the process with success when it is loaded", r"h\.fmu: loading its binary ended its process with status 0", version=3),
+    _attack("constructor-hang", "load hang", "never comes back from being loaded", r"h\.fmu: loading its binary did not return"),
+    _attack("instantiate-crash", "Instantiate segv", "crashes when instantiated", _DIES + "fmi2Instantiate died of SIGSEGV"),
+    _attack("instantiate-exit", "Instantiate exit0", "ends the process with success when instantiated", _DIES + "fmi3InstantiateCoSimulation ended its process with status 0", version=3),
+    _attack("setup-abort", "SetupExperiment abort", "aborts in the setup", _DIES + "fmi2SetupExperiment died of SIGABRT"),
     _attack(
         "initialise-crash",
         "EnterInitializationMode segv",
@@ -222,153 +128,33 @@ _ATTACKING = [
         "never comes back from Initialization Mode",
         _DIES + "fmi2ExitInitializationMode did not return within 0.8 s during initialisation",
     ),
-    _attack(
-        "step-crash",
-        "DoStep segv 4",
-        "crashes in a step",
-        _DIES + r"fmi2DoStep died of SIGSEGV at t = 0\.03 s",
-    ),
-    _attack(
-        "step-abort",
-        "DoStep last_words 4",
-        "fails an assertion in a step",
-        _DIES + r"fmi3DoStep died of SIGABRT at t = 0\.03 s; it printed: assertion failed: x > 0",
-        version=3,
-    ),
+    _attack("step-crash", "DoStep segv 4", "crashes in a step", _DIES + r"fmi2DoStep died of SIGSEGV at t = 0\.03 s"),
+    _attack("step-abort", "DoStep last_words 4", "fails an assertion in a step", _DIES + r"fmi3DoStep died of SIGABRT at t = 0\.03 s; it printed: assertion failed: x > 0", version=3),
     _attack("step-division", "DoStep fpe", "divides by zero", _DIES + "fmi2DoStep died of SIGFPE"),
-    _attack(
-        "step-illegal",
-        "DoStep ill",
-        "an instruction that there is not",
-        _DIES + "fmi3DoStep died of SIG(ILL|TRAP)",
-        version=3,
-    ),
+    _attack("step-illegal", "DoStep ill", "an instruction that there is not", _DIES + "fmi3DoStep died of SIG(ILL|TRAP)", version=3),
     _attack("step-bus", "DoStep bus", "a bus error", _DIES + "fmi2DoStep died of SIGBUS"),
     _attack("step-kill", "DoStep kill", "kills its process", _DIES + "fmi2DoStep died of SIGKILL"),
-    _attack(
-        "step-exit",
-        "DoStep exit0 4",
-        "ends the process with success in a step",
-        _DIES + r"fmi2DoStep ended its process with status 0 at t = 0\.03 s",
-    ),
-    _attack(
-        "step-exit-7",
-        "DoStep exit7",
-        "ends the process with status 7",
-        _DIES + "fmi3DoStep ended its process with status 7 at t = 0 s",
-        version=3,
-    ),
-    _attack(
-        "step-exit-at-once",
-        "DoStep _exit0",
-        "ends the process by _exit",
-        _DIES + "fmi2DoStep ended its process with status 0",
-    ),
-    _attack(
-        "stack-overflow",
-        "DoStep overflow",
-        "calls itself without end",
-        _DIES + "fmi2DoStep died of SIGSEGV",
-    ),
-    _attack(
-        "step-hang",
-        "DoStep hang 4",
-        "never comes back from a step",
-        _DIES + r"fmi3DoStep did not return within 0.8 s at t = 0\.03 s",
-        version=3,
-    ),
-    _attack(
-        "suspended",
-        "DoStep deaf",
-        "ignores all signals and suspends its process",
-        _DIES + "fmi2DoStep did not return within 0.8 s",
-    ),
-    _attack(
-        "getter-crash",
-        "GetReal segv 6",
-        "crashes when an output is read",
-        _DIES + r"fmi2GetReal died of SIGSEGV at t = 0\.0\d s",
-    ),
-    _attack(
-        "setter-exit",
-        "SetReal exit0 6",
-        "ends the process when an input is set",
-        _DIES + r"fmi3SetFloat64 ended its process with status 0 at t = 0\.0\d s",
-        version=3,
-    ),
-    _attack(
-        "terminate-crash",
-        "Terminate segv",
-        "crashes at the end",
-        _DIES + r"fmi2Terminate died of SIGSEGV at t = 0\.1 s",
-    ),
-    _attack(
-        "free-abort",
-        "FreeInstance abort",
-        "aborts when freed",
-        _DIES + "fmi2FreeInstance died of SIGABRT",
-    ),
-    _attack(
-        "free-hang",
-        "FreeInstance hang",
-        "never comes back from being freed",
-        _DIES + "fmi3FreeInstance did not return within 0.8 s",
-        version=3,
-    ),
-    _attack(
-        "destructor-crash",
-        "unload segv",
-        "crashes when it is unloaded",
-        r"h\.fmu: unloading its binary died of SIGSEGV",
-    ),
-    _attack(
-        "destructor-hang",
-        "unload hang",
-        "never comes back from being unloaded",
-        r"h\.fmu: unloading its binary did not return",
-    ),
-    _attack(
-        "memory",
-        "DoStep leak",
-        "takes all memory there is",
-        _DIES + r"fmi2DoStep died of SIG(SEGV|KILL)",
-    ),
-    _attack(
-        "flood", "DoStep flood", "prints without end", _DIES + "fmi2DoStep (printed more|did not)"
-    ),
-    _attack(
-        "log-flood",
-        "DoStep flood_log",
-        "logs without end",
-        _DIES + "fmi3DoStep did not return within 0.8 s",
-        version=3,
-    ),
-    _attack(
-        "fork-crash",
-        "DoStep daemon_segv",
-        "leaves a process behind and crashes",
-        _DIES + "fmi2DoStep died of SIGSEGV",
-    ),
-    _attack(
-        "closed-files",
-        "DoStep close",
-        "closes all files of its process",
-        _DIES + "fmi2[A-Za-z]+ or a call before it closed files",
-    ),
-    _attack(
-        "foreign-files",
-        "DoStep scribble",
-        "writes into all files of its process",
-        _DIES + "fmi3[A-Za-z0-9]+ or a call before it wrote into files",
-        version=3,
-    ),
-    _attack(
-        "format",
-        "DoStep fail_format",
-        "fails with a message that would write where it must not",
-        r"hostile: fmi2DoStep returned error .*; the FMU says: 50 %n of it failed %s",
-    ),
-]
+    _attack("step-exit", "DoStep exit0 4", "ends the process with success in a step", _DIES + r"fmi2DoStep ended its process with status 0 at t = 0\.03 s"),
+    _attack("step-exit-7", "DoStep exit7", "ends the process with status 7", _DIES + "fmi3DoStep ended its process with status 7 at t = 0 s", version=3),
+    _attack("step-exit-at-once", "DoStep _exit0", "ends the process by _exit", _DIES + "fmi2DoStep ended its process with status 0"),
+    _attack("stack-overflow", "DoStep overflow", "calls itself without end", _DIES + "fmi2DoStep died of SIGSEGV"),
+    _attack("step-hang", "DoStep hang 4", "never comes back from a step", _DIES + r"fmi3DoStep did not return within 0.8 s at t = 0\.03 s", version=3),
+    _attack("suspended", "DoStep deaf", "ignores all signals and suspends its process", _DIES + "fmi2DoStep did not return within 0.8 s"),
+    _attack("getter-crash", "GetReal segv 6", "crashes when an output is read", _DIES + r"fmi2GetReal died of SIGSEGV at t = 0\.0\d s"),
+    _attack("setter-exit", "SetReal exit0 6", "ends the process when an input is set", _DIES + r"fmi3SetFloat64 ended its process with status 0 at t = 0\.0\d s", version=3),
+    _attack("terminate-crash", "Terminate segv", "crashes at the end", _DIES + r"fmi2Terminate died of SIGSEGV at t = 0\.1 s"),
+    _attack("free-abort", "FreeInstance abort", "aborts when freed", _DIES + "fmi2FreeInstance died of SIGABRT"),
+    _attack("free-hang", "FreeInstance hang", "never comes back from being freed", _DIES + "fmi3FreeInstance did not return within 0.8 s", version=3),
+    _attack("destructor-crash", "unload segv", "crashes when it is unloaded", r"h\.fmu: unloading its binary died of SIGSEGV"),
+    _attack("destructor-hang", "unload hang", "never comes back from being unloaded", r"h\.fmu: unloading its binary did not return"),
+    _attack("memory", "DoStep leak", "takes all memory there is", _DIES + r"fmi2DoStep died of SIG(SEGV|KILL)"),
+    _attack("flood", "DoStep flood", "prints without end", _DIES + "fmi2DoStep (printed more|did not)"),
+    _attack("log-flood", "DoStep flood_log", "logs without end", _DIES + "fmi3DoStep did not return within 0.8 s", version=3),
+    _attack("fork-crash", "DoStep daemon_segv", "leaves a process behind and crashes", _DIES + "fmi2DoStep died of SIGSEGV"),
+    _attack("closed-files", "DoStep close", "closes all files of its process", _DIES + "fmi2[A-Za-z]+ or a call before it closed files"),
+    _attack("foreign-files", "DoStep scribble", "writes into all files of its process", _DIES + "fmi3[A-Za-z0-9]+ or a call before it wrote into files", version=3),
+    _attack("format", "DoStep fail_format", "fails with a message that would write where it must not", r"hostile: fmi2DoStep returned error .*; the FMU says: 50 %n of it failed %s"),
+]  # fmt: skip
 
 _NUMBERED = [
     Case(
@@ -378,27 +164,9 @@ _NUMBERED = [
         _pair("", 'canBeInstantiatedOnlyOncePerProcess="true"'),
         r"two: .*\.fmu can be instantiated only once per process",
     ),
-    Case(
-        20,
-        "second-refused",
-        "gives one instance only, and does not declare it",
-        _pair("Instantiate say_null 2"),
-        r"two: .*\.fmu cannot be instantiated; the FMU says: no licence",
-    ),
-    Case(
-        20,
-        "second-crashes",
-        "crashes on the second instance",
-        _pair("Instantiate segv 2"),
-        r"two \(.*\.fmu\): fmi2Instantiate died of SIGSEGV",
-    ),
-    Case(
-        20,
-        "same-instance",
-        "gives the same instance to both",
-        _pair("Instantiate same 2"),
-        r"two: .*\.fmu gives an instance that it has given before",
-    ),
-]
+    Case(20, "second-refused", "gives one instance only, and does not declare it", _pair("Instantiate say_null 2"), r"two: .*\.fmu cannot be instantiated; the FMU says: no licence"),
+    Case(20, "second-crashes", "crashes on the second instance", _pair("Instantiate segv 2"), r"two \(.*\.fmu\): fmi2Instantiate died of SIGSEGV"),
+    Case(20, "same-instance", "gives the same instance to both", _pair("Instantiate same 2"), r"two: .*\.fmu gives an instance that it has given before"),
+]  # fmt: skip
 
 CASES = [*_NOT_LOADING, *_REFUSING, *_ATTACKING, *_NUMBERED]

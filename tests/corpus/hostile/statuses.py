@@ -107,49 +107,11 @@ _EXCHANGED = [
 CASES = [
     *_STATUSES,
     *_EXCHANGED,
-    _case(
-        17,
-        "discard-of-a-value",
-        "FMI 2.0: SetReal discards a parameter",
-        "SetReal 1 2",
-        "fmi2SetReal returned discard during initialisation",
-        more=("--set", "k=2"),
-    ),
-    _case(
-        17,
-        "fatal-at-a-whole-number",
-        "FMI 3.0: GetInt32 returns fatal",
-        "GetInteger 3 4",
-        "fmi3GetInt32 returned fatal",
-        3,
-        "typed",
-    ),
-    _case(
-        17,
-        "event-at-no-time",
-        "the next event is at NaN",
-        "Event 1 0",
-        "fmi2NewDiscreteStates gave a time that cannot be",
-        kind="exchange",
-    ),
-    _case(
-        17,
-        "event-always-now",
-        "the next event is at the present time, for ever",
-        "Event 1 1",
-        "came to no end of events",
-        3,
-        "exchange",
-    ),
-    _case(
-        17,
-        "states-without-end",
-        "FMI 3.0: 2^40 continuous states",
-        "States 1 0",
-        "fmi3GetNumberOfContinuousStates needs more memory",
-        3,
-        "exchange",
-    ),
+    _case(17, "discard-of-a-value", "FMI 2.0: SetReal discards a parameter", "SetReal 1 2", "fmi2SetReal returned discard during initialisation", more=("--set", "k=2")),
+    _case(17, "fatal-at-a-whole-number", "FMI 3.0: GetInt32 returns fatal", "GetInteger 3 4", "fmi3GetInt32 returned fatal", 3, "typed"),
+    _case(17, "event-at-no-time", "the next event is at NaN", "Event 1 0", "fmi2NewDiscreteStates gave a time that cannot be", kind="exchange"),
+    _case(17, "event-always-now", "the next event is at the present time, for ever", "Event 1 1", "came to no end of events", 3, "exchange"),
+    _case(17, "states-without-end", "FMI 3.0: 2^40 continuous states", "States 1 0", "fmi3GetNumberOfContinuousStates needs more memory", 3, "exchange"),
     *(
         _case(
             18,
@@ -162,38 +124,10 @@ CASES = [
         for version in (2, 3)
         for number, word in enumerate(("nan", "infinite", "minus-infinite"))
     ),
-    _case(
-        18,
-        "output-nan-typed",
-        "an output is NaN beside one that is a whole number",
-        "Output 1 0",
-        r"faults\.y: .* not finite in the step from t = 0\.4 s",
-        kind="typed",
-    ),
-    _case(
-        18,
-        "derivative-nan",
-        "a derivative is NaN from 0.5 s on",
-        "Slope 1 0",
-        r"faults.* (could not integrate|not finite)",
-        kind="exchange",
-    ),
-    _case(
-        18,
-        "parameter-nan",
-        "a parameter is set to NaN",
-        "none 1 0",
-        r"faults\.k = nan is outside its range",
-        more=("--set", "k=nan"),
-    ),
-    _case(
-        18,
-        "parameter-infinite",
-        "a parameter is set to infinity",
-        "none 1 0",
-        r"faults\.k = inf is outside its range",
-        more=("--set", "k=inf"),
-    ),
+    _case(18, "output-nan-typed", "an output is NaN beside one that is a whole number", "Output 1 0", r"faults\.y: .* not finite in the step from t = 0\.4 s", kind="typed"),
+    _case(18, "derivative-nan", "a derivative is NaN from 0.5 s on", "Slope 1 0", r"faults.* (could not integrate|not finite)", kind="exchange"),
+    _case(18, "parameter-nan", "a parameter is set to NaN", "none 1 0", r"faults\.k = nan is outside its range", more=("--set", "k=nan")),
+    _case(18, "parameter-infinite", "a parameter is set to infinity", "none 1 0", r"faults\.k = inf is outside its range", more=("--set", "k=inf")),
     _read("input-nan", "an input is NaN", "0,0\n0.5,nan\n1,0\n", "u"),
     _read("input-infinite", "an input is infinite", "0,0\n0.5,inf\n1,0\n", "u"),
     *(
@@ -235,14 +169,7 @@ CASES = [
             ),
         ]
     ),
-    _case(
-        19,
-        "save-error",
-        "the state cannot be had, though declared",
-        "GetState 1 3",
-        "fmi2GetFMUstate returned error",
-        more=_SAVE,
-    ),
+    _case(19, "save-error", "the state cannot be had, though declared", "GetState 1 3", "fmi2GetFMUstate returned error", more=_SAVE),
     *(
         _resumed(f"resume-{name}-{version}", f"FMI {version}.0: {about}", plan, says, version)
         for version in (2, 3)
@@ -261,5 +188,5 @@ CASES = [
             ),
         ]
     ),
-]
+]  # fmt: skip
 """Groups 17, 18 and 19."""

@@ -90,6 +90,19 @@ def test_a_loop_that_is_not_linear(gains):
     np.testing.assert_allclose(a, 0.7 + w + w**3 - b - b**3, rtol=0, atol=1e-10)
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_what_is_found_is_within_the_tolerance_where_the_loop_is_nearly_singular(gains, tolerance):
+    """a = 0.7 + w + w^3 c + a + c a^3: the slope of the right side in a is nearly 1."""
+    c = -1e-4
+    coupling = cosim.Coupling("iterative", tolerance=tolerance)
+    with gains(1.0, 1.0).prepare(step=1e-2, stop=2.0, coupling=coupling) as simulation:
+        w = np.sin(9.0 * simulation.time)
+        result = simulation.run({"a.cubic": c}, inputs={"w": w})["a.y1"][1:]
+    exact = np.cbrt(-(0.7 + w + c * w**3) / c)[1:]
+    error = abs(result - exact) / np.maximum(abs(exact), 1.0)
+    assert error.max() < 1.2 * tolerance
+
+
 def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
     """a.u1 -> a.y1 -> b -> a.u2 -> a.y2: through a twice, but never back."""
 

@@ -14,7 +14,7 @@ from stickslip.logs import (
     check_recording,
     samples_late,
 )
-from stickslip.plan import plan
+from stickslip.planning import plan
 
 N = 16000
 """Samples of the planned experiment that are enough here: 8 s."""

@@ -10,7 +10,7 @@ from stickslip.cli import main
 from stickslip.commands.learn import print_estimation
 from stickslip.evaluation.guards import Worth
 from stickslip.logs import Finding, load_description
-from stickslip.pipeline.log_learning import learn_from_log, write_learned
+from stickslip.pipeline.log_learning import learn, write_learned
 from stickslip.results.learned import read_learned
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -22,7 +22,7 @@ def learned(folder, name, example):
     path = DATA / folder / name
     if not path.exists():
         pytest.skip(f"{path} is not here")
-    return learn_from_log(path, load_description(EXAMPLES / example))
+    return learn(path, load_description(EXAMPLES / example))
 
 
 @pytest.fixture(scope="module")

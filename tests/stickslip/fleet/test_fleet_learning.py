@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from stickslip.cli import main
-from stickslip.plan import LINEAR, plan
+from stickslip.planning import LINEAR, plan
 
 SHORT = replace(LINEAR, duration=2.0)
 

@@ -13,7 +13,7 @@ from stickslip.logs import (
     check_recording,
     excitation,
 )
-from stickslip.plan import plan
+from stickslip.planning import plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import (
     LOOP,

@@ -14,7 +14,7 @@ from stickslip.logs import (
     force_delay,
     signal_delay,
 )
-from stickslip.plan import (
+from stickslip.planning import (
     LINEAR,
     Limits,
     plan,

@@ -87,7 +87,7 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
 
 
 COMMANDS = {
-    "learn": (["learn", "--log", "LOG"], log_learning.FILES, "commands.learn.learn_from_log"),
+    "learn": (["learn", "--log", "LOG"], log_learning.FILES, "commands.learn.learn"),
     "reproduce": (["reproduce"], reproduction_results.FILES, "commands.reproduce.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],

@@ -31,7 +31,7 @@ def corpus() -> list[bytes]:
 def parse(data: bytes, folder: Path) -> None:
     file = folder / "fleet.csv"
     file.write_bytes(data)
-    with mock.patch("models.load_model", _load):
+    with mock.patch("stickslip.models.load_model", _load):
         read_fleet(file)
 
 

@@ -160,7 +160,7 @@ def parse(data: bytes, folder: Path) -> None:
     _fmus(folder)
     for name, text in zip(_FILES, data.split(_BETWEEN), strict=False):
         (folder / name).write_bytes(text)
-    with mock.patch("cosim.System.add", _add_once), mock.patch(*_schemas(data)):
+    with mock.patch("stickslip.cosim.System.add", _add_once), mock.patch(*_schemas(data)):
         read_package(Package(folder, folder))
 
 

@@ -10,8 +10,8 @@ import pandas as pd
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
-from stickslip.plan import parts
-from stickslip.plan.limits import LINEAR, Limits
+from stickslip.planning import parts
+from stickslip.planning.limits import LINEAR, Limits
 from stickslip.servo.measurement import Array
 
 REST = 0.01

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from stickslip.plan.limits import Limits
+from stickslip.planning.limits import Limits
 from stickslip.servo.measurement import Array
 
 QUICK = 0.1

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from stickslip.logs import Motion
-from stickslip.plan.experiment import Stretch
+from stickslip.planning.experiment import Stretch
 from stickslip.report.style import (
     GREY,
     PAGE,

@@ -1,0 +1,1 @@
+/work/docs/stickslip/__init__.pyi

@@ -1,0 +1,1 @@
+/work/docs/stickslip/cli.py

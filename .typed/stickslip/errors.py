@@ -1,0 +1,1 @@
+/work/docs/stickslip/errors.py

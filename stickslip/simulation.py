@@ -1,0 +1,145 @@
+"""Run one FMU or one system of FMUs from its file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from stickslip import cosim
+from stickslip.cosim.signals.signals import Input
+from stickslip.default_input import packed_input
+from stickslip.errors import UsageError
+
+_STEPS = 500  # of an FMU that proposes no step
+
+
+def simulate(
+    path: Path | str,
+    *,
+    stop: float | None = None,
+    step: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, Input] | None = None,
+    record: Iterable[str] | None = None,
+    **options: Any,
+) -> cosim.Result:
+    """Run an FMU or a system structure package once and return what it recorded.
+
+    Parameters
+    ----------
+    path : FILE.fmu or FILE.ssp
+    stop, step : [s], instead of those that the file proposes; an FMU without a step gets 1/500 of
+        the time from start to stop
+    parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
+    inputs : signals by exposed input; an .ssp file may bring its own
+    record : names or patterns such as ``drive.*``; all outputs and inputs by default
+    options : of ``System.prepare``, such as ``tolerance``, ``isolation`` and ``allow_nan``
+
+    Raises
+    ------
+    UsageError
+        When the path has another suffix, or the file proposes no stop time and none is given.
+    CosimError
+        When the file cannot be read or the run fails.
+    """
+    model = Model.open(Path(path))
+    for name, value in (parameters or {}).items():
+        model.system.set(model.qualified(name), value)
+    with model.prepare(stop=stop, step=step, record=model.record(record), **options) as simulation:
+        return simulation.run(inputs=model.inputs if inputs is None else dict(inputs))
+
+
+@dataclass
+class Model:
+    """A system that was read from a file.
+
+    Attributes
+    ----------
+    experiment : times that the file proposes
+    inputs : signals that are packed with it, by exposed input
+    """
+
+    path: Path
+    system: cosim.System
+    experiment: cosim.DefaultExperiment
+    inputs: Mapping[str, cosim.Table] = field(default_factory=dict)
+
+    @classmethod
+    def open(cls, path: Path, variant: str | None = None) -> Model:
+        """Read FILE.fmu or FILE.ssp; ``variant`` names a system of an .ssp that has several."""
+        if path.suffix == ".ssp":
+            return cls(path, *cosim.read_ssp(path, variant), packed_input(path))
+        if path.suffix != ".fmu":
+            raise UsageError(f"{path}: expected a file .ssp or .fmu")
+        if variant is not None:
+            raise UsageError(f"{path}: --variant names a system of an .ssp; this is one FMU")
+        fmu = cosim.Fmu(path)
+        system = cosim.System(path.stem)
+        system.add(fmu.identifier, fmu)
+        _expose_inputs(system)
+        return cls(path, system, fmu.experiment)
+
+    def prepare(
+        self,
+        *,
+        stop: float | None = None,
+        step: float | None = None,
+        record: cosim.Record | None = None,
+        **options: Any,
+    ) -> cosim.Simulation:
+        """Instantiate the FMUs for the times that are given or else proposed [s].
+
+        Raises
+        ------
+        UsageError
+            When they make no run.
+        """
+        experiment = replace(
+            self.experiment,
+            stop=self.experiment.stop if stop is None else stop,
+            step=self.experiment.step if step is None else step,
+        )
+        start = experiment.start or 0.0
+        lone = self.path.suffix == ".fmu"
+        if lone and experiment.stop is not None and experiment.step is None:
+            experiment = replace(experiment, step=(experiment.stop - start) / _STEPS)
+        if experiment.stop is None or experiment.step is None:
+            missing = "stop" if experiment.stop is None else "step"
+            raise UsageError(f"{self.path}: the file proposes no {missing}; give --{missing}")
+        try:
+            return self.system.prepare(
+                start=start, stop=experiment.stop, step=experiment.step, record=record, **options
+            )
+        except cosim.ExperimentError as fault:
+            hint = "" if "tolerance" in str(fault) else "; see --stop and --step"
+            raise UsageError(f"{self.path}: {fault}{hint}") from fault
+
+    def record(
+        self, names: Iterable[str] | None, every: int = 1, keep: str = "all"
+    ) -> cosim.Record:
+        """Return what to record; names are qualified."""
+        qualified = [self.qualified(name) for name in names] if names else None
+        return cosim.Record(qualified, every, keep)  # type: ignore[arg-type]
+
+    def qualified(self, name: str) -> str:
+        """Return component.variable, of a lone component also for the variable alone."""
+        components = list(self.system.components)
+        first = name.partition(".")[0]
+        if len(components) > 1 or first in components or name in self.system.inputs:
+            return name
+        return f"{components[0]}.{name}"
+
+    def exposed(self, column: str) -> str:
+        """Return the input that a column drives: named so, or as the variable with its dots."""
+        return column if column in self.system.inputs else column.replace(".", "_")
+
+
+def _expose_inputs(system: cosim.System) -> None:
+    """Expose the inputs of the only component, those that are arrays by element."""
+    ((name, fmu),) = system.components.items()
+    inputs = (v.name for v in fmu.variables.values() if v.causality == "input")
+    for element in (e for v in inputs for e in system.variable(f"{name}.{v}").elements()):
+        if element.is_signal:
+            system.expose(element.name.replace(".", "_"), f"{name}.{element.name}")
