@@ -1,1 +1,1 @@
-/work/docs/stickslip/__init__.py
+/work/laws/stickslip/__init__.py

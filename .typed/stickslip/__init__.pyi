@@ -1,1 +1,1 @@
-/work/docs/stickslip/__init__.pyi
+/work/laws/stickslip/__init__.pyi

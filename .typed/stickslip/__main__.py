@@ -1,1 +1,1 @@
-/work/docs/stickslip/__main__.py
+/work/laws/stickslip/__main__.py

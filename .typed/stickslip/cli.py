@@ -1,1 +1,1 @@
-/work/docs/stickslip/cli.py
+/work/laws/stickslip/cli.py

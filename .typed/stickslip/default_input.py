@@ -1,1 +1,1 @@
-/work/docs/stickslip/default_input.py
+/work/laws/stickslip/default_input.py

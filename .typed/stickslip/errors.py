@@ -1,1 +1,1 @@
-/work/docs/stickslip/errors.py
+/work/laws/stickslip/errors.py

@@ -1,1 +1,1 @@
-/work/docs/stickslip/simulation.py
+/work/laws/stickslip/simulation.py

@@ -4,7 +4,7 @@
 
 #include "numerics/elementary.h"
 
-static inline double stribeck(double v, double F_s, double F_c, double v_s, double delta) {
+static inline double stribeck_curve(double v, double F_s, double F_c, double v_s, double delta) {
     const double ratio = (v < 0.0 ? -v : v) / v_s;
     const double exponent = delta == 1.0     ? ratio
                             : delta == 2.0   ? ratio * ratio

@@ -7,7 +7,9 @@
 
 enum { ELEMENTS = sizeof((Law *)NULL)->alpha / sizeof(double) };
 
-static double g(double v, const Law *p) { return stribeck(v, p->F_s, p->F_c, p->v_s, p->delta); }
+static double g(double v, const Law *p) {
+    return stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta);
+}
 
 static double sum(const double values[]) {
     double total = 0.0;
