@@ -5,11 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from stickslip.fmi.toolchain.names import (
-    MOST_COMMANDS,
-    Names,
-    checked,
-)
+from stickslip.fmi.binary.names import MOST_COMMANDS, Names, checked
 
 MAGIC = b"\x7fELF"
 

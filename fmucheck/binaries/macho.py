@@ -5,11 +5,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from stickslip.fmi.toolchain.names import (
-    MOST_COMMANDS,
-    Names,
-    checked,
-)
+from stickslip.fmi.binary.names import MOST_COMMANDS, Names, checked
 
 _THIN = {b"\xcf\xfa\xed\xfe": True, b"\xce\xfa\xed\xfe": False}
 _FAT = b"\xca\xfe\xba\xbe"

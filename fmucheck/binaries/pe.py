@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import struct
 
-from stickslip.fmi.toolchain.names import (
-    MOST_NAMES,
-    MOST_SECTIONS,
-    Names,
-    checked,
-)
+from stickslip.fmi.binary.names import MOST_NAMES, MOST_SECTIONS, Names, checked
 
 MAGIC = b"MZ"
 

@@ -8,6 +8,7 @@ import pytest
 
 from stickslip import models
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, interface
 from stickslip.fmucheck import check
 from stickslip.fmucheck.binaries.library import read_library
 from tests.corpus.defects.reference import pack
@@ -112,5 +113,5 @@ def test_tables_without_end_are_not_read(name):
     found = read_library(ENDLESS[name])
     assert isinstance(found, str)
     assert re.search(r"are read|of 0 bytes", found)
-    with pytest.raises(toolchain.NotALibrary, match=r"are read|of 0 bytes"):
-        toolchain.interface(ENDLESS[name])
+    with pytest.raises(NotALibrary, match=r"are read|of 0 bytes"):
+        interface(ENDLESS[name])

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from stickslip.fmi.toolchain import lock
+from stickslip.fmi.files import lock
 from tests.corpus.hostile.case import Case
 
 LEARNING = 23

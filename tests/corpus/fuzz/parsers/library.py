@@ -7,6 +7,7 @@ from pathlib import Path
 from random import Random
 
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, interface, universal
 from stickslip.fmucheck.binaries.library import Library, read_library
 
 _CODE = '__attribute__((visibility("default"))) double twice(double x) { return x + x; }\n'
@@ -17,7 +18,7 @@ class Refused(Exception):
     """What the judge says of bytes that are no library."""
 
 
-EXPECTED = (Refused, toolchain.NotALibrary)
+EXPECTED = (Refused, NotALibrary)
 
 
 def corpus() -> list[bytes]:
@@ -28,13 +29,13 @@ def corpus() -> list[bytes]:
         for name, platform in toolchain.PLATFORMS.items()
     }
     apple = [data for name, data in each.items() if "darwin" in name]
-    return [*each.values(), toolchain.universal(apple)]
+    return [*each.values(), universal(apple)]
 
 
 def parse(data: bytes, folder: Path) -> None:  # noqa: ARG001 - nothing is written
     found = read_library(data)
     if data[:4] != b"\xca\xfe\xba\xbe":  # universal ones are for the judge alone
-        toolchain.interface(data)
+        interface(data)
     if not isinstance(found, Library):
         raise Refused(found)
 

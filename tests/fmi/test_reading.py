@@ -6,40 +6,36 @@ import os
 
 import pytest
 
-from stickslip.fmi.toolchain import (
-    parse_json,
-    parse_toml,
-    read_whole,
-)
-from stickslip.fmi.toolchain.reading import DEEPEST
+from stickslip.fmi.files import parse_json, parse_toml, read_limited
+from stickslip.fmi.files.reading import DEEPEST
 
 
 def test_a_file_is_read_up_to_its_limit(tmp_path):
     file = tmp_path / "a"
     file.write_bytes(b"12345")
-    assert read_whole(file, 5) == b"12345"
+    assert read_limited(file, 5) == b"12345"
     with pytest.raises(OSError, match="5 bytes, at most 4 are read"):
-        read_whole(file, 4)
+        read_limited(file, 4)
 
 
 def test_a_sparse_file_is_refused_before_it_is_read(tmp_path):
     with (tmp_path / "a").open("wb") as file:
         file.truncate(1 << 40)
     with pytest.raises(OSError, match=f"{1 << 40} bytes"):
-        read_whole(tmp_path / "a", 1 << 20)
+        read_limited(tmp_path / "a", 1 << 20)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without pipes in folders")
 def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(OSError, match="no regular file"):
-        read_whole(tmp_path / "pipe", 10)
+        read_limited(tmp_path / "pipe", 10)
 
 
 @pytest.mark.parametrize("name", [".", "none", "a\0b", "x" * 5000])
 def test_what_cannot_be_a_file(tmp_path, name):
     with pytest.raises(OSError, match=r"\S"):
-        read_whole(tmp_path / name, 10)
+        read_limited(tmp_path / name, 10)
 
 
 def test_documents_as_they_should_be():

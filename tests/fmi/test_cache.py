@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.fmi.toolchain import cache_directory, write_whole
+from stickslip.fmi.files import atomic_write
+from stickslip.fmi.toolchain import cache_directory
 
 
 def test_the_cache_lies_where_the_environment_says(monkeypatch, tmp_path):
@@ -37,20 +38,20 @@ def test_without_it_the_cache_is_the_users(monkeypatch, tmp_path, system, variab
 
 
 def test_bytes_and_text_arrive(tmp_path):
-    assert write_whole(tmp_path / "a" / "b", b"\0\r\n").read_bytes() == b"\0\r\n"
-    assert write_whole(tmp_path / "a" / "b", "π\n").read_bytes() == b"\xcf\x80\n"
+    assert atomic_write(tmp_path / "a" / "b", b"\0\r\n").read_bytes() == b"\0\r\n"
+    assert atomic_write(tmp_path / "a" / "b", "π\n").read_bytes() == b"\xcf\x80\n"
 
 
 @pytest.mark.parametrize("failing", ["fsync", "replace"])
 def test_a_failing_write_leaves_the_old_content_and_nothing_else(monkeypatch, tmp_path, failing):
-    path = write_whole(tmp_path / "file", "old")
+    path = atomic_write(tmp_path / "file", "old")
 
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, failing, fail)
     with pytest.raises(OSError, match="No space left"):
-        write_whole(path, "new")
+        atomic_write(path, "new")
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -58,7 +59,7 @@ def test_a_failing_write_leaves_the_old_content_and_nothing_else(monkeypatch, tm
 def test_a_reader_never_sees_a_part(tmp_path):
     """While one thread writes, every read finds one of the two contents, whole."""
     contents = [bytes([n]) * 200_000 for n in (1, 2)]
-    path = write_whole(tmp_path / "file", contents[0])
+    path = atomic_write(tmp_path / "file", contents[0])
     seen = set()
     stop = threading.Event()
 
@@ -69,7 +70,7 @@ def test_a_reader_never_sees_a_part(tmp_path):
     reader = threading.Thread(target=read)
     reader.start()
     for n in range(40):
-        write_whole(path, contents[n % 2])
+        atomic_write(path, contents[n % 2])
     stop.set()
     reader.join()
     assert seen <= set(contents)
@@ -80,7 +81,7 @@ def test_a_reader_never_sees_a_part(tmp_path):
 def test_permissions_follow_the_umask(tmp_path):
     before = os.umask(0o027)
     try:
-        path = write_whole(tmp_path / "file", "x")
+        path = atomic_write(tmp_path / "file", "x")
     finally:
         os.umask(before)
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
@@ -90,4 +91,4 @@ def test_a_folder_that_cannot_be_made_is_an_os_error(tmp_path):
     obstacle = tmp_path / "file"
     obstacle.write_text("x")
     with pytest.raises(OSError, match="file"):
-        write_whole(Path(obstacle, "below"), "y")
+        atomic_write(Path(obstacle, "below"), "y")

@@ -25,7 +25,7 @@ _BITS = 1023
 _BETWEEN_KEYS = re.compile(r"[,{}\[\]=\n]")
 
 
-def read_whole(path: str | os.PathLike[str], most: int) -> bytes:
+def read_limited(path: str | os.PathLike[str], most: int) -> bytes:
     """Return what a file holds.
 
     Parameters
@@ -37,7 +37,7 @@ def read_whole(path: str | os.PathLike[str], most: int) -> bytes:
     OSError
         When it cannot be read, is no regular file (a pipe would never end) or is larger.
     """
-    with open_plain(path) as file:
+    with open_regular_file(path) as file:
         stated = os.fstat(file.fileno()).st_size
         data = file.read(most + 1) if stated <= most else b""
         size = max(stated, len(data))  # of some files the system says 0
@@ -55,11 +55,11 @@ def digest(path: str | os.PathLike[str]) -> str:
     OSError
         When it cannot be read, or is no regular file.
     """
-    with open_plain(path) as file:
+    with open_regular_file(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def open_plain(path: str | os.PathLike[str]) -> BufferedReader:
+def open_regular_file(path: str | os.PathLike[str]) -> BufferedReader:
     """Open a regular file; a pipe or a device may never end.
 
     Raises

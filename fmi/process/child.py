@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from stickslip.fmi.toolchain.interruption import held
+from stickslip.fmi.process.interruption import held
 
 
 @contextmanager

@@ -8,13 +8,13 @@ import sys
 
 import pytest
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 
 HALF = """
 import sys, time
 from pathlib import Path
-from stickslip.fmi.toolchain import whole
-with whole._beside(Path(sys.argv[1])) as (file, _):
+from stickslip.fmi.files import atomic
+with atomic._beside(Path(sys.argv[1])) as (file, _):
     file.write(b"half")
     file.flush()
     print("open", flush=True)
@@ -35,18 +35,18 @@ def writer(tmp_path):
 
 def test_what_a_killed_process_left_goes_with_the_next_write(tmp_path, writer):
     (half,) = tmp_path.iterdir()
-    write_whole(tmp_path / "a", "x")
+    atomic_write(tmp_path / "a", "x")
     assert half.read_bytes() == b"half"  # it lives
     writer.kill()
     writer.wait()
-    write_whole(tmp_path / "a", "y")
+    atomic_write(tmp_path / "a", "y")
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
 def test_a_name_may_be_as_long_as_the_file_system_takes(tmp_path):
-    assert write_whole(tmp_path / ("x" * 255), "y").read_text() == "y"
+    assert atomic_write(tmp_path / ("x" * 255), "y").read_text() == "y"
     with pytest.raises(OSError, match="too long"):
-        write_whole(tmp_path / ("x" * 256), "y")
+        atomic_write(tmp_path / ("x" * 256), "y")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX files")
@@ -57,7 +57,7 @@ def test_only_plain_files_are_replaced(tmp_path, kind):
     make = {"folder": os.mkdir, "pipe": os.mkfifo}
     make.get(kind, lambda p: p.symlink_to(victim if kind == "link" else "none"))(path)
     with pytest.raises(OSError, match="expected a plain file") as told:
-        write_whole(path, "x")
+        atomic_write(path, "x")
     assert told.value.filename == str(path)
     assert victim.read_text() == "safe"
     assert {p.name for p in tmp_path.iterdir()} == {"a", "victim"}
@@ -72,7 +72,7 @@ def test_file_and_folder_are_on_the_disk_before_it_returns(tmp_path, monkeypatch
         sync(handle)
 
     monkeypatch.setattr(os, "fsync", note)
-    path = write_whole(tmp_path / "a", "x")
+    path = atomic_write(tmp_path / "a", "x")
     assert synced == [path.stat().st_ino, tmp_path.stat().st_ino]
 
 
@@ -82,6 +82,6 @@ def test_errors_name_the_file_that_was_to_be_written(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space left") as told:
-        write_whole(tmp_path / "a", "x")
+        atomic_write(tmp_path / "a", "x")
     assert told.value.filename == str(tmp_path / "a")
     assert not list(tmp_path.iterdir())

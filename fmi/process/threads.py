@@ -7,7 +7,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.fmi.toolchain.interruption import held
+from stickslip.fmi.process.interruption import held
 
 P = ParamSpec("P")
 T = TypeVar("T")

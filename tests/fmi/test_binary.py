@@ -7,8 +7,9 @@ import struct
 import pytest
 
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, interface, universal
+from stickslip.fmi.binary.names import Names
 from stickslip.fmi.toolchain import PLATFORMS
-from stickslip.fmi.toolchain.names import Names
 
 VISIBLE = """
 #ifdef _WIN32
@@ -45,7 +46,7 @@ def build(platform: str, exports: set[str] | None = None) -> bytes:
 
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_exports_and_needs_are_read_from_every_format(platform):
-    found = toolchain.interface(build(platform, {"one", "two"}))
+    found = interface(build(platform, {"one", "two"}))
     assert found.exports - {"__dso_handle", "_mh_dylib_header"} == {"one", "two"}
     assert found.needs == NEEDS[platform]
 
@@ -65,13 +66,13 @@ def test_an_export_too_few_or_too_many_is_an_error(platform, tmp_path, monkeypat
 def test_damaged_bytes_are_no_library(platform):
     whole = build(platform)
     for damaged in (b"", b"text", whole[:50], whole[:70]):
-        with pytest.raises(toolchain.NotALibrary):
-            toolchain.interface(damaged)
+        with pytest.raises(NotALibrary):
+            interface(damaged)
 
 
 def test_a_universal_library_holds_both_processors_whole():
     thin = [build(name) for name in ("x86_64-darwin", "aarch64-darwin")]
-    joined = toolchain.universal(thin)
+    joined = universal(thin)
     magic, count = struct.unpack_from(">II", joined)
     assert (magic, count) == (0xCAFEBABE, 2)
     for k, (part, processor) in enumerate(zip(thin, (0x01000007, 0x0100000C), strict=True)):
@@ -79,7 +80,7 @@ def test_a_universal_library_holds_both_processors_whole():
         assert kind == processor
         assert place % (1 << align) == 0
         assert joined[place : place + size] == part
-    assert toolchain.universal(thin[:1]) == thin[0]
+    assert universal(thin[:1]) == thin[0]
 
 
 def test_names_end_soon_and_are_not_without_number():

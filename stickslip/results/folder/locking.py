@@ -13,11 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import (
-    is_at,
-    lock,
-    refuse_odd,
-)
+from stickslip.fmi.files import is_at, lock, require_regular_file
 
 OURS = ".stickslip-"
 """How the names begin of what is ours alone in a folder, and there only while it is written."""
@@ -28,11 +24,11 @@ _held: ContextVar[Mapping[Path, IO[str]]] = ContextVar("_held")
 
 
 @contextmanager
-def claimed(folder: Path | None) -> Iterator[None]:
+def locked(folder: Path | None) -> Iterator[None]:
     """Make a folder and have it for this process alone; nested blocks of one process are one claim.
 
     What killed processes left half-written is deleted. A folder that was made here and is still
-    empty at the end goes. None is no folder, and nothing is claimed.
+    empty at the end goes. None is no folder, and nothing is locked.
 
     Raises
     ------
@@ -102,7 +98,7 @@ def _lock(folder: Path, path: Path) -> IO[str]:
 
 def _open(path: Path) -> IO[str]:
     """Open the file of the lock, which may be there from a process that was killed."""
-    refuse_odd(path)
+    require_regular_file(path)
     return path.open("a+", encoding="utf-8")
 
 

@@ -9,20 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.fmi.toolchain import (
-    Threads,
-    check_interruption,
-    held,
-    interrupted_by,
-    interruptible,
-)
+from stickslip.fmi.process import Threads, check_interruption, held, interrupted_by, interruptible
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
 ROOT = Path(__file__).parents[2]
 
 NATIVE = """
 import ctypes, sys
-from stickslip.fmi.toolchain import interruption
+from stickslip.fmi.process import interruption
 interruption.DEADLINE, interruption.AGAIN = float(sys.argv[1]), 0.3
 mutex = ctypes.create_string_buffer(64)
 library = ctypes.CDLL(None)
@@ -33,7 +27,7 @@ with interruption.interruptible(), interruption.temporary_folder():
 """
 BUSY = """
 import time
-from stickslip.fmi.toolchain import interruptible
+from stickslip.fmi.process import interruptible
 with interruptible():
     print("ready", flush=True)
     while True:  # comes to no point that raises by itself

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from struct import unpack_from
 
-from stickslip.fmi.toolchain.errors import NotALibrary
-from stickslip.fmi.toolchain.names import (
-    MOST_COMMANDS,
-    MOST_NAMES,
-    MOST_SECTIONS,
-    Names,
-    checked,
-)
+from stickslip.fmi.binary.names import MOST_COMMANDS, MOST_NAMES, MOST_SECTIONS, Names, checked
+from stickslip.fmi.errors import Fault
+
+
+class NotALibrary(Fault, ValueError):
+    """The bytes are not a shared library that can be read."""
 
 
 @dataclass(frozen=True)

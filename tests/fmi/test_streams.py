@@ -11,7 +11,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="closes file des
 SCRIPT = """
 import os, sys
 sys.path[:0] = {path!r}
-from stickslip.fmi.toolchain import open_standard_streams
+from stickslip.fmi.process import open_standard_streams
 open_standard_streams()
 for number in range(3):
     assert os.get_inheritable(number)

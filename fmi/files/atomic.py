@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import BinaryIO
 from uuid import uuid4
 
-from stickslip.fmi.toolchain.lock import is_at, lock
+from stickslip.fmi.files.lock import is_at, lock
 
 _TEMPORARY = re.compile(r"\.stickslip-[0-9a-f]{32}")
 
 
-def write_whole(path: Path, content: bytes | str) -> Path:
+def atomic_write(path: Path, content: bytes | str) -> Path:
     """Write a file so that a reader sees the old one or the new one, never a part of it.
 
     Text is written as UTF-8. The folder is made if it is absent. What killed processes left in it
@@ -31,7 +31,7 @@ def write_whole(path: Path, content: bytes | str) -> Path:
         is full; ``path`` is then as it was. The error names ``path``.
     """
     data = content.encode() if isinstance(content, str) else content
-    refuse_odd(path)
+    require_regular_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     _sweep(path.parent)
     try:
@@ -48,7 +48,7 @@ def write_whole(path: Path, content: bytes | str) -> Path:
     return path
 
 
-def refuse_odd(path: Path) -> None:
+def require_regular_file(path: Path) -> None:
     """Refuse to put a file where there is something other than a plain file.
 
     Raises
