@@ -15,7 +15,7 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.variables import SETTERS
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
-from stickslip.fmi.binary import NotALibrary, interface
+from stickslip.fmi.binary import NotALibrary, read_library
 
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
@@ -121,7 +121,7 @@ class UnloadedLibrary(Library):
         self._fmu = fmu
         self.resources = ""
         try:
-            self._names = interface(fmu.binary.read_bytes()).exports
+            self._names = read_library(fmu.binary.read_bytes()).exports
         except (NotALibrary, OSError) as fault:
             raise FmuError(f"{fmu.binary}: {fault}") from fault
         self.lacks_reset = self._missing_reset()

@@ -13,7 +13,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from stickslip.fmi.binary.interface import interface
+from stickslip.fmi.binary import read_library
 from stickslip.fmi.files.atomic import atomic_write
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
@@ -121,7 +121,7 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
 
 
 def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
-    exported = interface(library).exports - _OF_THE_LINKER
+    exported = read_library(library).exports - _OF_THE_LINKER
     if lacking := sorted(set(expected) - exported):
         raise WrongExports(f"{name} does not export {', '.join(lacking)}")
     if foreign := sorted(exported - set(expected)):

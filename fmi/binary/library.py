@@ -1,15 +1,16 @@
-"""What a shared library's headers say, whatever its format."""
+"""The headers of a shared library, in any of the three formats."""
 
 from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
 
-from stickslip.fmucheck.binaries import (
-    elf,
-    macho,
-    pe,
-)
+from stickslip.fmi.binary import elf, macho, pe
+from stickslip.fmi.errors import Fault
+
+
+class NotALibrary(Fault, ValueError):
+    """The bytes are not a shared library that can be read."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Library:
 
     Attributes
     ----------
-    targets : what it runs on, such as ``x86_64-linux``; several in a universal file of macOS
+    targets : platforms it runs on, such as ``x86_64-linux``; several in a universal file of macOS
     exports : names of the functions that can be loaded from it
     needs : file names of the libraries it loads itself
     unsigned : a part for arm64 macOS has no signature, without which it is not loaded
@@ -30,8 +31,14 @@ class Library:
     unsigned: bool = False
 
 
-def read_library(data: bytes) -> Library | str:
-    """Return what a file says of itself, or why it is no shared library."""
+def read_library(data: bytes) -> Library:
+    """Read the headers of a shared library.
+
+    Raises
+    ------
+    NotALibrary
+        When the bytes are of none of the three formats, or their headers are damaged.
+    """
     try:
         if data[:4] == elf.MAGIC:
             machine, exports, needs = elf.read(data)
@@ -48,5 +55,5 @@ def read_library(data: bytes) -> Library | str:
                 unsigned=any(part.machine == "aarch64" and not part.signed for part in parts),
             )
     except (struct.error, IndexError, ValueError, KeyError, OverflowError) as fault:
-        return f"its headers are damaged: {fault}"
-    return f"is neither ELF nor PE nor Mach-O; it begins with {data[:4]!r}"
+        raise NotALibrary(f"its headers are damaged: {fault}") from None
+    raise NotALibrary(f"is neither ELF nor PE nor Mach-O; it begins with {data[:4]!r}")
