@@ -32,6 +32,7 @@ from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.loops import algebraic_loop, group
 from stickslip.cosim.system.record import Record
 from stickslip.fmi import toolchain
+from stickslip.fmi.files import atomic_write
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.system import System
@@ -128,7 +129,7 @@ def write_fmu(
     members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
-    return toolchain.write_whole(Path(path), zipped(members))
+    return atomic_write(Path(path), zipped(members))
 
 
 def _binaries(

@@ -31,7 +31,7 @@ from stickslip.cosim.isolation.settings import Isolation
 from stickslip.cosim.isolation.shared import Made
 from stickslip.cosim.isolation.verdict import Death, crashed
 from stickslip.cosim.run import resets
-from stickslip.fmi.toolchain import check_interruption, held
+from stickslip.fmi.process import check_interruption, held
 
 if TYPE_CHECKING:
     from stickslip.cosim.system.specification import Specification

@@ -43,7 +43,7 @@ from stickslip.cosim.signals.signals import (
     sample_inputs,
 )
 from stickslip.cosim.signals.span import slack
-from stickslip.fmi.toolchain import check_interruption
+from stickslip.fmi.process import check_interruption
 
 _log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from stickslip import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
-from stickslip.fmi.toolchain import Threads
+from stickslip.fmi.process import Threads
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 

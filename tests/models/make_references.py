@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from stickslip import models
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.models.export.reference import reference_file
 
 ROOT = Path(models.__file__).parent
@@ -252,7 +252,7 @@ def main(folder: Path) -> None:
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
         path = reference_file(model_of(name))
-        write_whole(folder / path.relative_to(ROOT), text)
+        atomic_write(folder / path.relative_to(ROOT), text)
 
 
 if __name__ == "__main__":

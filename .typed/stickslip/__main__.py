@@ -1,1 +1,0 @@
-/work/laws/stickslip/__main__.py

@@ -1,1 +1,0 @@
-/work/laws/stickslip/default_input.py
