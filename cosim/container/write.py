@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import fmpy
 
@@ -31,11 +31,9 @@ from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.loops import algebraic_loop, group
 from stickslip.cosim.system.record import Record
+from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
 from stickslip.fmi.files import atomic_write
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c"]

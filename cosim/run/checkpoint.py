@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.signals import Array
 from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable
 

@@ -8,18 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from stickslip.cosim.signals.signals import Array
+from stickslip.cosim.system.system import System
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from stickslip.cosim.system.system import System
-
-Array = NDArray[np.float64]
 
 
 class Result:
