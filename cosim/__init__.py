@@ -24,7 +24,6 @@ from stickslip.cosim.errors import (
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Variable
-from stickslip.cosim.isolation.settings import Isolation
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
@@ -42,14 +41,14 @@ from stickslip.cosim.ssp import (
 )
 from stickslip.cosim.system.coupling import Adaptive, Coupling
 from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Deviation, Record
 from stickslip.cosim.system.scaling import (
     Link,
     Scaling,
     ValueMap,
 )
-from stickslip.cosim.system.specification import Specification
-from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import Specification, System
 
 __all__ = [
     "Adaptive",

@@ -1,6 +1,6 @@
 """What can go wrong, as a tree.
 
-CosimError(toolchain.Fault)
+CosimError(Fault)
     FmuError(ValueError)           the file is no FMU that can be run here
     ConnectionFault(ValueError)    a component, connection or exposed input cannot be
     ParameterError(ValueError)     no such start value, or not this value
@@ -12,7 +12,7 @@ CosimError(toolchain.Fault)
     SharedSimulation(RuntimeError) two threads, or a forked process, use one simulation
 """
 
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 
 
 class CosimError(Fault):

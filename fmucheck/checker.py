@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 from stickslip.fmucheck.archive.reading import read_archive, unpack
 from stickslip.fmucheck.description.reading import read_description
 from stickslip.fmucheck.document import claimed_version, judged_version

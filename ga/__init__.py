@@ -10,7 +10,7 @@ The core works on plain arrays; only `SimulatedCost` runs FMUs, and importing it
 ``default`` is for costs of one or many valleys, with noise or failures; ``paper`` is the algorithm
 as published.
 
-    GaError(toolchain.Fault)
+    GaError(Fault)
         SettingsError(ValueError)      a gene, a setting or a repair makes no sense
         CostError(ValueError)          costs do not fit the candidates asked
         StateError(ValueError)         a checkpoint of another problem, or none at all

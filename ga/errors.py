@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 
 
 class GaError(Fault):

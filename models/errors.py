@@ -1,6 +1,6 @@
 """Errors of the models package.
 
-ModelError(toolchain.Fault)
+ModelError(Fault)
     UnknownModel(ValueError)      no folder of that name in models/
     UnknownLaw(ValueError)        no folder of that name in models/laws, or a model without a law
     DescriptionError(ValueError)  model.toml or law.toml says something that cannot be built
@@ -8,7 +8,7 @@ ModelError(toolchain.Fault)
     StartValueError(ValueError)   a start value for a variable that has none, or out of its range
 """
 
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 
 
 class ModelError(Fault):

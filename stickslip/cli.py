@@ -15,6 +15,13 @@ from typing import Any, NoReturn
 from threadpoolctl import threadpool_limits
 
 from stickslip.fmi import toolchain
+from stickslip.fmi.errors import Fault
+from stickslip.fmi.process import (
+    check_interruption,
+    interrupted_by,
+    interruptible,
+    open_standard_streams,
+)
 
 COMMANDS = {
     "reproduce": "reproduce the paper: identify, learn, validate, report",
@@ -31,7 +38,7 @@ COMMANDS = {
     "export": "export the tuned compensator, a linear system or a whole loop",
 }
 """Each is a module of ``stickslip.commands``, imported when it is called for."""
-EXPECTED = (toolchain.Fault, OSError)
+EXPECTED = (Fault, OSError)
 """What a user can cause; everything else is a defect of ours and shows its traceback."""
 _LONGEST = 2000  # characters of a message, which may contain text from a file
 
@@ -41,10 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     A SIGTERM or SIGHUP ends a command as Ctrl-C does, with 143 and 129.
     """
-    toolchain.open_standard_streams()  # those that cron or a service has closed
+    open_standard_streams()  # those that cron or a service has closed
     given = sys.argv[1:] if arguments is None else arguments
     options = _parser(given).parse_args(given)
-    with toolchain.interruptible():
+    with interruptible():
         try:
             return _run(options)
         except KeyboardInterrupt as interruption:
@@ -54,14 +61,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 sys.stdout.flush()
             except OSError:
                 _drop_output()
-            return 128 + (toolchain.interrupted_by() or signal.SIGINT)
+            return 128 + (interrupted_by() or signal.SIGINT)
 
 
 def _run(options: argparse.Namespace) -> int:
     try:
         return _status(options)
     except Exception:
-        toolchain.check_interruption()  # then the error is only what became of it
+        check_interruption()  # then the error is only what became of it
         raise
 
 
@@ -75,7 +82,7 @@ def _status(options: argparse.Namespace) -> int:
         _drop_output()
         return 1
     except EXPECTED as error:
-        toolchain.check_interruption()  # which may be the cause
+        check_interruption()  # which may be the cause
         if options.debug:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)

@@ -14,7 +14,7 @@ import pandas as pd
 
 from stickslip.cosim import Table
 from stickslip.cosim.ssp.package import Package
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 
 MEMBER = "extra/stickslip/input.csv"
 
@@ -26,7 +26,7 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
         info = zipfile.ZipInfo(MEMBER, (1980, 1, 1, 0, 0, 0))
         info.compress_type = zipfile.ZIP_DEFLATED
         archive.writestr(info, table.to_csv(index=False, lineterminator="\n"))
-    write_whole(package, stream.getvalue())
+    atomic_write(package, stream.getvalue())
 
 
 def packed_input(package: Path) -> dict[str, Table]:

@@ -1,6 +1,6 @@
 """Errors of the application.
 
-StickslipError(toolchain.Fault)
+StickslipError(Fault)
     UsageError(ValueError)              an option, name or value that a command cannot take
     RecordingError(ValueError)          a log's file that cannot become a recording
     IdentificationError(RuntimeError)   a recording does not show what is looked for
@@ -8,7 +8,7 @@ StickslipError(toolchain.Fault)
     ResultsError(RuntimeError)          a folder of results that is not what its manifest says
 """
 
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 
 
 class StickslipError(Fault):

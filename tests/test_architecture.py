@@ -7,6 +7,8 @@ import importlib
 import inspect
 import re
 from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -21,6 +23,16 @@ ALLOWED = {
     "fmucheck": {"fmi"},
     "ga": {"cosim", "fmi"},
     "stickslip": {"fmucheck", "ga", "cosim", "models", "fmi"},
+}
+# From the lowest to the highest: each room uses those before it and those beside it.
+ROOMS_OF_COSIM = (
+    *({"errors"}, {"kernel"}, {"document", "description", "fmu"}, {"signals"}, {"system"}),
+    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
+)
+PLAIN_DATA = {f"stickslip.cosim.system.{name}" for name in ("scaling", "experiment")}
+# They import what runs a system when they are called.
+THIN_METHODS = {
+    f"stickslip.cosim.system.system.{name}.prepare" for name in ("System", "Specification")
 }
 FOUR_FILES = {"model.toml", "model.c", "README.md", "reference.csv"}
 
@@ -57,6 +69,82 @@ def test_arrows_run_down(package):
         if name not in {package, *ALLOWED[package]}
     ]
     assert not wrong
+
+
+@cache
+def sources() -> dict[str, ast.Module]:
+    """Return the modules of the product by import name."""
+    found = {}
+    for package in ALLOWED:
+        for path in modules(package):
+            name = ".".join(path.relative_to(ROOT / package).with_suffix("").parts)
+            name = f"{imported_as(package)}.{name}".removesuffix(".__init__")
+            found[name] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+def targets(node: ast.AST) -> Iterator[str]:
+    """Yield the modules of the product that an import statement names."""
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names if alias.name in sources())
+    elif isinstance(node, ast.ImportFrom) and node.module:
+        for alias in node.names:
+            full = f"{node.module}.{alias.name}"
+            yield from [name for name in (full, node.module) if name in sources()][:1]
+
+
+def permitted(module: str, tree: ast.Module) -> set[ast.AST]:
+    """Return the imports in a thin method, and those of names that only annotate its result."""
+    methods = [
+        item
+        for cls in tree.body
+        if isinstance(cls, ast.ClassDef)
+        for item in cls.body
+        if isinstance(item, ast.FunctionDef) and f"{module}.{cls.name}.{item.name}" in THIN_METHODS
+    ]
+    results = {method.returns.id for method in methods if isinstance(method.returns, ast.Name)}
+    inside = {node for method in methods for node in ast.walk(method)}
+    elsewhere = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and n not in inside}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            names = {alias.asname or alias.name for alias in node.names}
+            if methods and names <= results - elsewhere:
+                inside.add(node)
+    return inside
+
+
+def test_no_circle_of_modules():
+    """Annotations and imports in functions count; the thin methods named above do not."""
+    graph = {}
+    for module, tree in sources().items():
+        skipped = permitted(module, tree)
+        nodes = (node for node in ast.walk(tree) if node not in skipped)
+        graph[module] = {name for node in nodes for name in targets(node)} - {module}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as fault:
+        pytest.fail(f"circle: {' -> '.join(fault.args[1])}")
+
+
+def test_rooms_of_cosim_have_an_order():
+    """A module imports from its own room, from rooms beside it and from rooms before it."""
+    place = {room: i for i, rooms in enumerate(ROOMS_OF_COSIM) for room in rooms}
+    wrong = []
+    for module, tree in sources().items():
+        if not module.startswith("stickslip.cosim."):
+            continue
+        skipped = permitted(module, tree)
+        room = module.split(".")[2]
+        for node in ast.walk(tree):
+            for name in () if node in skipped else targets(node):
+                other = name.split(".")[2:3]
+                if name in PLAIN_DATA or not name.startswith("stickslip.cosim."):
+                    continue
+                if place[other[0]] > place[room]:
+                    wrong.append(f"{module} imports {name}")
+    assert not wrong
+    present = {name.split(".")[2] for name in sources() if name.startswith("stickslip.cosim.")}
+    assert present == place.keys()
 
 
 @pytest.mark.parametrize("package", ALLOWED)

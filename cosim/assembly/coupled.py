@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupling_state import recall, remembered
@@ -16,13 +16,11 @@ from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.kernel import coupling as tables
-from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
+from stickslip.cosim.system.system import System
 from stickslip.fmi.messages import suggestion
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
 
 
 class Coupled:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.ctypeslib import as_array
 
 from stickslip.cosim.kernel.coupling import MAX_PAST
-from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.signals import Array
 
 _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 

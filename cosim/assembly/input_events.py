@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,7 @@ from stickslip.cosim.signals.signals import (
     sampled,
 )
 from stickslip.cosim.signals.span import slack
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 
 class InputEvents:

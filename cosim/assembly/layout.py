@@ -6,15 +6,12 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
 
 from stickslip.cosim.errors import ConnectionFault
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.system.record import Deviation, Record
+from stickslip.cosim.system.system import System
 from stickslip.fmi.messages import suggestion
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import ExperimentError
-from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import Span
 from stickslip.cosim.system.record import Deviation, Record
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import Facade
@@ -14,10 +14,8 @@ from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.variables import Value, Variable
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
-
+from stickslip.cosim.system.system import System
+from stickslip.fmi.messages import shown
 
 # When a start value is set: in Configuration Mode, when instantiated, or in Initialization Mode.
 _Phase = Literal["structure", "early", "late"]
@@ -117,3 +115,27 @@ def check_length(name: str, value: Value, present: Value | None) -> None:
             f"{name} = {value!r} would change the dimensions of arrays; set it in the system,"
             " before the simulation is prepared"
         )
+
+
+def check_start_values(system: System) -> None:
+    """Check that the start values that FMUs declare are within their ranges.
+
+    Raises
+    ------
+    ParameterError
+        Where an FMU contradicts itself and the system gives no other start value.
+    """
+    for component, fmu in system.components.items():
+        for variable in fmu.description.outside:
+            name = f"{component}.{variable.name}"
+            set_ = (n == name or n.startswith(f"{name}[") for n in system.parameters)
+            if variable.is_settable and not any(set_):
+                unit = f" {variable.unit}" if variable.unit else ""
+                low, high = variable.minimum, variable.maximum
+                wrong = f"outside its range {low} .. {high}{unit}"
+                if low is None is high:
+                    wrong = "no finite number"
+                raise ParameterError(
+                    f"{fmu.path}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
+                    f" {wrong}; give it another start value"
+                )

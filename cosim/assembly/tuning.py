@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +22,8 @@ from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.system.scaling import Scaling
+from stickslip.cosim.system.system import System
 from stickslip.fmi.messages import suggestion
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
 
 
 def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:

@@ -6,7 +6,6 @@ import ctypes
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import Facade, wants_facade
@@ -19,9 +18,7 @@ from stickslip.cosim.system.scaling import (
     Transform,
     ValueMap,
 )
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
 _BLOCK_STEPS = 256

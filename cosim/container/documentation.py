@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en">

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
@@ -12,9 +11,7 @@ from stickslip.cosim.container.variables import TYPES, Shown
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.variables import Value
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 
 def system_header(

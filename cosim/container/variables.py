@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from stickslip.cosim.errors import ConnectionFault, ParameterError
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.cosim.system.system import System
 from stickslip.fmi.messages import suggestion
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
 
 Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]
 

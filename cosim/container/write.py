@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import fmpy
 
@@ -31,10 +31,9 @@ from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.loops import algebraic_loop, group
 from stickslip.cosim.system.record import Record
+from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.fmi.files import atomic_write
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c"]
@@ -128,7 +127,7 @@ def write_fmu(
     members |= _binaries(identifier, sources, fmi, targets)
     for name, folder in folders.items():
         members |= _component(system, name, folder, targets)
-    return toolchain.write_whole(Path(path), zipped(members))
+    return atomic_write(Path(path), zipped(members))
 
 
 def _binaries(

@@ -15,7 +15,7 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.variables import SETTERS
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
-from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, read_library
 
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
@@ -121,8 +121,8 @@ class UnloadedLibrary(Library):
         self._fmu = fmu
         self.resources = ""
         try:
-            self._names = toolchain.interface(fmu.binary.read_bytes()).exports
-        except (toolchain.NotALibrary, OSError) as fault:
+            self._names = read_library(fmu.binary.read_bytes()).exports
+        except (NotALibrary, OSError) as fault:
             raise FmuError(f"{fmu.binary}: {fault}") from fault
         self.lacks_reset = self._missing_reset()
         self.calls = self._step_calls() if fmu.interface == "co_simulation" else []

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING
 from weakref import ref
 
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 
-if TYPE_CHECKING:
-    from stickslip.cosim.run.prepared import Prepared
-
 # Anywhere here a simulation may be collected, which then gives up what it has, in this very thread.
 _lock = threading.RLock()
-_holders: dict[tuple[Path, str], ref[Prepared]] = {}
+_holders: dict[tuple[Path, str], tuple[ref[object], str]] = {}
 
 
-def claim(fmu: Fmu, component: str, simulation: Prepared) -> None:
-    """Take the only instance there can be of an FMU; others can be had freely.
+def claim(fmu: Fmu, component: str, simulation: object, system: str) -> None:
+    """Reserve the only instance of an FMU that allows one per process.
+
+    Parameters
+    ----------
+    simulation : that has the component
+    system : its name
 
     Raises
     ------
@@ -29,31 +30,30 @@ def claim(fmu: Fmu, component: str, simulation: Prepared) -> None:
     if not fmu.once_per_process:
         return
     with _lock:
-        for (binary, name), holder in _present():
+        for (binary, name), holder, owner in _present():
             if binary == fmu.binary and (name, holder) != (component, simulation):
                 raise SimulationError(
                     f"{component}: {fmu.path.name} can be instantiated only once per process, and"
-                    f" {name} of {holder.spec.system.name} has it; close that simulation first"
+                    f" {name} of {owner} has it; close that simulation first"
                 )
-        _holders[fmu.binary, component] = ref(simulation)
+        _holders[fmu.binary, component] = ref(simulation), system
 
 
-def give_up(simulation: Prepared) -> None:
+def give_up(simulation: object) -> None:
     """Give back what a simulation has claimed."""
     with _lock:
-        for key, holder in _present():
+        for key, holder, _ in _present():
             if holder is simulation:
                 _holders.pop(key, None)
 
 
-def _present() -> list[tuple[tuple[Path, str], Prepared]]:
-    """Return who has what; those that are gone are forgotten."""
+def _present() -> list[tuple[tuple[Path, str], object, str]]:
+    """Return the reserved instances with their simulations and the names of the systems."""
     found = []
-    for key in list(_holders):
-        reference = _holders.get(key)
-        holder = reference() if reference else None
+    for key, (reference, system) in list(_holders.items()):
+        holder = reference()
         if holder is None:
             _holders.pop(key, None)
         else:
-            found.append((key, holder))
+            found.append((key, holder, system))
     return found

@@ -1,6 +1,5 @@
 """FMUs in a process of their own, which they may end without harm.
 
-    settings    how long and how much memory they may take
     simulation  the face of `cosim.Simulation`, on the side of the caller
     process     the child as its parent sees it: started, asked, watched, ended
     shared      memory that both see: results, and which call an FMU is in

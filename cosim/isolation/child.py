@@ -23,8 +23,9 @@ from stickslip.cosim.isolation.answers import (
 from stickslip.cosim.isolation.shared import Shared
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.result import Array, Result
+from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
+from stickslip.cosim.signals.signals import Array
 
 
 def main(name: str, size: int, token: bytes) -> None:

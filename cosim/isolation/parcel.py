@@ -8,21 +8,18 @@ import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.signals.scenario import Scenario
+from stickslip.cosim.signals.scenario import Scenario, Tables
 from stickslip.cosim.signals.signals import (
     Array,
     Input,
     sampled,
 )
-
-if TYPE_CHECKING:
-    from stickslip.cosim.signals.scenario import Tables
-    from stickslip.cosim.system.specification import Specification
+from stickslip.cosim.system.system import Specification
 
 
 class _Packer(pickle.Pickler):

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty
-from typing import IO, TYPE_CHECKING, NoReturn
+from typing import IO, NoReturn
 
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
@@ -27,14 +27,12 @@ from stickslip.cosim.isolation.answers import (
     ThreadedAnswers,
 )
 from stickslip.cosim.isolation.parcel import pack
-from stickslip.cosim.isolation.settings import Isolation
 from stickslip.cosim.isolation.shared import Made
 from stickslip.cosim.isolation.verdict import Death, crashed
 from stickslip.cosim.run import resets
-from stickslip.fmi.toolchain import check_interruption, held
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.specification import Specification
+from stickslip.cosim.system.isolation import Isolation
+from stickslip.cosim.system.system import Specification
+from stickslip.fmi.process import check_interruption, held
 
 MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 from weakref import finalize
 
 import numpy as np
@@ -23,7 +23,6 @@ from stickslip.cosim.errors import (
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
 from stickslip.cosim.isolation.process import Process
-from stickslip.cosim.isolation.settings import Isolation
 from stickslip.cosim.isolation.verdict import called
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
@@ -38,12 +37,10 @@ from stickslip.cosim.system.experiment import (
     check_tolerance,
     count_steps,
 )
+from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.record import Record
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.specification import Specification
-
+from stickslip.cosim.system.system import Specification
 
 _log = logging.getLogger(__name__)
 

@@ -7,15 +7,12 @@ import math
 import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import LOST
 from stickslip.cosim.kernel.marks import Mark
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 _UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # the time says nothing of these
 

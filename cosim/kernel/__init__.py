@@ -263,7 +263,9 @@ def load(steps: str | None = None) -> CDLL:
     ------
     toolchain.ToolchainError
     """
-    library = CDLL(str(marks.library(steps) or (built(steps) if steps else built())))
+    marked = marks.library()
+    path = marked if marked and not steps else built(steps, marked=marked is not None)
+    library = CDLL(str(path))
     marks.attach(library)
     library.fmi2_calls.restype = library.fmi3_calls.restype = c_char_p
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)

@@ -44,13 +44,9 @@ def note(name: str, call: str) -> None:
         mark.begin(name, call)
 
 
-def library(steps: str | None) -> Path | None:
-    """Return the library that takes notes, None where there are no notes."""
-    from stickslip.cosim import kernel
-
-    for _, path in _place:
-        return path if steps is None else kernel.built(steps, marked=True)
-    return None
+def library() -> Path | None:
+    """Return the library of the kernel that writes marks, None where no marks are used."""
+    return _place[0][1] if _place else None
 
 
 def attach(kernel: CDLL) -> None:

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.run.result import Array
-from stickslip.fmi import toolchain
+from stickslip.cosim.signals.signals import Array
+from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable
 
 MOST_BYTES = 1 << 30
@@ -71,7 +71,7 @@ class Checkpoint:
         arrays |= {f"memory:{name}": values for name, values in self.memory.items()}
         arrays |= {"format": FORMAT, "identity": json.dumps(self.identity), "step": self.step}
         np.savez(stream, row=self.row, **arrays)
-        return toolchain.write_whole(Path(path), stream.getvalue())
+        return atomic_write(Path(path), stream.getvalue())
 
     def memory_of(self, owner: str) -> dict[str, Array]:
         """Return what a component's facade remembers, or the coupling, whose name is empty."""
@@ -88,7 +88,7 @@ class Checkpoint:
             When it cannot be read or is no saved state.
         """
         try:
-            stream = io.BytesIO(toolchain.read_whole(path, MOST_BYTES))
+            stream = io.BytesIO(read_limited(path, MOST_BYTES))
             with zipfile.ZipFile(stream) as archive:
                 size = sum(member.file_size for member in archive.infolist())
                 if size > MOST_BYTES:

@@ -6,27 +6,27 @@ import ctypes
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, NoReturn, Self
+from typing import NoReturn, Self
 
 import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupled import Coupled
+from stickslip.cosim.assembly.general_path import Facade
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.memory import Memory, Room
-from stickslip.cosim.assembly.settings import Settings
+from stickslip.cosim.assembly.settings import Settings, check_start_values
 from stickslip.cosim.assembly.wiring import wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.single_instance import claim, give_up
-from stickslip.cosim.fmu.start_values import check_starts
 from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.real_time import Pace
-from stickslip.cosim.run.result import Array
+from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.experiment import (
@@ -36,11 +36,7 @@ from stickslip.cosim.system.experiment import (
 )
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.record import Record
-
-if TYPE_CHECKING:
-    from stickslip.cosim.assembly.general_path import Facade
-    from stickslip.cosim.system.specification import Specification
-
+from stickslip.cosim.system.system import Specification
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +77,7 @@ class Prepared:
         self.order = [name for members in groups for name in members.components]
         record = Record.of(spec.record)
         self._layout = layout = Layout.of(system, record)
-        check_starts(system)
+        check_start_values(system)
         check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         for fmu in {fmu.folder: fmu for fmu in system.components.values()}.values():
@@ -190,7 +186,7 @@ class Prepared:
         for name, slot in self._slots.items():
             if not slot.instance:
                 fmu = self.spec.system.components[name]
-                claim(fmu, name, self)
+                claim(fmu, name, self, self.spec.system.name)
                 self._born[name] = fatal.times(fmu.binary)
                 arguments = (name, fmu.token, self._libraries[name].resources)
                 self._kernel.instantiate(slot, *(text.encode() for text in arguments))

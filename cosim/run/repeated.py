@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +16,10 @@ from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.run import resets
-from stickslip.cosim.run.result import Array, Result
+from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.stepping import Discarded, Stepping
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.specification import Specification
+from stickslip.cosim.signals.signals import Array
+from stickslip.cosim.system.system import Specification
 
 _Trace = tuple[str, str]
 _ENDED = {how: {("ended", how)} for how in ("stopped", "halted", "finished")}

@@ -8,18 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from stickslip.fmi import toolchain
+from stickslip.cosim.signals.signals import Array
+from stickslip.cosim.system.system import System
+from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from stickslip.cosim.system.system import System
-
-Array = NDArray[np.float64]
 
 
 class Result:
@@ -95,9 +90,7 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return toolchain.write_whole(
-            Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan")
-        )
+        return atomic_write(Path(path), self.frame().to_csv(lineterminator="\n", na_rep="nan"))
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals; units are in the metadata of the columns.

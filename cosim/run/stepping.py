@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.disturbances import disturb
+from stickslip.cosim.assembly.external_inputs import sample_ends, sample_inputs
 from stickslip.cosim.assembly.input_events import (
     InputEvents,
     courses,
@@ -29,7 +30,7 @@ from stickslip.cosim.errors import (
 from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.run.prepared import Prepared
 from stickslip.cosim.run.real_time import Pace
-from stickslip.cosim.run.result import Array, Result
+from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.termination import (
     Ending,
     ending,
@@ -37,13 +38,12 @@ from stickslip.cosim.run.termination import (
 )
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import (
+    Array,
     Input,
     Table,
-    sample_ends,
-    sample_inputs,
 )
 from stickslip.cosim.signals.span import slack
-from stickslip.fmi.toolchain import check_interruption
+from stickslip.fmi.process import check_interruption
 
 _log = logging.getLogger(__name__)
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stickslip.cosim import kernel
-
-if TYPE_CHECKING:
-    from stickslip.cosim.assembly.general_path import Facade
-    from stickslip.cosim.fmu.library import Library
-    from stickslip.cosim.run.result import Array
+from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.fmu.library import Library
+from stickslip.cosim.signals.signals import Array
 
 # Of ``fmi2StatusKind``.
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
-from stickslip.fmi import toolchain
+from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ def read_columns(path: Path) -> dict[str, Array]:
         When the file cannot be read or holds something else; names the line.
     """
     try:
-        data = toolchain.read_whole(path, MOST_BYTES)
+        data = read_limited(path, MOST_BYTES)
     except OSError as fault:
         raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
     return parse_columns(data, str(path))

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.signals.csv_columns import read_columns
 from stickslip.cosim.signals.span import slack
 from stickslip.fmi.messages import suggestion
-
-if TYPE_CHECKING:
-    from stickslip.cosim.fmu.variables import Value
-    from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
 
@@ -191,49 +186,6 @@ def _slack(t: Array) -> Array:
     return near
 
 
-def sample_inputs(
-    system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
-) -> Array:
-    """Return the exposed inputs over time, (n, number of exposed inputs).
-
-    Raises
-    ------
-    SignalError
-        When a name is not exposed, or a signal has the wrong shape or is not finite.
-    """
-    for name in inputs:
-        if name not in system.inputs:
-            raise SignalError(
-                f"{system.name} has no exposed input {name!r}{suggestion(name, system.inputs)}"
-            )
-    table = np.empty((len(time), len(system.inputs)))
-    for i, (name, targets) in enumerate(system.inputs.items()):
-        if name in inputs:
-            signal = inputs[name]
-            if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
-                signal = signal.hold(time)
-            table[:, i] = sampled(name, signal, time)
-        else:
-            start = _start(system, starts, targets[0])
-            table[:, i] = system.scaling(name, targets[0]).inverse(start)
-    return table
-
-
-def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:
-    """Return the exposed inputs at the end of the step before each point in time.
-
-    They differ from those at the points, ``external``, where an input jumps: what is discrete or
-    held has the value of the point before.
-    """
-    ends = external.copy()
-    for i, (name, targets) in enumerate(system.inputs.items()):
-        if system.variable(targets[0]).is_discrete:
-            ends[:, i] = shifted(external[:, i])
-        elif name in inputs:
-            ends[:, i] = ends_of(inputs[name], external[:, i], time)
-    return ends
-
-
 def ends_of(signal: Input, values: Array, time: Array) -> Array:
     """Return a signal, whose values at the points in time are given, just before them."""
     if not isinstance(signal, Table):
@@ -244,15 +196,6 @@ def ends_of(signal: Input, values: Array, time: Array) -> Array:
 def shifted(values: NDArray[Any]) -> NDArray[Any]:
     """Return for each point the value of the one before, for the first its own."""
     return np.append(values[:1], values[:-1])
-
-
-def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
-    """Return the start value of an input, which may be an element of an array."""
-    variable = system.variable(target)
-    whole = starts.get(f"{component_of(target)}.{variable.owner}")
-    start = starts.get(target, whole[variable.element] if isinstance(whole, tuple) else None)
-    start = variable.start if start is None else start
-    return float(start) if isinstance(start, int | float) else 0.0
 
 
 def sampled(name: str, signal: Input, time: Array) -> Array:

@@ -18,7 +18,7 @@ from stickslip.cosim.signals.parquet import (
     read_columns,
 )
 from stickslip.cosim.signals.signals import Table
-from stickslip.fmi import toolchain
+from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable, shown
 
 
@@ -67,7 +67,7 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
 
     stream = io.BytesIO()
     pyarrow.parquet.write_table(table, stream)
-    toolchain.write_whole(path, stream.getvalue())
+    atomic_write(path, stream.getvalue())
 
 
 def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
@@ -78,7 +78,7 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
         return Table.all_from_csv(path)
     _arrow(SignalError, path)
     try:
-        columns = read_columns(toolchain.read_whole(path, MOST_BYTES))
+        columns = read_columns(read_limited(path, MOST_BYTES))
     except OSError as fault:
         raise SignalError(f"{path}: cannot be read: {fault.strerror}") from fault
     except Unreadable as fault:

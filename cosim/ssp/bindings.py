@@ -28,7 +28,6 @@ from stickslip.cosim.ssp.names import (
     path_of,
     tag,
 )
-from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.values import (
     add_values,
@@ -38,11 +37,11 @@ from stickslip.cosim.ssp.values import (
     parameter_set,
     whole_arrays,
 )
-from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import Origin, System
 
 
 def edit_parameters(
-    editor: Editor, before: System, system: System, members: Members, package: Package | None
+    editor: Editor, before: System, system: System, members: Members, package: Origin | None
 ) -> None:
     """Write values where they are written already, else into new bindings.
 
@@ -90,7 +89,7 @@ def _change_in_place(
     given: tuple[Value, Any],
     value: Value,
     members: Members,
-    package: Package | None,
+    package: Origin | None,
 ) -> bool:
     """Change a value where it is written, if what is written there is what arrives."""
     arrives, element = given

@@ -20,7 +20,7 @@ from stickslip.cosim.ssp.names import (
     tag,
 )
 from stickslip.cosim.ssp.schema import violation
-from stickslip.fmi import toolchain
+from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 
 MOST_BYTES = 1 << 26
@@ -39,7 +39,7 @@ def parse(file: Path, part: str) -> Any:
     SspError
     """
     try:
-        root = parse_xml(toolchain.read_whole(file, MOST_BYTES), str(file), remarks=True)
+        root = parse_xml(read_limited(file, MOST_BYTES), str(file), remarks=True)
     except OSError as fault:
         raise SspError(f"{file.name}: cannot be read: {fault.strerror}") from fault
     except Malformed as fault:

@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import attribute, parse
 from stickslip.cosim.ssp.names import STRUCTURE
+from stickslip.cosim.system.system import Origin
 from stickslip.fmi.archive import unpack
 from stickslip.fmi.messages import suggestion
 
 
-@dataclass(frozen=True)
-class Package:
-    """Where a system was read from. The folder is named by its content and stays as it is.
-
-    Attributes
-    ----------
-    path : the ``.ssp`` file
-    folder : where it lies unpacked
-    structure : the file in it that describes the chosen variant
-    """
-
-    path: Path
-    folder: Path
-    structure: str = STRUCTURE
+class Package(Origin):
+    """An .ssp file that is unpacked, and the chosen variant."""
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], variant: str | None = None) -> Package:

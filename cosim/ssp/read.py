@@ -26,7 +26,7 @@ from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.structure import read_structure
 from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.scaling import Link
-from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import Origin, System
 
 
 def read_ssp(
@@ -56,7 +56,7 @@ def read_ssp(
         raise SspError(f"{package.path}: {fault}") from fault
 
 
-def read_package(package: Package) -> tuple[System, DefaultExperiment, Graph]:
+def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
     """Read a system, the times it proposes and the graph that it was laid flat from.
 
     Raises

@@ -12,7 +12,7 @@ from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_package
 from stickslip.cosim.system.scaling import Scaling, Transform
 from stickslip.cosim.system.system import System
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 
 
 def verify(members: Members, structure: str, system: System) -> None:

@@ -47,7 +47,7 @@ from stickslip.cosim.ssp.version import as_version
 from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.scaling import PLAIN, Link
 from stickslip.cosim.system.system import System
-from stickslip.fmi import toolchain
+from stickslip.fmi.files import atomic_write
 
 
 def write_ssp(
@@ -86,7 +86,7 @@ def write_ssp(
         raise SspError(f"{path}: {fault}") from fault
     except OSError as fault:
         raise SspError(f"{path}: cannot pack {fault.filename}: {fault.strerror}") from fault
-    return toolchain.write_whole(File(path), zipped(members))
+    return atomic_write(File(path), zipped(members))
 
 
 def _members(system: System, experiment: DefaultExperiment | None, version: str | None) -> Members:

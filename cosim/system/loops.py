@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from stickslip.cosim.errors import ConnectionFault
 from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.order import Connection, stepping_order
-
-if TYPE_CHECKING:
-    from stickslip.cosim.system.system import System
+from stickslip.cosim.system.system import System
 
 
 @dataclass(frozen=True)

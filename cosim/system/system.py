@@ -1,9 +1,11 @@
-"""A system: FMUs, who feeds whom, and with which start values."""
+"""A system: its components, their connections and start values; and the settings of a run."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.errors import (
@@ -15,26 +17,35 @@ from stickslip.cosim.fmu.fmu import Fmu, Interface
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.units import Unit
 from stickslip.cosim.fmu.variables import Value, Variable
-from stickslip.cosim.isolation.settings import Isolation
-from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.system.connections import (
-    check_end,
-    check_feed,
-    pairs,
-    transform,
-)
+from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
+from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import (
     PLAIN,
     Link,
     Transform,
 )
-from stickslip.cosim.system.specification import Specification
 from stickslip.fmi.messages import shown, suggestion
 
 if TYPE_CHECKING:
-    from stickslip.cosim.ssp.package import Package
+    from stickslip.cosim.run.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The SSP package that a system was read from; the folder is named by its content.
+
+    Attributes
+    ----------
+    path : the ``.ssp`` file
+    folder : the folder that it is unpacked in
+    structure : the file in it that describes the chosen variant
+    """
+
+    path: Path
+    folder: Path
+    structure: str = "SystemStructure.ssd"
 
 
 class System:
@@ -46,8 +57,8 @@ class System:
     ----------
     components : name -> Fmu, in the order added
     connections : "component.input" -> "component.output"
-    links : "component.input" -> how what feeds it is scaled, where that is not the usual way
-    inputs : name of an exposed input -> the component inputs it feeds
+    links : "component.input" -> how its source is scaled, where that is not the default
+    inputs : name of an exposed input -> the component inputs it is connected to
     input_units : exposed input -> its unit, where that is not the one of its first target
     outputs : name of an exposed output -> the component output it shows
     parameters : "component.variable" -> start value, in the variable's unit
@@ -63,7 +74,7 @@ class System:
         self.input_units: dict[str, Unit] = {}
         self.outputs: dict[str, str] = {}
         self.parameters: dict[str, Value] = {}
-        self.origin: Package | None = None
+        self.origin: Origin | None = None
 
     def add(
         self,
@@ -103,7 +114,7 @@ class System:
             raise
 
     def connect(self, source: str, target: str, link: Link = PLAIN) -> None:
-        """Let an output feed an input, converted to its unit.
+        """Connect an output to an input; the value is converted to the unit of the input.
 
         Parameters
         ----------
@@ -113,12 +124,14 @@ class System:
         Raises
         ------
         ConnectionFault
-            When an end does not exist, has the wrong causality or type, measures something else
-            than the other end, or is fed already.
+            When an end does not exist, has the wrong causality or type, measures another quantity
+            than the other end, or the input already has a source.
         """
-        for one, other in pairs(self, source, target):
-            check_end(self, one, "output", f"cannot connect {one} to {other}")
-            check_feed(self, one, one, self.unit_of(one), other, link)
+        purpose = f"cannot connect {source} to {target}"
+        for one, other in pairs(self._end(source, purpose), self._end(target, purpose)):
+            start = self._end(one, purpose)
+            start.check("output", f"cannot connect {one} to {other}")
+            self._check_source(start, other, link)
             self._set_link(other, link)
             self.connections[other] = one
 
@@ -129,7 +142,7 @@ class System:
         unit: Unit | None = None,
         links: Mapping[str, Link] | None = None,
     ) -> None:
-        """Make an input of the system that feeds inputs of components, converted to their units.
+        """Make an input of the system and connect it to inputs of components, in their units.
 
         Parameters
         ----------
@@ -141,8 +154,8 @@ class System:
         Raises
         ------
         ConnectionFault
-            When the name is taken, or a target does not exist, is no input, is fed already, or
-            measures something else than the input.
+            When the name is taken, or a target does not exist, is not an input, already has a
+            source, or measures another quantity than the input.
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
@@ -153,11 +166,14 @@ class System:
             )
         if len(set(targets)) < len(targets):
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
-        check_end(self, targets[0], "input", f"cannot connect {name} to {targets[0]}")
-        unit = unit and unit.like(self.unit_of(targets[0]))
+        purpose = f"cannot connect {name} to {targets[0]}"
+        first = self._end(targets[0], purpose)
+        first.check("input", purpose)
+        unit = unit and unit.like(first.unit)
+        source = End(name, first.variable, unit or first.unit)
         for target in targets:
             link = (links or {}).get(target, PLAIN)
-            check_feed(self, name, targets[0], unit or self.unit_of(targets[0]), target, link)
+            self._check_source(source, target, link)
             self._set_link(target, link)
         self.inputs[name] = targets
         if unit:
@@ -169,13 +185,14 @@ class System:
         Raises
         ------
         ConnectionFault
-            When the name is taken, or ``source`` is no output of a component.
+            When the name is taken, or ``source`` is not an output of a component.
         """
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
         if name in self.inputs or name in self.outputs:
             raise ConnectionFault(f"cannot expose {shown(name)}: it needs a name that is not taken")
-        check_end(self, source, "output", f"cannot expose {source} as {name}")
+        purpose = f"cannot expose {source} as {name}"
+        self._end(source, purpose).check("output", purpose)
         self.outputs[name] = source
 
     def set(self, name: str, value: object) -> None:
@@ -243,12 +260,14 @@ class System:
         return self._fmu(name).unit(self.variable(name))
 
     def scaling(self, source: str, target: str) -> Transform:
-        """Return what is done to a number on its way from what feeds an input into it."""
-        link = self.links.get(target, PLAIN)
-        return transform(self, source, self.unit_of(source), target, link)
+        """Return the transform of a number from the source of an input to this input."""
+        like = self.inputs[source][0] if source in self.inputs else source
+        start = End(source, self.variable(like), self.unit_of(source))
+        end = End(target, self.variable(target), self.unit_of(target))
+        return transform(start, end, self.links.get(target, PLAIN))
 
     def sources(self) -> dict[str, str]:
-        """Return what feeds each input that is fed: a component's output or an exposed input."""
+        """Return the source of each connected input: a component's output or an exposed input."""
         exposed = {target: name for name, targets in self.inputs.items() for target in targets}
         return self.connections | exposed
 
@@ -327,9 +346,52 @@ class System:
         twin.origin = self.origin
         return twin
 
+    def _end(self, name: str, purpose: str) -> End:
+        try:
+            return End(name, self.variable(name), self.unit_of(name))
+        except ConnectionFault as fault:
+            raise ConnectionFault(f"{purpose}: {fault}") from None
+
+    def _check_source(self, source: End, name: str, link: Link) -> None:
+        purpose = f"cannot connect {source.name} to {name}"
+        check_connection(source, self._end(name, purpose), link)
+        if present := self.sources().get(name):
+            raise ConnectionFault(f"{purpose}: {name} is already connected to {present}")
+
     def _fmu(self, name: str) -> Fmu:
         return self.components[component_of(name)]
 
     def _set_link(self, target: str, link: Link) -> None:
         if link != PLAIN:
             self.links[target] = link
+
+
+@dataclass(frozen=True)
+class Specification:
+    """All settings of a simulation; pickles, so that each worker can prepare its own.
+
+    The fields are the arguments of ``System.prepare``.
+    """
+
+    system: System
+    step: float
+    stop: float
+    start: float = 0.0
+    record: Record | tuple[str, ...] | None = None
+    coupling: Coupling | Method = "gauss_seidel"
+    constant_step: bool = False
+    compiled: bool = False
+    tolerance: float | None = None
+    allow_nan: bool = False
+    isolation: Isolation | Literal["process"] | None = None
+
+    def prepare(self) -> Simulation:
+        """Instantiate the FMUs, here or in a process of their own."""
+        limits = Isolation.of(self.isolation)
+        if limits is None:
+            from stickslip.cosim.run.simulation import Simulation
+
+            return Simulation(self)
+        from stickslip.cosim.isolation.simulation import IsolatedSimulation
+
+        return IsolatedSimulation(self, limits)

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from stickslip.fmi import toolchain
 from stickslip.fmi.archive import directory
 from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.frame import check_frame
 from stickslip.fmi.messages import printable, shown
 
 _CHUNK = 1024**2
@@ -31,7 +31,7 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
     OSError
     """
     try:
-        stated = toolchain.check_frame(file)
+        stated = check_frame(file)
     except ValueError as fault:
         raise Refused(str(fault)) from None
     with _blaming("not a zip archive, or a damaged one"):

@@ -17,6 +17,8 @@ from typing import IO
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.members import extract
+from stickslip.fmi.errors import Fault
+from stickslip.fmi.files import atomic_write, require_regular_file
 
 _STALE = 3600.0  # s after which a half-unpacked folder belongs to a process that was killed
 _UNUSED = 90 * 86400.0  # s after which a folder that nobody opened goes
@@ -24,7 +26,7 @@ _NOTED = 86400.0  # s after which it is noted that a folder is used
 _PARTIAL = ".unpack-"
 
 
-def unpack(path: Path, room: str, error: type[toolchain.Fault]) -> Path:
+def unpack(path: Path, room: str, error: type[Fault]) -> Path:
     """Unpack an archive to ``<cache>/<room>/<sha256 of the file>`` and return that folder.
 
     The folder appears whole or not at all. A list beside it holds what its files were. As long as
@@ -45,7 +47,7 @@ def unpack(path: Path, room: str, error: type[toolchain.Fault]) -> Path:
         raise error(f"{path}: cannot be unpacked{where}: {fault.strerror}") from fault
 
 
-def restore(folder: Path, path: Path, error: type[toolchain.Fault]) -> None:
+def restore(folder: Path, path: Path, error: type[Fault]) -> None:
     """Unpack an archive again where its folder is not any more as it was unpacked.
 
     Raises
@@ -93,7 +95,7 @@ def _is_whole(folder: Path) -> bool:
         return False
     with suppress(OSError):  # others may own the cache
         if odd:  # it was copied, say, with the same content
-            toolchain.write_whole(listed, json.dumps(now))
+            atomic_write(listed, json.dumps(now))
         elif time.time() - listed.stat().st_mtime > _NOTED:
             listed.touch()
     return True
@@ -118,7 +120,7 @@ def _files(folder: Path) -> dict[str, list[int]]:
 
 def _check(path: Path) -> int:
     """Return the CRC-32 of a plain file."""
-    toolchain.refuse_odd(path)
+    require_regular_file(path)
     check = 0
     with path.open("rb") as file:
         while part := file.read(2**20):
@@ -132,7 +134,7 @@ def _unpack_new(file: IO[bytes], folder: Path) -> None:
         checks = extract(file, temporary / "new")
         files = _files(temporary / "new")
         unpacked = {name: [*found, checks[name]] for name, found in files.items()}
-        toolchain.write_whole(_list(folder), json.dumps(unpacked))
+        atomic_write(_list(folder), json.dumps(unpacked))
         _replace(temporary / "new", folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)

@@ -7,9 +7,9 @@ import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from stickslip.fmi.binary.universal import universal
+from stickslip.fmi.process.threads import Threads
 from stickslip.fmi.toolchain.platforms import Platform
-from stickslip.fmi.toolchain.threads import Threads
-from stickslip.fmi.toolchain.universal import universal
 
 
 def standard_functions(header: str) -> list[str]:

@@ -13,17 +13,13 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from stickslip.fmi.toolchain.binary import interface
+from stickslip.fmi.binary import read_library
+from stickslip.fmi.files.atomic import atomic_write
+from stickslip.fmi.process.child import child_process
+from stickslip.fmi.process.interruption import check_interruption, temporary_folder
 from stickslip.fmi.toolchain.cache import cache_directory
-from stickslip.fmi.toolchain.child import child_process
-from stickslip.fmi.toolchain.errors import (
-    CompilationFailed,
-    CompilerMissing,
-    WrongExports,
-)
-from stickslip.fmi.toolchain.interruption import check_interruption, temporary_folder
+from stickslip.fmi.toolchain.errors import CompilationFailed, CompilerMissing, WrongExports
 from stickslip.fmi.toolchain.platforms import Platform, host_platform
-from stickslip.fmi.toolchain.whole import write_whole
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
@@ -84,8 +80,8 @@ def shared_library(
         linked = _compile(command, files, library.name)
         if exports is not None:
             _check_exports(linked, exports, library.name)
-        write_whole(library, linked)
-        write_whole(_hash_file(library), hashlib.sha256(linked).hexdigest())
+        atomic_write(library, linked)
+        atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
     return library
 
 
@@ -125,7 +121,7 @@ def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
 
 
 def _check_exports(library: bytes, expected: Collection[str], name: str) -> None:
-    exported = interface(library).exports - _OF_THE_LINKER
+    exported = read_library(library).exports - _OF_THE_LINKER
     if lacking := sorted(set(expected) - exported):
         raise WrongExports(f"{name} does not export {', '.join(lacking)}")
     if foreign := sorted(exported - set(expected)):

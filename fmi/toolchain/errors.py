@@ -1,12 +1,10 @@
 """Errors of the toolchain; the tree is drawn in ``fmi/toolchain/__init__.py``."""
 
-
-class Fault(Exception):
-    """What a user can cause, in whatever package: the command says it in one line."""
+from stickslip.fmi.errors import Fault
 
 
 class ToolchainError(Fault, RuntimeError):
-    """Something between C sources and a shared library went wrong."""
+    """Building a shared library from C sources failed."""
 
 
 class CompilerMissing(ToolchainError):
@@ -14,12 +12,8 @@ class CompilerMissing(ToolchainError):
 
 
 class CompilationFailed(ToolchainError):
-    """The compiler refused the sources. The message ends with what it said."""
+    """The compiler rejected the sources. The message ends with its output."""
 
 
 class WrongExports(ToolchainError):
-    """The linker left out a function, or exported one that nobody asked for."""
-
-
-class NotALibrary(ToolchainError, ValueError):
-    """The bytes are no shared library that can be read."""
+    """The library lacks a requested function, or exports one that was not requested."""

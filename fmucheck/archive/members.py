@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections import Counter
 
-from stickslip.fmi.toolchain import MAX_MEMBERS
+from stickslip.fmi.archive.frame import MAX_MEMBERS
 from stickslip.fmucheck.archive.reading import (
     MAX_BYTES,
     Archive,

@@ -11,11 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from stickslip.fmi.toolchain import (
-    MAX_MEMBERS,
-    check_frame,
-    open_plain,
-)
+from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
+from stickslip.fmi.files import open_regular_file
 
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of a member that is large when unpacked
@@ -101,7 +98,7 @@ def read_archive(path: Path) -> Archive:
     """Read the directory of an archive."""
     archive = Archive(path)
     try:
-        with open_plain(path) as file:
+        with open_regular_file(path) as file:
             archive.is_zip = file.read(2) == _MAGIC
             stated = check_frame(file)
             with zipfile.ZipFile(file) as content:

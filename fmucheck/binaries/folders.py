@@ -6,8 +6,8 @@ import posixpath
 import re
 from collections.abc import Iterator
 
+from stickslip.fmi.binary import Library, NotALibrary, read_library
 from stickslip.fmucheck.binaries.functions import required
-from stickslip.fmucheck.binaries.library import Library, read_library
 from stickslip.fmucheck.description.values import listed
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.fmu import Fmu
@@ -58,9 +58,11 @@ def binaries(fmu: Fmu) -> Iterator[tuple[str, str, str]]:
 def _libraries(fmu: Fmu) -> Iterator[tuple[str, str, str, Library]]:
     for tuple_, identifier, name in binaries(fmu):
         if name in fmu.members:
-            library = read_library(fmu.bytes(name))
-            if isinstance(library, Library):
-                yield tuple_, identifier, name, library
+            try:
+                library = read_library(fmu.bytes(name))
+            except NotALibrary:  # the subject of a rule of its own
+                continue
+            yield tuple_, identifier, name, library
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="add a binary or the sources")
@@ -94,9 +96,10 @@ def not_a_library(fmu: Fmu) -> Claims:
     """A binary is no shared library at all."""
     for _, _, name in binaries(fmu):
         if name in fmu.members:
-            library = read_library(fmu.bytes(name))
-            if isinstance(library, str):
-                yield name, library
+            try:
+                read_library(fmu.bytes(name))
+            except NotALibrary as fault:
+                yield name, str(fault)
 
 
 @rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="put it into the folder of its platform")

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from stickslip.fmi.toolchain import check_interruption, child_process
+from stickslip.fmi.process import check_interruption, child_process
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries.folders import target
 from stickslip.fmucheck.ending import (

@@ -16,11 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.fmi.toolchain import (
-    parse_json,
-    read_whole,
-    write_whole,
-)
+from stickslip.fmi.files import atomic_write, parse_json, read_limited
 from stickslip.ga.arrays import Array
 from stickslip.ga.errors import StateError
 from stickslip.ga.execution.record import Record
@@ -111,7 +107,7 @@ def write(path: Path, state: Mapping[str, Any], about: str) -> None:
     ------
     OSError : the folder cannot be written or the disk is full; the old checkpoint is then whole
     """
-    write_whole(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
+    atomic_write(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
 
 
 def read(path: Path, about: str) -> dict[str, Any]:
@@ -148,7 +144,7 @@ def check(path: Path) -> None:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
-        state = parse_json(read_whole(path, MOST))
+        state = parse_json(read_limited(path, MOST))
     except ValueError as error:
         raise StateError(f"{path}: this is no checkpoint ({error}); start afresh") from None
     if not isinstance(state, dict):

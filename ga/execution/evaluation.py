@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.fmi.toolchain import cancel_all, result_of
+from stickslip.fmi.process import cancel_all, result_of
 from stickslip.ga.arrays import Array
 from stickslip.ga.errors import CandidateFailed
 

@@ -19,7 +19,7 @@ from multiprocessing import get_context, parent_process
 from types import TracebackType
 from typing import ParamSpec, TypeVar
 
-from stickslip.fmi.toolchain import Threads, held
+from stickslip.fmi.process import Threads, held
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.execution.cluster import cluster
 from stickslip.ga.execution.evaluation import Evaluate, Packed

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from stickslip.fmi.toolchain import held
+from stickslip.fmi.process import held
 from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.errors import (

@@ -35,7 +35,7 @@ _SECTIONS: dict[str, Role] = {
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
-    *("output", "derivative", "depends", "uses", "variability"),
+    *("output", "derivative", "depends", "uses", "held", "variability"),
 }
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -47,7 +47,8 @@ class Variable:
     ``start``, ``minimum``, ``maximum`` and ``nominal`` are in ``unit``; booleans are 0 and 1.
     ``depends`` says of an output or a derivative on which inputs and states it depends and how
     (FMI 2.0.4 and 3.0.2, dependenciesKind), ``uses`` on which parameters and, where it has no
-    derivative, on which states; ``of`` says of a derivative whose it is.
+    derivative, on which states; ``of`` says of a derivative whose it is; ``held`` says of an output
+    that it belongs to the last step, so that steps begin with 0.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Variable:
     depends: Mapping[str, Kind] = field(default_factory=dict)
     uses: tuple[str, ...] = ()
     of: str | None = None
+    held: bool = False
     variability: str = "continuous"
 
 
@@ -215,6 +217,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             is_output=role == "output" or table.get("output", False),
             depends=_depends(where, table),
             uses=tuple(table.get("uses", ())),
+            held=table.get("held", False),
             variability=table.get("variability", _default_variability(role)),
         )
         _check_range(variable, variable.start, DescriptionError, file)

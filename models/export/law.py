@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -11,6 +11,7 @@ from typing import Any, Literal
 from stickslip.models.errors import DescriptionError
 from stickslip.models.export.units import force_and_length
 
+Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]
 _KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by")
 
@@ -57,17 +58,22 @@ class Law:
     ----------
     name : of its folder in models/laws
     title, description : for people
+    steady : the force at constant speed: ``coulomb``, F_c, or ``stribeck``, equation (4)
+    is_passive : whether it never gives more energy than it was given, without viscous friction
     is_smooth : whether its equations are differential ones without events, which a solver can take
     parameters : by name, in the order of law.toml
-    states : tables of law.toml by name
+    states, force : tables of law.toml; ``force`` tells what the force depends on
     """
 
     name: str
     title: str
     description: str
+    steady: Steady
+    is_passive: bool
     is_smooth: bool
     parameters: Mapping[str, LawParameter]
     states: Mapping[str, Mapping[str, Any]]
+    force: Mapping[str, Any]
     folder: Path
     tables: Mapping[str, Mapping[str, Any]]
 
@@ -109,9 +115,12 @@ def read_law(folder: Path) -> Law:
             name=folder.name,
             title=content["title"],
             description=content["description"],
+            steady=content["steady"],
+            is_passive=content["passive"],
             is_smooth=content["smooth"],
             parameters={name: _parameter(name, table) for name, table in tables.items()},
             states=content.get("states", {}),
+            force=content["force"],
             folder=folder,
             tables={
                 name: {key: value for key, value in table.items() if key not in _KNOWLEDGE}
@@ -154,7 +163,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
     """Add a law's states and parameters to the content of a model.toml.
 
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
-    force depends on. Where a state of the model has no derivative, the law's have none either.
+    force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
+    a state of the model has no derivative, the law's have none either.
     """
     own = content.setdefault("states", {})
     states = {name: dict(table) for name, table in law.states.items()}
@@ -163,23 +173,30 @@ def merge(content: dict[str, Any], law: Law) -> None:
         for table in (*own.values(), *states.values()):
             table.pop("derivative", None)
             table.pop("uses", None)
-    hidden = {} if integrated else law.states
+    inputs = content.get("inputs", {})
+    force = law.force["depends"]
+    known = {name: kind for name, kind in force.items() if integrated or name in inputs}
+    uses = [*(name for name in force if name not in known), *law.force["uses"]]
+    has_level = "F_c" in law.force["uses"]
     for table in (*own.values(), *content["outputs"].values()):
         for key in {"depends", "derivative"} & table.keys():
-            if table[key].pop("law", None) and integrated:
-                table[key] |= dict.fromkeys(law.states, "dependent")
+            if table[key].pop("law", None):
+                fixed = "fixed" if key == "derivative" else "constant"
+                table[key] |= {n: fixed if k == "constant" else k for n, k in known.items()}
+        at_level = table.pop("uses_with_level", [])
         if "law" in table.get("uses", ()):
             used = [name for name in table["uses"] if name != "law"]
-            table["uses"] = [*used, *_elements(hidden), *_elements(law.tables)]
+            table["uses"] = [*used, *_elements(uses, law), *(at_level if has_level else [])]
     own |= states
     content["parameters"] |= law.tables
     content |= {key: content[key].format(law=law.title) for key in ("title", "description")}
 
 
-def _elements(tables: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+def _elements(names: Iterable[str], law: Law) -> Iterator[str]:
     """Yield the names of scalar variables; the arrays of a law have one dimension."""
-    for name, table in tables.items():
-        sizes = table.get("size", [])
+    tables = {**law.tables, **law.states}
+    for name in names:
+        sizes = tables.get(name, {}).get("size", [])
         yield from (f"{name}[{k + 1}]" for n in sizes for k in range(n))
         if not sizes:
             yield name

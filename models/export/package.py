@@ -9,13 +9,13 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
+from stickslip.fmi.files import atomic_write
 from stickslip.fmi.toolchain import (
     Platform,
     binaries,
     host_platform,
     shared_library,
     standard_functions,
-    write_whole,
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
 from stickslip.models.export import (
@@ -181,20 +181,24 @@ def pack_fmu(
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))
     members |= _binaries(model.name, files, fmi, platforms or [host_platform()])
-    return write_whole(Path(folder) / f"{model.name}.fmu", _archive(members))
+    return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 
 
-def write_cross_check(name: str, folder: Path | str) -> list[Path]:
+def write_cross_check(name: str, folder: Path | str, law: str | None = None) -> list[Path]:
     """Write what the FMI Cross-Check wants beside an FMU: inputs, expected outputs, options.
+
+    Nothing is written for a plant with another law than its default, whose outputs are not known.
 
     Raises
     ------
     UnknownModel
+    UnknownLaw
     OSError
         When a file cannot be written.
     """
-    files = cross_check(load_model(name))
-    return [write_whole(Path(folder) / path, content) for path, content in files.items()]
+    model = load_model(name, law)
+    files = cross_check(model) if reference_file(model) is not None else {}
+    return [atomic_write(Path(folder) / path, content) for path, content in files.items()]
 
 
 def _binaries(

@@ -40,7 +40,7 @@ def tables(model: Model) -> tuple[str, str]:
     """
     path = reference_file(model)
     if path is None:
-        raise UnknownLaw(f"there are no expected results of {model.name} with its friction law")
+        raise UnknownLaw(f"no expected results of {model.name} with its friction law are known")
     head, *rows = csv.reader(io.StringIO(text(path)))
     inputs = {v.name for v in model.variables if v.role == "input"}
     chosen = [

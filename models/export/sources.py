@@ -45,7 +45,7 @@ def shared_files(model: Model) -> list[Path]:
     """Return the C files that a model has from other rooms: numerics, its law and its motion."""
     files = [*(MODELS / "numerics").glob("*.[ch]")]
     if model.law is not None:
-        files += [MODELS / "laws" / "law.h", *model.law.folder.glob("*.[ch]")]
+        files += [*(MODELS / "laws").glob("*.h"), *model.law.folder.glob("*.[ch]")]
         if model.folder.parent.name == "plants":
             own = model.law.folder / "motion.c"
             general = MODELS / "plants" / "midpoint.c"

@@ -125,10 +125,11 @@ def dependencies(v: Variable, known: set[str], place: Mapping[str, int]) -> dict
 def initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[str, object]:
     """Return both attributes of an element of InitialUnknowns, where parameters count as well.
 
-    What is sampled answers its inputs from the first sample on.
+    What is sampled answers its inputs from the first sample on, what belongs to a step after it.
     """
-    at_once = () if model.sampled else v.depends
-    listed = sorted(place[name] for name in {*at_once, *v.uses})
+    later = v.held and not model.is_continuous
+    at_once = () if model.sampled or later else v.depends
+    listed = sorted(place[name] for name in {*at_once, *(() if later else v.uses)})
     return {
         "dependencies": " ".join(map(str, listed)),
         "dependenciesKind": " ".join("dependent" for _ in listed),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.models.export.package import load_model
 from stickslip.models.firmware.c99 import c_files
 from stickslip.models.firmware.structured_text import st_file
@@ -34,4 +34,4 @@ def write_compensator(
     """
     model = load_model("compensator").with_start(start or {})
     files = c_files(model) if language == "c" else st_file(model)
-    return [write_whole(Path(folder) / name, text) for name, text in files.items()]
+    return [atomic_write(Path(folder) / name, text) for name, text in files.items()]

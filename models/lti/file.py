@@ -9,12 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.fmi.toolchain import (
-    MOST_TEXT,
-    parse_json,
-    parse_toml,
-    read_whole,
-)
+from stickslip.fmi.files import MOST_TEXT, parse_json, parse_toml, read_limited
 from stickslip.models.errors import LtiError
 from stickslip.models.lti.realisation import realise
 from stickslip.models.lti.system import Array, LinearSystem
@@ -72,7 +67,7 @@ def _read(path: Path) -> Mapping[str, Any]:
     if path.suffix not in (".json", ".toml"):
         raise LtiError(f"{path}: expected a .json or .toml file")
     try:
-        data = read_whole(path, MOST_TEXT)
+        data = read_limited(path, MOST_TEXT)
         content = parse_json(data) if path.suffix == ".json" else parse_toml(data)
     except ValueError as error:
         raise LtiError(f"{path}: {error}") from None

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import matrix_balance
 
-from stickslip.fmi.toolchain import Platform, temporary_folder
+from stickslip.fmi.process import temporary_folder
+from stickslip.fmi.toolchain import Platform
 from stickslip.models.errors import LtiError
 from stickslip.models.export.package import pack_fmu
 from stickslip.models.export.sources import FmiVersion

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from stickslip import models
 from stickslip.commands.platforms import add_platform_option, parse_platforms
-from stickslip.fmi.toolchain import Threads
+from stickslip.fmi.process import Threads
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
@@ -18,6 +18,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
+    parser.add_argument(
+        "--law",
+        metavar="NAME",
+        help=f"friction law of the models that contain one: {', '.join(models.law_names())}",
+    )
     add_platform_option(parser)
     parser.add_argument(
         "--cross-check",
@@ -32,17 +37,21 @@ def run(options: argparse.Namespace) -> None:
     """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
     platforms = parse_platforms(options.platform)
     versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
-    names = options.models or models.model_names()
+    names = options.models or [
+        name for name in models.model_names() if not options.law or models.load_model(name).law
+    ]
     for name in names:
-        models.load_model(name)  # an unknown name must not leave half of the files
+        models.load_model(name, options.law)  # an unknown name must not leave half of the files
     folders = {v: options.out / f"fmi{v}" if len(versions) > 1 else options.out for v in versions}
 
     def build(job: tuple[str, models.FmiVersion]) -> Path:
         name, version = job
-        return models.build_fmu(name, folders[version], fmi=version, platforms=platforms)
+        return models.build_fmu(
+            name, folders[version], fmi=version, platforms=platforms, law=options.law
+        )
 
     with Threads(os.cpu_count()) as pool:
         for path in pool.each(build, itertools.product(names, versions)):
             print(path)
             if options.cross_check:
-                models.write_cross_check(path.stem, path.parent)
+                models.write_cross_check(path.stem, path.parent, options.law)

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import staged
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -51,8 +51,8 @@ def run(options: argparse.Namespace) -> None:
         print(f"{name:20} {value:.6g}")
     if options.out:
         content = {**figures, "nominal_loop": nominal_parameters(loop)}
-        with staged(options.out, {"name": "design"}) as desk:
-            write_whole(desk / "design.json", json.dumps(content, indent=2) + "\n")
+        with staged(options.out, {"name": "design"}) as staging:
+            atomic_write(staging / "design.json", json.dumps(content, indent=2) + "\n")
         print(options.out / "design.json")
 
 

@@ -20,7 +20,7 @@ from stickslip.evaluation.guards import (
     inspect,
     try_out,
 )
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 from stickslip.models.firmware import write_compensator
 from stickslip.results.learned import read_friction, read_learned
 from stickslip.results.learned_loop import (

@@ -10,7 +10,7 @@ from pathlib import Path
 from stickslip.catalog.parameters import UNITS
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
@@ -48,6 +48,6 @@ def _identify(options: argparse.Namespace, truth: dict[str, float]) -> None:
             for name, estimate in estimates.items()
         }
         changed = {f"drive.{name}": value for name, value in truth.items()}
-        with staged(options.out, {"name": "identify", "set": changed}) as desk:
-            write_whole(desk / "identified.json", json.dumps(content, indent=2) + "\n")
+        with staged(options.out, {"name": "identify", "set": changed}) as staging:
+            atomic_write(staging / "identified.json", json.dumps(content, indent=2) + "\n")
         print(options.out / "identified.json")

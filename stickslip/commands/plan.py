@@ -10,7 +10,7 @@ import pandas as pd
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.planning import (
     LINEAR,
     ROTARY,
@@ -76,9 +76,9 @@ def run(options: argparse.Namespace) -> None:
         **{name: value for name, value in given.items() if value is not None},
     )
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
-    write_whole(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
-        write_whole(options.plot, draw_plan(table, stretches, options.motion))
+        atomic_write(options.plot, draw_plan(table, stretches, options.motion))
     _say(table, stretches, "rad" if options.motion == "rotary" else "m")
     print(options.out)
     if options.plot:

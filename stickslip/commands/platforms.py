@@ -6,11 +6,7 @@ import argparse
 from collections.abc import Sequence
 
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import (
-    PLATFORMS,
-    Platform,
-    host_platform,
-)
+from stickslip.fmi.toolchain import PLATFORMS, Platform, host_platform
 
 
 def add_platform_option(parser: argparse.ArgumentParser) -> None:

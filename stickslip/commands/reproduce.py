@@ -27,7 +27,7 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.published import print_published
 from stickslip.commands.table4 import print_table4
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 from stickslip.identification.stages import identify
 from stickslip.pipeline.record_mode import reproduce_from_recording
 from stickslip.pipeline.reproduction import (

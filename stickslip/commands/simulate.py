@@ -9,7 +9,7 @@ from stickslip import cosim
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import refuse_odd
+from stickslip.fmi.files import require_regular_file
 from stickslip.results.folder import writable
 from stickslip.simulation import Model
 
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> None:
     if not options.out:
         _simulate(options)
         return
-    refuse_odd(options.out)
+    require_regular_file(options.out)
     with writable(options.out.parent):
         _simulate(options)
 

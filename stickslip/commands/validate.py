@@ -11,7 +11,7 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import validate
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
@@ -77,7 +77,7 @@ def _validate(
             "parameters": compensator,
             "feed": options.feed,
         }
-        with staged(options.out, command) as desk:
+        with staged(options.out, command) as staging:
             for name, table in tables.items():
-                write_whole(desk / name, table.to_csv(index=False, lineterminator="\n"))
+                atomic_write(staging / name, table.to_csv(index=False, lineterminator="\n"))
         print(*(options.out / name for name in tables), sep="\n")

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.errors import StickslipError
 from stickslip.fleet.drive import Drive, LogSource
-from stickslip.fmi.toolchain import interrupted_by, interruptible
+from stickslip.fmi.process import interrupted_by, interruptible
 from stickslip.identification.estimation import (
     Estimation,
     Task,

@@ -14,12 +14,7 @@ from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.fleet.drive import Drive
 from stickslip.fleet.job import OnStage, Outcome
-from stickslip.fmi.toolchain import (
-    Threads,
-    cancel_all,
-    result_of,
-    wait_first,
-)
+from stickslip.fmi.process import Threads, cancel_all, result_of, wait_first
 
 ALONE = 2
 """How often a drive whose worker died is tried alone."""

@@ -12,13 +12,7 @@ from stickslip.errors import UsageError
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
-from stickslip.fmi.toolchain import (
-    MOST_TEXT,
-    digest,
-    parse_json,
-    read_whole,
-    write_whole,
-)
+from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.results.folder import (
     MANIFEST,
     complete,
@@ -99,8 +93,8 @@ def learn_fleet(
     def take(drive: Drive, outcome: Outcome) -> None:
         if outcome.learned:
             document = {**json.loads(outcome.learned), "fleet": origins[drive.name]}
-            with staged(unfinished, {"name": drive.name}) as desk:
-                write_whole(desk / _learned(drive), json.dumps(document, indent=2) + "\n")
+            with staged(unfinished, {"name": drive.name}) as staging:
+                atomic_write(staging / _learned(drive), json.dumps(document, indent=2) + "\n")
             learned[drive.name] = document
         else:
             reasons[drive.name] = outcome.reason
@@ -141,7 +135,7 @@ def _hash(path: Path) -> str | None:
 def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | None:
     """Return an earlier result, if it is the one that would be learned now."""
     try:
-        document = parse_json(read_whole(path, MOST_TEXT))
+        document = parse_json(read_limited(path, MOST_TEXT))
     except (OSError, ValueError):
         return None
     expected = {"fleet": origin, "seed": seed, "versions": versions()}

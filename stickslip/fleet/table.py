@@ -18,8 +18,8 @@ from stickslip.fleet.drive import (
     LogSource,
     Variant,
 )
+from stickslip.fmi.files import MOST_TEXT, read_limited
 from stickslip.fmi.messages import suggestion
-from stickslip.fmi.toolchain import MOST_TEXT, read_whole
 from stickslip.pipeline.reproduction import drive_truth
 
 COLUMNS = ("name", "log", "config", "set")
@@ -69,7 +69,7 @@ def read_fleet(path: Path) -> list[Drive]:
 
 def _rows(path: Path) -> Sequence[list[str]]:
     try:
-        text = read_whole(path, MOST_TEXT).decode("utf-8-sig")
+        text = read_limited(path, MOST_TEXT).decode("utf-8-sig")
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror})") from None

@@ -15,7 +15,7 @@ from stickslip.fleet.study import (
     UNFINISHED,
     Fleet,
 )
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.report.picture import picture_files
 from stickslip.results.folder import remove_results, staged
 
@@ -40,13 +40,13 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
     pictures = draw_fleet(table) if fleet.learned else {}
     command = {"name": "fleet", "drives": names}
-    with staged(folder, command, without=files_of(fleet.drives)) as desk:
-        write_whole(desk / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
+    with staged(folder, command, without=files_of(fleet.drives)) as staging:
+        atomic_write(staging / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
         for kind, picture in pictures.items():
-            write_whole(desk / f"fleet.{kind}", picture)
+            atomic_write(staging / f"fleet.{kind}", picture)
         for name, document in fleet.learned.items():
-            write_whole(desk / _learned(name), json.dumps(document, indent=2) + "\n")
-        write_whole(desk / TABLE, table.to_csv(index=False, lineterminator="\n"))
+            atomic_write(staging / _learned(name), json.dumps(document, indent=2) + "\n")
+        atomic_write(staging / TABLE, table.to_csv(index=False, lineterminator="\n"))
     remove_results(folder / UNFINISHED)
 
 

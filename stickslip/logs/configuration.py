@@ -8,12 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
-from stickslip.fmi.toolchain import (
-    MOST_TEXT,
-    parse_toml,
-    read_whole,
-)
 from stickslip.logs.description import Column, Description
 
 _KEYS = tuple(field.name for field in fields(Description) if field.name != "gains")
@@ -33,7 +29,7 @@ def load_description(path: Path) -> Description:
         When it cannot be read, or a key or value is none that is known.
     """
     try:
-        content = parse_toml(read_whole(path, MOST_TEXT))
+        content = parse_toml(read_limited(path, MOST_TEXT))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:  # not UTF-8, or not TOML

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.signal import correlate
@@ -13,6 +11,8 @@ from scipy.signal import correlate
 from stickslip.logs.description import quantity_key
 from stickslip.logs.finding import Finding
 from stickslip.logs.motion import kinematics
+from stickslip.logs.reading import Reading
+from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
 from stickslip.logs.units import (
     QUANTITIES,
     Unit,
@@ -20,47 +20,19 @@ from stickslip.logs.units import (
 )
 from stickslip.servo.measurement import Array, smoothed
 
-if TYPE_CHECKING:
-    from stickslip.logs.reading import Reading
-
-_TURN = 2 * math.pi
-FACTORS = {
-    "2 pi": _TURN, "60/2 pi": 60 / _TURN, "25.4": 25.4, "39.37": 1 / 0.0254, "60": 60.0,
-    "360/2 pi": 360 / _TURN, "360": 360.0, "10^3": 1e3, "60*10^3": 6e4, "10^6": 1e6, "10^9": 1e9,
-}  # fmt: skip
-"""Between units that are mistaken for each other: m, mm, inch; rad, deg, turns; s, min, ms."""
-NEAR, ROUGHLY = 0.03, 0.25
-"""How far a ratio may be from its factor, as logarithm, up to 100 and beyond."""
 RATE = "d(position)/dt"
 ALIKE, SAME = 0.8, 0.98
 """Correlation from which one signal is the other's image, and from which a factor below
 ``SMALL`` is one of units: a controller that follows badly may be off by as much."""
 SMALL = 20.0
-FOLLOWS, EQUALS = 2.0, 1.25
-"""Ratio up to which a signal follows its command, and a velocity is the position's derivative."""
+FOLLOWS = 2.0
+"""Ratio up to which a signal follows its command."""
 LATE, FILTERED = 0.1, 0.01
 """Share of the log by which a signal may be later than its command, and a velocity late."""
 CUTOFF = 0.02
 """Of the low-pass before a comparison, in sampling frequencies because the time may be wrong."""
 FASTER, SLOWER = 200.0, 20.0
 """How much faster or slower than its log a controller may run."""
-
-
-@dataclass(frozen=True)
-class Factor:
-    """A factor between units, and how people write it."""
-
-    value: float
-    name: str
-
-
-def near_factor(ratio: float) -> Factor | None:
-    """Return the factor of units, or its inverse, that a ratio > 0 is near, None if it is none."""
-    size = abs(math.log(ratio))
-    name, value = min(FACTORS.items(), key=lambda item: abs(math.log(item[1]) - size))
-    if abs(math.log(value) - size) > (ROUGHLY if value > 100 else NEAR):
-        return None
-    return Factor(value, name) if ratio > 1 else Factor(1 / value, f"1/({name})")
 
 
 def contradictions(reading: Reading) -> Iterator[Finding]:
@@ -87,23 +59,9 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
         ratio = recording.T_s / T_s
         if not 1 / SLOWER <= ratio <= FASTER:
             what = "the log's time and the controller's T_s contradict each other"
-            figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {_times(ratio)}"
+            figure = f"{recording.T_s:.4g} s and {T_s:.4g} s, a factor of {described_ratio(ratio)}"
             advice = "--gain T_s is in s; a unit of the log's time is set by --unit time=ms"
             yield Finding("error", what, figure, advice)
-
-
-def contradicted_period(spacing: float, period: float) -> Finding | None:
-    """Return the error of a sample period [s] that a column of time [s] contradicts."""
-    ratio = spacing / period
-    if 1 / EQUALS < ratio < EQUALS:
-        return None
-    what = "the column of time and --sample-period contradict each other"
-    figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {_times(ratio)}"
-    advice = f"--sample-period is in s, not a rate; say --sample-period {spacing:.6g}"
-    factor = near_factor(ratio)
-    unit = sized_unit(["time"], 1 / factor.value) if factor else None
-    other = f", --unit time={unit.name} without --sample-period" if unit else ""
-    return Finding("error", what, figure, f"{advice}{other}, or --column time=none")
 
 
 @dataclass(frozen=True)
@@ -188,9 +146,3 @@ def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:
     motions = [reading.recording.motion] if any(reading.units.values()) else list(QUANTITIES)
     quantities = ["time"] if key == "time" else [QUANTITIES[motion][key] for motion in motions]
     return sized_unit(quantities, factor * (unit.factor if unit else 1.0))
-
-
-def _times(ratio: float) -> str:
-    """Return a ratio, and the factor of units that it is near."""
-    factor = near_factor(ratio)
-    return f"{ratio:.4g}" + (f", near {factor.name}" if factor else "")

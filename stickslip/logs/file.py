@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stickslip.errors import RecordingError
-from stickslip.fmi.toolchain import read_whole
+from stickslip.fmi.files import read_limited
 from stickslip.logs.matlab import read_matlab
 from stickslip.logs.parquet import read_parquet
 from stickslip.logs.table import LogTable
@@ -26,7 +26,7 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
         When the file cannot be read as what it seems to be.
     """
     try:
-        data = read_whole(path, MOST)
+        data = read_limited(path, MOST)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     name, suffix = str(path), path.suffix.lower()

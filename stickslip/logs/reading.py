@@ -17,7 +17,6 @@ from stickslip.logs.channels import (
     unit_fault,
     unit_of,
 )
-from stickslip.logs.contradictions import contradicted_period, near_factor
 from stickslip.logs.controller import Controller, controller_of
 from stickslip.logs.description import ROLES, Description
 from stickslip.logs.file import read_table
@@ -28,6 +27,7 @@ from stickslip.logs.quantisation import step_of
 from stickslip.logs.recording import Recording
 from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.table import LogTable
+from stickslip.logs.unit_factors import contradicted_period, near_factor
 from stickslip.logs.units import Unit
 from stickslip.servo.measurement import Array
 

@@ -19,7 +19,8 @@ from stickslip.evaluation.validation import (
     run_command,
     validate,
 )
-from stickslip.fmi.toolchain import Fault, Threads
+from stickslip.fmi.errors import Fault
+from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
 from stickslip.servo.datasheet import (
     LOOP,

@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, at_share
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import (
     Estimation,
     JudgeName,
@@ -179,12 +179,14 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     if force:
         learned = learned.with_whole_force()
-    with staged(folder, command, without=["compensator.fmu"]) as desk:
-        write_whole(desk / "learned.json", json.dumps(learned_document(learned), indent=2) + "\n")
+    with staged(folder, command, without=["compensator.fmu"]) as staging:
+        atomic_write(
+            staging / "learned.json", json.dumps(learned_document(learned), indent=2) + "\n"
+        )
         if force or not learned.refusal:
-            models.build_fmu("compensator", desk, start=learned.compensator)
+            models.build_fmu("compensator", staging, start=learned.compensator)
         further = [section_worth.write(learned.trial.worth)] if learned.trial else []
-        write_estimation_report(learned.estimation, learned.findings, desk, further)
+        write_estimation_report(learned.estimation, learned.findings, staging, further)
 
 
 def learned_document(learned: LogLearning) -> dict[str, Any]:

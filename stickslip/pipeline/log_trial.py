@@ -14,7 +14,7 @@ from stickslip.evaluation.guards import (
     inspect,
     try_out,
 )
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Reading
 from stickslip.servo.axis import Axis, ControlError

@@ -11,7 +11,7 @@ import pandas as pd
 from stickslip import ga
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.motion_study import study_motions
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 from stickslip.identification.stages import Identification
 from stickslip.pipeline.datasheet_errors import vary_datasheet
 from stickslip.pipeline.extras import Extras, all_effects

@@ -21,11 +21,7 @@ import numpy as np
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.errors import UsageError
-from stickslip.fmi.toolchain import (
-    MOST_TEXT,
-    parse_json,
-    read_whole,
-)
+from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import VALIDATION, Datasheet
 from stickslip.servo.systems import FEEDS, Feed
@@ -83,7 +79,7 @@ def read_document(path: Path) -> dict[str, Any]:
         When it cannot be read.
     """
     try:
-        document = parse_json(read_whole(path, MOST_TEXT))
+        document = parse_json(read_limited(path, MOST_TEXT))
     except ValueError as error:
         raise UsageError(f"{path}: not a learned.json: {error}") from None
     if not isinstance(document, dict):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import Options
 from stickslip.report.picture import picture_files
 from stickslip.report.reproduction import section_as_published
@@ -35,12 +35,12 @@ def write_published_results(
         When a file cannot be written.
     """
     seeds = len(study.published.seeds)
-    with staged(folder, command_of(options, as_published=True, seeds=seeds)) as desk:
+    with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
         for name, table in study.tables().items():
-            write_table(table, desk / f"{name}.csv")
+            write_table(table, staging / f"{name}.csv")
         drawn = section_as_published.draw(study.published, truth)
         for name, picture in drawn.items():
-            write_whole(desk / f"{name}.png", picture.png)
-            write_whole(desk / f"{name}.svg", picture.svg)
+            atomic_write(staging / f"{name}.png", picture.png)
+            atomic_write(staging / f"{name}.svg", picture.svg)
         page = sheet(TITLE, [section_as_published.describe(study, drawn)])
-        write_whole(desk / "report.html", page)
+        atomic_write(staging / "report.html", page)

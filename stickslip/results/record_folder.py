@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from stickslip import models
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import RecordReproduction, gains_of
 from stickslip.report.learned import FILES as REPORT
@@ -56,25 +56,25 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         When a file cannot be written.
     """
     estimation = reproduction.estimation
-    with staged(folder, command_of(reproduction.options, mode="record")) as desk:
-        write_table(reproduction.table2(), desk / "table2.csv")
-        write_table(reproduction.validation.table(), desk / "table4.csv")
-        write_table(reproduction.attribution, desk / "attribution.csv")
-        write_table(estimation.algorithm.convergence(), desk / "fitness.csv")
-        write_table(estimation.profiles, desk / "profiles.csv")
-        _write_recording(estimation.recording, desk / "recording.csv")
-        write_whole(desk / "recording.toml", _description(reproduction))
+    with staged(folder, command_of(reproduction.options, mode="record")) as staging:
+        write_table(reproduction.table2(), staging / "table2.csv")
+        write_table(reproduction.validation.table(), staging / "table4.csv")
+        write_table(reproduction.attribution, staging / "attribution.csv")
+        write_table(estimation.algorithm.convergence(), staging / "fitness.csv")
+        write_table(estimation.profiles, staging / "profiles.csv")
+        _write_recording(estimation.recording, staging / "recording.csv")
+        atomic_write(staging / "recording.toml", _description(reproduction))
         seed = reproduction.options.seed
         document = estimation_document(estimation, reproduction.loop, seed)
-        write_json(document, desk / "learned.json")
-        models.build_fmu("compensator", desk, start=reproduction.compensator)
-        write_loop(reproduction.system, reproduction.loop, desk / "loop.ssp")
+        write_json(document, staging / "learned.json")
+        models.build_fmu("compensator", staging, start=reproduction.compensator)
+        write_loop(reproduction.system, reproduction.loop, staging / "loop.ssp")
         drawn = pictures(reproduction)
         for name, picture in drawn.items():
-            write_whole(desk / f"{name}.png", picture.png)
-            write_whole(desk / f"{name}.svg", picture.svg)
+            atomic_write(staging / f"{name}.png", picture.png)
+            atomic_write(staging / f"{name}.svg", picture.svg)
         further = sections(reproduction, drawn)
-        write_estimation_report(estimation, reproduction.findings, desk, further)
+        write_estimation_report(estimation, reproduction.findings, staging, further)
 
 
 def pictures(reproduction: RecordReproduction) -> dict[str, Picture]:

@@ -12,7 +12,7 @@ import pandas as pd
 from stickslip import cosim, models
 from stickslip.default_input import pack_input
 from stickslip.evaluation.fmpy_check import SecondOpinion, second_opinion
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.reproduction import FILES as REPORT
 from stickslip.report.reproduction import write_report
@@ -43,25 +43,25 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
     OSError
         When a file cannot be written.
     """
-    with staged(folder, command_of(reproduction.options)) as desk:
-        write_table(reproduction.table2(), desk / "table2.csv")
-        write_table(reproduction.table4(), desk / "table4.csv")
+    with staged(folder, command_of(reproduction.options)) as staging:
+        write_table(reproduction.table2(), staging / "table2.csv")
+        write_table(reproduction.table4(), staging / "table4.csv")
         if reproduction.extras and reproduction.extras.table4 is not None:
-            write_table(reproduction.extras.table4, desk / "table4_all_extras.csv")
+            write_table(reproduction.extras.table4, staging / "table4_all_extras.csv")
         if reproduction.published:
             for name, table in reproduction.published.tables().items():
-                write_table(table, desk / f"{PREFIX}{name}.csv")
+                write_table(table, staging / f"{PREFIX}{name}.csv")
         if reproduction.beforehand is not None:
-            write_table(reproduction.beforehand, desk / "datasheet.csv")
+            write_table(reproduction.beforehand, staging / "datasheet.csv")
         if reproduction.motions:
-            write_table(reproduction.motions.evaluation.table(), desk / "motions.csv")
-            write_table(reproduction.motions.sensitivity, desk / "sensitivity.csv")
-        write_table(reproduction.algorithm.convergence(), desk / "fitness.csv")
-        fmu = models.build_fmu("compensator", desk, start=reproduction.learned.values)
+            write_table(reproduction.motions.evaluation.table(), staging / "motions.csv")
+            write_table(reproduction.motions.sensitivity, staging / "sensitivity.csv")
+        write_table(reproduction.algorithm.convergence(), staging / "fitness.csv")
+        fmu = models.build_fmu("compensator", staging, start=reproduction.learned.values)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
-        write_json(learned_document(reproduction), desk / "learned.json")
-        write_loop(reproduction.system, reproduction.identification.loop, desk / "loop.ssp")
-        write_report(reproduction, desk)
+        write_json(learned_document(reproduction), staging / "learned.json")
+        write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")
+        write_report(reproduction, staging)
 
 
 def opinion_of(reproduction: Reproduction, fmu: Path) -> SecondOpinion:
@@ -90,12 +90,12 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
 
 def write_table(table: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, whole."""
-    write_whole(path, table.to_csv(index=False, lineterminator="\n"))
+    atomic_write(path, table.to_csv(index=False, lineterminator="\n"))
 
 
 def write_json(content: object, path: Path) -> None:
     """Write plain data as JSON, whole."""
-    write_whole(path, json.dumps(content, indent=2) + "\n")
+    atomic_write(path, json.dumps(content, indent=2) + "\n")
 
 
 def write_loop(system: cosim.System, loop: VelocityLoop, path: Path) -> None:

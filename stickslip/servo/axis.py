@@ -8,7 +8,7 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.fmi.toolchain import Fault
+from stickslip.fmi.errors import Fault
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 from stickslip.ga import SimulatedCost
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import Array

@@ -154,6 +154,12 @@ static double get(Slave slave, uint32_t k) {
     }
 }
 
+/* A factor times the start value, within the range. */
+static double tuned(uint32_t k, double factor) {
+    const double value = VARIABLES[k].start * factor;
+    return value < VARIABLES[k].maximum ? value : VARIABLES[k].maximum;
+}
+
 /* Step with inputs that turn and tunable parameters that change. */
 static void run(Slave slave, int first, int last) {
     const double h = 5e-4;
@@ -163,7 +169,7 @@ static void run(Slave slave, int first, int last) {
                 require(set(slave, k, n % 40 < 20 ? 0.02 * k : -0.03), OK, "set input", k);
         for (uint32_t k = PARAMETERS_AT; k < COUNT; k++)
             if (VARIABLES[k].settable & STEPPING)
-                require(set(slave, k, VARIABLES[k].start * (1.0 + n % 3)), OK, "set tunable", k);
+                require(set(slave, k, tuned(k, 1.0 + n % 3)), OK, "set tunable", k);
         require(step(slave, n * h, h), OK, "step", 0);
         for (uint32_t k = 0; k < COUNT; k++)
             get(slave, k);

@@ -21,6 +21,13 @@ def lugre(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex
     return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
 
 
+def dahl(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:
+    s = 1.0 if np.real(v) >= 0 else -1.0
+    r = 1.0 - s * x["F_d"] / p["F_c"]
+    rest = r if np.real(r) >= 0 else -r
+    return {"der(F_d)": p["sigma_0"] * rest ** p["i"] * np.sign(np.real(r)) * v}, x["F_d"]
+
+
 def stage(law: Law, x: Values, p: Values) -> dict[str, complex]:
     rates, F_f = law(x["v"], x, p)
     dv = (x["u"] - p["b"] * x["v"] - F_f) / p["m"]
@@ -36,6 +43,8 @@ def compensator(law: Law, x: Values, p: Values) -> dict[str, complex]:
 OF: dict[str, Callable[[Values, Values], dict[str, complex]]] = {
     "stage": functools.partial(stage, lugre),
     "compensator": functools.partial(compensator, lugre),
+    "stage+dahl": functools.partial(stage, dahl),
+    "compensator+dahl": functools.partial(compensator, dahl),
 }
 
 

@@ -114,6 +114,8 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
         if v.role in ("input", "state", "parameter") and v.type == "real":
             small = 1e-4 if v.unit == "m" else 0.3
             chosen[v.name] = v.start or small * (v.nominal or 1.0)
+        if v.role == "state" and v.maximum is not None:  # a mode: every second one is on
+            chosen[v.name] = v.maximum * (len(chosen) % 2)
     chosen |= fmu.settings()
     if "encoder_step" in chosen:
         chosen["encoder_step"] = 1e-12  # below the noise
@@ -133,7 +135,7 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
     felt = {name: set() for name in unknown}
     for name, value in chosen.items():
         whole = {"Boolean": 0, "Int32": 5, "Integer": 5}
-        other = whole.get(fmu.variables[name].type, 0.9 * value)
+        other = whole.get(fmu.variables[name].type, 0.9 * value or 1.0)
         for k in np.flatnonzero((at(chosen | {name: other}) != base).any(axis=0)):
             felt[list(unknown)[k]].add(name)
     for name in unknown:

@@ -246,13 +246,13 @@ def test_only_tunable_parameters_change_during_a_run(fmu, slave):
 
 
 def test_a_tunable_parameter_acts_from_the_next_step_on(fmu, slave, identical):
-    unchanged = slave(fmu).initialize().run(0, 40)
+    unchanged = slave(fmu).initialize().run(0, 100)
     for variable in fmu.model.variables:
         if variable.role == "parameter" and variable.variability == "tunable":
             instance = slave(fmu).initialize()
             before = instance.run(0, 30)
             instance.set({variable.name: 1.5 * variable.start or variable.nominal or 1.0})
-            after = instance.run(30, 40)
+            after = instance.run(30, 100)
             assert identical(before, unchanged[:30])
             place = {name: k for k, name in enumerate(fmu.variables)}
             outputs = [place[name] for name in fmu.names("output")]

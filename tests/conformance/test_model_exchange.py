@@ -111,7 +111,9 @@ def test_a_stiff_solver_of_another_tool_agrees_with_scipy(build, version):
 
 
 @VERSIONS
-@pytest.mark.parametrize(("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6)])
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6), ("compensator+dahl", 1e-6)]
+)
 def test_the_results_are_those_of_co_simulation(build, name, version, tolerance):
     """Where the input holds over each step; relative to the largest value."""
     fmu = build(name, version)

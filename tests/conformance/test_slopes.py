@@ -82,7 +82,8 @@ def test_they_equal_central_differences(solved):
 
 def test_at_rest_they_are_the_mean_of_both_sides(solved):
     fmu = solved.fmu
-    rest = dict.fromkeys(knowns(fmu), 0.0) | {"z": 1e-5}
+    states = [v for v in fmu.model.variables if v.role == "state"]
+    rest = dict.fromkeys(knowns(fmu), 0.0) | {states[-1].name: states[-1].nominal}
     sides = []
     for v in (1e-13, -1e-13, 0.0):
         moved(solved, rest | {"v": v})
@@ -130,7 +131,7 @@ def test_declared_dependencies_are_the_places_of_the_matrix(solved):
             values = {float(m[row, column]) for m in at}
             assert (values != {0.0}) == (known in kinds), (unknown, known)
             if known in kinds:
-                assert (len(values) == 1) == (kinds[known] in ("constant", "fixed"))
+                assert (len(values) == 1) == (kinds[known] in ("constant", "fixed", "tunable"))
 
 
 def test_in_co_simulation_they_are_those_of_the_outputs_now(build, slave, name, version):

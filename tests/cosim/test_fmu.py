@@ -9,8 +9,7 @@ import zipfile
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi import toolchain
-from stickslip.fmi.archive import directory
+from stickslip.fmi.archive import directory, frame
 
 
 def members(path):
@@ -152,7 +151,7 @@ def test_too_much(tmp_path, monkeypatch):
     monkeypatch.setattr(directory, "MAX_BYTES", 10)
     with pytest.raises(cosim.FmuError, match="at most 10"):
         cosim.Fmu(pack(tmp_path / "a.fmu", {"a": "x" * 11}))
-    monkeypatch.setattr(toolchain.frame, "MAX_MEMBERS", 1)
+    monkeypatch.setattr(frame, "MAX_MEMBERS", 1)
     with pytest.raises(cosim.FmuError, match="2 members"):
         cosim.Fmu(pack(tmp_path / "b.fmu", {"a": "", "b": ""}))
 

@@ -14,11 +14,14 @@ Build = Callable[[str, int], Path]
 
 @pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
-    """Build a model once: ``build("stage", 3)``."""
+    """Build a model once: ``build("stage", 3)``, with another law ``build("stage+gms", 3)``."""
     folder = tmp_path_factory.mktemp("sound")
 
     def build(name: str, version: models.FmiVersion) -> Path:
         path = folder / f"fmi{version}" / f"{name}.fmu"
-        return path if path.exists() else models.build_fmu(name, path.parent, fmi=version)
+        if path.exists():
+            return path
+        model, _, law = name.partition("+")
+        return models.build_fmu(model, path.parent / law, fmi=version, law=law or None)
 
     return build

@@ -1,6 +1,5 @@
 """Shared libraries are read as they are, whatever they are built for."""
 
-import re
 import struct
 import zipfile
 
@@ -8,8 +7,8 @@ import pytest
 
 from stickslip import models
 from stickslip.fmi import toolchain
+from stickslip.fmi.binary import NotALibrary, read_library
 from stickslip.fmucheck import check
-from stickslip.fmucheck.binaries.library import read_library
 from tests.corpus.defects.reference import pack
 
 # Windows is left out: its C library takes minutes to build on a cold cache.
@@ -108,9 +107,5 @@ ENDLESS = {
 
 @pytest.mark.parametrize("name", ENDLESS)
 def test_tables_without_end_are_not_read(name):
-    """Importer and judge both give up by what the header says."""
-    found = read_library(ENDLESS[name])
-    assert isinstance(found, str)
-    assert re.search(r"are read|of 0 bytes", found)
-    with pytest.raises(toolchain.NotALibrary, match=r"are read|of 0 bytes"):
-        toolchain.interface(ENDLESS[name])
+    with pytest.raises(NotALibrary, match=r"are read|of 0 bytes"):
+        read_library(ENDLESS[name])

@@ -37,7 +37,7 @@ def test_a_hostile_input_ends_in_one_line(case: Case, tmp_path, monkeypatch, cap
     folder = tmp_path / "fed"
     folder.mkdir()
     with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name
-        arguments = [str(argument) for argument in case.make(folder)]
+        arguments = case.make(folder)
     monkeypatch.chdir(folder)
     before, fed = litter(cache), set(folder.rglob("*"))
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -43,6 +44,55 @@ def alone(fmus: Path) -> Prepare:
         return system.prepare(record=record, **options)
 
     return alone
+
+
+@pytest.fixture(scope="session")
+def with_law(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]:
+    """Build a model with a friction law once: ``with_law("stage", "gms")``."""
+    folder = tmp_path_factory.mktemp("laws")
+
+    @functools.cache
+    def build(name: str, law: str) -> Path:
+        return models.build_fmu(name, folder / law, law=law)
+
+    return build
+
+
+def _run(
+    path: Path, h: float, values: np.ndarray, parameters: Mapping[str, float]
+) -> dict[str, np.ndarray]:
+    system = cosim.System()
+    system.add("fmu", path, parameters)
+    [fed] = [v.name for v in system.components["fmu"].variables.values() if v.causality == "input"]
+    system.expose(fed, f"fmu.{fed}")
+    values = np.append(values, values[-1])
+    with system.prepare(step=h, stop=h * (len(values) - 1)) as simulation:
+        result = simulation.run(inputs={fed: values})
+    return {name[4:]: result[name].copy() for name in result.names if name.startswith("fmu.")}
+
+
+@pytest.fixture
+def follow(with_law: Callable[[str, str], Path]) -> Callable[..., dict[str, np.ndarray]]:
+    """Drive a law at held velocities: ``follow("gms", h, v, F_c=5.0)``.
+
+    ``F_mean`` (n,) are the mean forces over the n steps, ``F_f`` (n + 1,) the forces between them.
+    """
+
+    def follow(law: str, h: float, v: np.ndarray, **parameters: float) -> dict[str, np.ndarray]:
+        found = _run(with_law("compensator", law), h, v, parameters)
+        return {"F_mean": found["F_mean"][1:], "F_f": found["F_f"]}
+
+    return follow
+
+
+@pytest.fixture
+def push(with_law: Callable[[str, str], Path]) -> Callable[..., dict[str, np.ndarray]]:
+    """Push the stage with held forces: ``push("gms", h, u, F_c=5.0)`` returns (n + 1,) arrays."""
+
+    def push(law: str, h: float, u: np.ndarray, **parameters: float) -> dict[str, np.ndarray]:
+        return _run(with_law("stage", law), h, u, parameters)
+
+    return push
 
 
 @pytest.fixture(scope="session")

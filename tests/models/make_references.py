@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from stickslip import models
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.models.export.reference import reference_file
 
 ROOT = Path(models.__file__).parent
@@ -27,12 +27,22 @@ ROOT = Path(models.__file__).parent
 Columns = dict[str, np.ndarray]
 Parameters = dict[str, float]
 STEP = 5e-4  # s
+GMS_SHARES = ("alpha", "kappa")
 Z_UNIT = 1e-6  # the solver sees the bristle in um, so that one absolute tolerance fits all
 
 
+def model_of(name: str) -> models.Model:
+    """Return the model that a table is of: for a law's, the feedforward compensator."""
+    return (
+        models.load_model("compensator", name)
+        if name in models.law_names()
+        else models.load_model(name)
+    )
+
+
 def start_values(name: str) -> Parameters:
-    """Return the parameters of a model by name."""
-    return {v.name: v.start for v in models.load_model(name).variables if v.role == "parameter"}
+    """Return the parameters of a model, or of a law, by name."""
+    return {v.name: v.start for v in model_of(name).variables if v.role == "parameter"}
 
 
 def stribeck(v: np.ndarray | float, p: Parameters) -> np.ndarray:
@@ -90,10 +100,15 @@ def drive(p: Parameters) -> Columns:
     return {"time": t, "u": u, **shown, "x": x, "v": v}
 
 
-def compensator(p: Parameters) -> Columns:
-    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
+def through_zero() -> tuple[np.ndarray, np.ndarray]:
+    """Return times [s] and a velocity [m/s] that changes its sign."""
     t = np.arange(401) * STEP
-    v = 0.03 * np.sin(2 * np.pi * 6.0 * t) * np.cos(2 * np.pi * 1.5 * t) + 1e-4
+    return t, 0.03 * np.sin(2 * np.pi * 6.0 * t) * np.cos(2 * np.pi * 1.5 * t) + 1e-4
+
+
+def lugre(p: Parameters) -> Columns:
+    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
+    t, v = through_zero()
     z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
     for speed in v[:-1]:
         end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
@@ -103,6 +118,42 @@ def compensator(p: Parameters) -> Columns:
         F_mean.append(p["sigma_0"] * mean_z + p["sigma_1"] * way / STEP)
         z += way
         F_f.append(friction(speed, z, p))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
+def dahl(p: Parameters) -> Columns:
+    """Follow the same velocity: the force decays towards s F_c along the way (i = 1)."""
+    t, v = through_zero()
+    F_mean, F_d = [0.0], [0.0]
+    for speed in v[:-1]:
+        end, y = np.sign(speed) * p["F_c"], p["sigma_0"] * abs(speed) * STEP / p["F_c"]
+        F_mean.append(end - (F_d[-1] - end) * np.expm1(-y) / y)
+        F_d.append(end + (F_d[-1] - end) * np.exp(-y))
+    return {"time": t, "v": v, "F_f": np.array(F_d), "F_mean": np.array(F_mean)}
+
+
+def gms(p: Parameters) -> Columns:
+    """Follow the same velocity, all elements at once: stick until the limit, then decay."""
+    t, v = through_zero()
+    alpha, kappa = (np.array([p[f"{name}[{i}]"] for i in range(1, 5)]) for name in GMS_SHARES)
+    alpha, k = alpha / alpha.sum(), p["sigma_0"] * kappa / kappa.sum()
+    F, slips = np.zeros(4), np.zeros(4)
+    F_mean, F_f = [0.0], [p["sigma_1"] * v[0]]
+    for speed in v[:-1]:
+        s, g = np.sign(speed), stribeck(speed, p)
+        limit = s * alpha * g
+        reach = np.clip((limit - F) / (k * speed), 0.0, STEP)
+        sticking = np.where(slips == s, 0.0, reach)
+        stuck = F + k * speed * sticking
+        fade = np.exp(-p["C"] * (STEP - sticking) / g)
+        end = limit + (stuck - limit) * fade
+        area = sticking * (F + stuck) / 2 + limit * (STEP - sticking)
+        area += (stuck - limit) * (1.0 - fade) * g / p["C"]
+        damped = p["sigma_1"] / p["sigma_0"] * (end - F).sum() / STEP
+        F_mean.append(area.sum() / STEP + damped)
+        F, slips = end, np.where(sticking < STEP, s, 0.0)
+        rate = np.where(slips == s, p["C"] * (limit - F) / g, k * speed)
+        F_f.append(F.sum() + p["sigma_1"] / p["sigma_0"] * rate.sum())
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
@@ -190,7 +241,9 @@ def main(folder: Path) -> None:
     for calculate in (
         stage,
         drive,
-        compensator,
+        lugre,
+        dahl,
+        gms,
         velocity_controller,
         velocity_filter,
         nominal_loop,
@@ -198,8 +251,8 @@ def main(folder: Path) -> None:
         name = calculate.__name__
         table = pd.DataFrame(calculate(start_values(name)))
         text = table.to_csv(index=False, float_format="%.15g", lineterminator="\n")
-        path = reference_file(models.load_model(name))
-        write_whole(folder / path.relative_to(ROOT), text)
+        path = reference_file(model_of(name))
+        atomic_write(folder / path.relative_to(ROOT), text)
 
 
 if __name__ == "__main__":

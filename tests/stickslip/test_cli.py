@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import zipfile
 from importlib.metadata import version
 
 import numpy as np
@@ -51,6 +52,20 @@ def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
     assert main(["build", "--out", str(tmp_path)]) == 0
     assert len(capsys.readouterr().out.split()) == 2 * len(models.model_names())
     assert (tmp_path / "fmi3" / "drive.fmu").exists()
+
+
+def test_build_takes_a_friction_law(tmp_path, capsys):
+    assert main(["build", "drive", "--law", "gms", "--fmi", "3", "--out", str(tmp_path)]) == 0
+    described = zipfile.ZipFile(tmp_path / "drive.fmu").read("modelDescription.xml").decode()
+    assert 'name="F_e[4]"' in described
+    everything = ["build", "--law", "dahl", "--fmi", "2", "--out", str(tmp_path / "all")]
+    assert main(everything) == 0
+    built = {path.stem for path in (tmp_path / "all").iterdir()}
+    assert built == {name for name in models.model_names() if models.load_model(name).law}
+    capsys.readouterr()
+    assert "no friction law 'ghost'; there are" in complaint(capsys, "build", "--law", "ghost")
+    said = complaint(capsys, "build", "nominal_loop", "--law", "gms")
+    assert "'nominal_loop' contains no friction law" in said
 
 
 def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):

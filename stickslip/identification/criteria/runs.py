@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from stickslip import cosim
 from stickslip.cosim.signals.signals import Input
-from stickslip.fmi.toolchain import Threads
+from stickslip.fmi.process import Threads
 from stickslip.identification.criteria.closing import Closing
 
 T = TypeVar("T")

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from stickslip import models
-from stickslip.fmi.toolchain import temporary_folder
+from stickslip.fmi.process import temporary_folder
 
 MODELS = ("compensator", "drive", "velocity_controller")
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
 from stickslip.report.learned import (
@@ -72,11 +72,11 @@ def write_estimation_report(
         When the folder cannot be written.
     """
     table = parameter_table(estimation).to_csv(index=False, lineterminator="\n")
-    written = [write_whole(folder / "parameters.csv", table)]
+    written = [atomic_write(folder / "parameters.csv", table)]
     pictures = {name: Picture.of(draw, estimation) for name, draw in PICTURES.items()}
     for name, picture in pictures.items():
-        written.append(write_whole(folder / f"{name}.png", picture.png))
-        written.append(write_whole(folder / f"{name}.svg", picture.svg))
+        written.append(atomic_write(folder / f"{name}.png", picture.png))
+        written.append(atomic_write(folder / f"{name}.svg", picture.svg))
     beside = [path.name for path in folder.iterdir()]
     sections = (
         section_known.write(estimation),
@@ -87,5 +87,5 @@ def write_estimation_report(
         section_use.write(estimation, beside),
     )
     title = f"Friction of a drive, learned from {estimation.recording.source}"
-    written.append(write_whole(folder / "report.html", sheet(title, sections)))
+    written.append(atomic_write(folder / "report.html", sheet(title, sections)))
     return written

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.picture import (
     Drawing,
@@ -85,7 +85,7 @@ def write_report(reproduction: Reproduction, folder: Path) -> list[Path]:
     }
     written = []
     for name, picture in pictures.items():
-        written.append(write_whole(folder / f"{name}.png", picture.png))
-        written.append(write_whole(folder / f"{name}.svg", picture.svg))
-    written.append(write_whole(folder / "report.html", page(reproduction, pictures)))
+        written.append(atomic_write(folder / f"{name}.png", picture.png))
+        written.append(atomic_write(folder / f"{name}.svg", picture.svg))
+    written.append(atomic_write(folder / "report.html", page(reproduction, pictures)))
     return written

@@ -1,16 +1,16 @@
-"""A folder of results: claimed by one process, replaced as a whole, with a manifest of hashes.
+"""A folder of results: locked by one process, replaced as a whole, with a manifest of hashes.
 
     with reserved(folder, FILES):  # for the whole command; another process is refused
         ...
-        with staged(folder, {"name": "learn"}) as desk:
-            write_whole(desk / "learned.json", ...)
+        with staged(folder, {"name": "learn"}) as staging:
+            atomic_write(staging / "learned.json", ...)
 
-``claim.py`` says who may write, ``ownership.py`` which files may be replaced,
+``locking.py`` says who may write, ``ownership.py`` which files may be replaced,
 ``publishing.py`` how a set takes the place of another,
 ``manifest.py`` what belongs to it, ``verification.py`` whether it is still so.
 """
 
-from stickslip.results.folder.claim import claimed, writable
+from stickslip.results.folder.locking import locked, writable
 from stickslip.results.folder.manifest import MANIFEST, Manifest
 from stickslip.results.folder.ownership import refuse_foreign
 from stickslip.results.folder.publishing import (
@@ -25,8 +25,8 @@ __all__ = [
     "MANIFEST",
     "Manifest",
     "Verdict",
-    "claimed",
     "complete",
+    "locked",
     "refuse_foreign",
     "remove_results",
     "reserved",

@@ -10,13 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import ResultsError
-from stickslip.fmi.toolchain import (
-    MOST_TEXT,
-    digest,
-    parse_json,
-    read_whole,
-    refuse_odd,
-)
+from stickslip.fmi.files import MOST_TEXT, digest, parse_json, read_limited, require_regular_file
 
 MANIFEST = "manifest.json"
 
@@ -90,8 +84,8 @@ class Manifest:
         """
         path = folder / MANIFEST
         try:
-            refuse_odd(path)
-            return cls._of(parse_json(read_whole(path, MOST_TEXT)))
+            require_regular_file(path)
+            return cls._of(parse_json(read_limited(path, MOST_TEXT)))
         except FileNotFoundError:
             raise ResultsError(
                 f"{path}: there is none; it is written by the commands that write results"
@@ -126,7 +120,7 @@ def hash_of(path: Path) -> str:
     OSError
         When it is not there, is a link or no file, or cannot be read.
     """
-    refuse_odd(path)
+    require_regular_file(path)
     return digest(path)
 
 

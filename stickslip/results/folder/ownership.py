@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from stickslip.errors import ResultsError, UsageError
-from stickslip.fmi.toolchain import refuse_odd
+from stickslip.fmi.files import require_regular_file
 from stickslip.results.folder.manifest import (
     MANIFEST,
     Manifest,
@@ -66,7 +66,7 @@ def refuse_places(folder: Path, name: str) -> None:
         place = place / part
         if place.is_symlink() or (place.exists() and not place.is_dir()):
             raise OSError(errno.ENOTDIR, "is in the way, expected a folder", str(place))
-    refuse_odd(place / last)
+    require_regular_file(place / last)
 
 
 def unchanged(folder: Path, manifest: Manifest, names: Collection[str]) -> list[Path]:

@@ -25,16 +25,9 @@ from typing import Any
 from uuid import uuid4
 
 from stickslip.errors import ResultsError
-from stickslip.fmi.toolchain import (
-    held,
-    sync_folder,
-    write_whole,
-)
-from stickslip.results.folder.claim import (
-    OURS,
-    WRITING,
-    claimed,
-)
+from stickslip.fmi.files import atomic_write, sync_folder
+from stickslip.fmi.process import held
+from stickslip.results.folder.locking import OURS, WRITING, locked
 from stickslip.results.folder.manifest import (
     MANIFEST,
     Manifest,
@@ -54,7 +47,7 @@ REMOVED = "was removed while results were written; run again"
 def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
     """Claim a folder for a command that will write these files there, before it computes them.
 
-    None is no folder, and nothing is claimed.
+    None is no folder, and nothing is locked.
 
     Raises
     ------
@@ -62,7 +55,7 @@ def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
         When one of the files is the user's, the folder cannot be written, or another process has
         it.
     """
-    with claimed(folder):
+    with locked(folder):
         if folder is not None:
             complete(folder)
             refuse_foreign(folder, names)
@@ -90,24 +83,24 @@ def staged(
     OSError
         When a file cannot be written; the old set is then as it was.
     """
-    with claimed(folder):
+    with locked(folder):
         complete(folder)
-        desk = folder / f"{WRITING}{uuid4().hex}"
-        token = desk / uuid4().hex  # gone if the folder is removed and made anew meanwhile
+        staging = folder / f"{WRITING}{uuid4().hex}"
+        token = staging / uuid4().hex  # gone if the folder is removed and made anew meanwhile
         try:
-            desk.mkdir()
+            staging.mkdir()
             token.touch()
-            yield desk
+            yield staging
             if not token.exists():
                 raise ResultsError(f"{folder}: {REMOVED}")
             token.unlink()
             with held():  # an interruption in its midst would leave files of both sets
-                _commit(desk, folder, command, without)
+                _commit(staging, folder, command, without)
                 _move_in(folder)
         except OSError as error:
-            raise _of(error, desk, folder) from error
+            raise _of(error, staging, folder) from error
         finally:
-            shutil.rmtree(desk, ignore_errors=True)
+            shutil.rmtree(staging, ignore_errors=True)
 
 
 def complete(folder: Path) -> None:
@@ -121,24 +114,26 @@ def complete(folder: Path) -> None:
         When a file cannot be moved.
     """
     if os.path.lexists(folder / READY):
-        with claimed(folder), held():
+        with locked(folder), held():
             _move_in(folder)
 
 
-def _commit(desk: Path, folder: Path, command: Mapping[str, Any], without: Collection[str]) -> None:
+def _commit(
+    staging: Path, folder: Path, command: Mapping[str, Any], without: Collection[str]
+) -> None:
     """Write the manifest and give the folder the name from which on it counts."""
-    names = files_in(desk)
-    manifest = Manifest(dict(command), {name: hash_of(desk / name) for name in names})
+    names = files_in(staging)
+    manifest = Manifest(dict(command), {name: hash_of(staging / name) for name in names})
     with suppress(ResultsError):  # a folder without manifest
         older = Manifest.read(folder)
         gone = [name for name in older.sha256 if not (folder / name).exists()]
         manifest = older.without(frozenset([*gone, *without])).followed_by(manifest)
-    write_whole(desk / MANIFEST, manifest.text())
+    atomic_write(staging / MANIFEST, manifest.text())
     refuse_places(folder, MANIFEST)
     refuse_foreign(folder, {*names, *without})
-    for path in {(desk / name).parent for name in names}:
+    for path in {(staging / name).parent for name in names}:
         sync_folder(path)
-    desk.replace(folder / READY)
+    staging.replace(folder / READY)
     sync_folder(folder)
 
 
@@ -210,7 +205,7 @@ def remove_results(folder: Path) -> None:
 
     Files that someone has changed or added stay.
     """
-    with suppress(ResultsError), claimed(folder):
+    with suppress(ResultsError), locked(folder):
         manifest = Manifest.read(folder)
         ours = unchanged(folder, manifest, manifest.sha256.keys())
         for path in (*ours, folder / MANIFEST):
@@ -222,7 +217,7 @@ def remove_results(folder: Path) -> None:
         folder.rmdir()
 
 
-def _of(error: OSError, desk: Path, folder: Path) -> OSError:
+def _of(error: OSError, staging: Path, folder: Path) -> OSError:
     """Return an error that names the file as it will be called."""
-    name = str(error.filename or folder).replace(str(desk), str(folder))
+    name = str(error.filename or folder).replace(str(staging), str(folder))
     return OSError(error.errno, error.strerror, name)

@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from stickslip.errors import ResultsError
-from stickslip.results.folder.claim import OURS
+from stickslip.results.folder.locking import OURS
 from stickslip.results.folder.manifest import (
     MANIFEST,
     Manifest,

@@ -20,7 +20,7 @@ from stickslip.evaluation.validation import (
     Validation,
     run_command,
 )
-from stickslip.fmi.toolchain import Threads
+from stickslip.fmi.process import Threads
 from stickslip.ga.problem.repair import Repair
 from stickslip.identification.stages import Estimate
 from stickslip.servo.datasheet import TRAINING, VALIDATION

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from stickslip.fmi.toolchain import Threads
+from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import fmpy
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from tests.corpus.hostile import CASES, GROUPS, Case
 from tests.corpus.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, judge
 
@@ -94,7 +94,7 @@ def main() -> None:
     if options.groups:
         print(document(found))
     else:
-        print(write_whole(DOCUMENT, document(found)))
+        print(atomic_write(DOCUMENT, document(found)))
     if bad := [case for case, _, ours in found if ours.kind != "one line"]:
         sys.exit(f"not one line: {', '.join(map(str, bad))}")
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tests.corpus.hostile.case import Case
-from tests.corpus.hostile.sound import DESCRIPTION, members, simulating
+from tests.corpus.hostile.sound import DESCRIPTION, fmu, members
 from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 
 _MB = 1024**2
@@ -15,14 +14,7 @@ _UTF8 = 0x800
 
 def _beside(group: int, name: str, about: str, says: str, *more: Member) -> Case:
     """Return a case of a sound FMU that has further members."""
-    return _made(group, name, about, says, lambda: zipped([*members(), *more]))
-
-
-def _made(group: int, name: str, about: str, says: str, data: Callable[[], bytes]) -> Case:
-    def make(folder: Path) -> Sequence[str | Path]:
-        return simulating(data())(folder)
-
-    return Case(group, name, about, make, says)
+    return fmu(group, name, about, says, lambda: zipped([*members(), *more]))
 
 
 def _named(name: str, about: str, says: str, *members: bytes) -> Case:
@@ -65,22 +57,22 @@ _LINKS = [
     _beside(2, "link-out", "a link to a file outside", "link", Member(b"a", b"/etc", mode=LINK)),
     _beside(2, "link-up", "a link upwards", "symbolic link", Member(b"a", b"../..", mode=LINK)),
     _beside(2, "through-link", "a link, and a member behind it", "symbolic link", Member(b"out", b"/tmp", mode=LINK), Member(b"out/evil", b"evil")),
-    _made(2, "linked-description", "the description is a link", "symbolic link", lambda: zipped([Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])])),
+    fmu(2, "linked-description", "the description is a link", "symbolic link", lambda: zipped([Member(DESCRIPTION.encode(), b"/etc/passwd", mode=LINK), *members(2, [DESCRIPTION])])),
     _beside(2, "pipe", "a named pipe", "special file", Member(b"pipe", mode=FIFO)),
     _beside(2, "device-file", "a block device", "special", Member(b"disk", mode=0o060666)),
 ]  # fmt: skip
 
 
 _BOMBS = [
-    _made(3, "ratio", "70 MB of zeros in 70 kB", "zip bomb", lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)])),
+    fmu(3, "ratio", "70 MB of zeros in 70 kB", "zip bomb", lambda: zipped([*members(), Member(b"zeros", bytes(70 * _MB), DEFLATE)])),
     _beside(3, "several", "many members that grow together", "zip bomb", *(Member(b"zeros%d" % i, bytes(25 * _MB), DEFLATE) for i in range(3))),
     _beside(3, "claims", "3 GB, says the header", "3000000000 bytes", Member(b"a", size=3 * 10**9)),
-    _made(3, "lies", "20 MB, though the header says 1 kB", "damaged", lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)])),
+    fmu(3, "lies", "20 MB, though the header says 1 kB", "damaged", lambda: zipped([*members(), Member(b"zeros", bytes(20 * _MB), DEFLATE, size=1000)])),
     _beside(3, "short", "fewer bytes than the header says", "damaged", Member(b"a", b"a", 8, size=9)),
-    _made(3, "members", "30,000 members", "at most 20000", lambda: zipped([Member(b"%d" % i) for i in range(30_000)])),
-    _made(3, "overlap", "a hundred members over the same bytes", "overlap", lambda: zipped([*members(), *(Member(b"%d" % i, b"a" * 99, offset=0) for i in range(100))])),
+    fmu(3, "members", "30,000 members", "at most 20000", lambda: zipped([Member(b"%d" % i) for i in range(30_000)])),
+    fmu(3, "overlap", "a hundred members over the same bytes", "overlap", lambda: zipped([*members(), *(Member(b"%d" % i, b"a" * 99, offset=0) for i in range(100))])),
     _beside(3, "full-folder", "a folder with content", "folder with", Member(b"a/", b"text")),
-    _made(3, "nested", "zip in zip in zip, an FMU at the bottom", "modelDescription.xml is missing", lambda: zipped([Member(b"a.zip", zipped([Member(b"b.zip", zipped(members()))]))])),
+    fmu(3, "nested", "zip in zip in zip, an FMU at the bottom", "modelDescription.xml is missing", lambda: zipped([Member(b"a.zip", zipped([Member(b"b.zip", zipped(members()))]))])),
 ]  # fmt: skip
 
 
@@ -94,31 +86,26 @@ def _flipped() -> bytes:
     return bytes(data)
 
 
-def _folder(folder: Path) -> Sequence[str | Path]:
-    (folder / "a.fmu").mkdir()
-    return ["simulate", folder / "a.fmu"]
-
-
 def _odd(name: str, about: str, says: str, **fields: object) -> Case:
     return _beside(4, name, about, says, Member(b"a", b"text", **fields))
 
 
 _DAMAGED = [
-    _made(4, "empty-file", "a file of 0 bytes", "the file is empty", bytes),
-    _made(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
-    _made(4, "head-only-file", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
-    _made(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
-    _made(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
-    _made(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),
-    _made(4, "flipped", "a byte is another", "damaged", _flipped),
-    _made(4, "text-before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
-    _made(4, "text-behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
-    _made(4, "short-comment", "a comment cut off", "bytes missing at the end", lambda: zipped([], comment=b"abc")[:-1]),
-    _made(4, "no-members", "an archive of nothing", "is missing", lambda: zipped([])),
-    _made(4, "count", "the end counts wrongly", "stated", lambda: zipped(members(), count=7)),
-    _made(4, "place", "the end points elsewhere", "before", lambda: zipped(members(), directory=9)),
-    _made(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
-    _made(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
+    fmu(4, "empty-file", "a file of 0 bytes", "the file is empty", bytes),
+    fmu(4, "plain-text", "no archive", "not a zip archive", lambda: b"this is no archive\n" * 99),
+    fmu(4, "head-only-file", "only the first bytes", "its end is missing", lambda: b"PK\3\4"),
+    fmu(4, "half", "cut off in the middle", "end is missing", lambda: _sound()[:5000]),
+    fmu(4, "cut", "the last bytes missing", "end is missing", lambda: _sound()[:-5]),
+    fmu(4, "hole", "bytes missing within", "missing", lambda: _sound()[:99] + _sound()[999:]),
+    fmu(4, "flipped", "a byte is another", "damaged", _flipped),
+    fmu(4, "text-before", "text before it", "20 bytes before", lambda: b"#!/bin/sh\nexit 0   \n" + _sound()),
+    fmu(4, "text-behind", "text behind it", "5 bytes behind", lambda: _sound() + b"later"),
+    fmu(4, "short-comment", "a comment cut off", "bytes missing at the end", lambda: zipped([], comment=b"abc")[:-1]),
+    fmu(4, "no-members", "an archive of nothing", "is missing", lambda: zipped([])),
+    fmu(4, "count", "the end counts wrongly", "stated", lambda: zipped(members(), count=7)),
+    fmu(4, "place", "the end points elsewhere", "before", lambda: zipped(members(), directory=9)),
+    fmu(4, "length", "a list that is too long", "missing", lambda: zipped(members(), length=10**6)),
+    fmu(4, "zip64", "sizes that only a zip64 has", "4294967295 bytes", lambda: zipped(members(), length=2**32 - 1)),
     _odd("checksum", "a wrong checksum", "damaged: Bad CRC", crc=1),
     _odd("encrypted", "a member with a password", "encrypted", flags=1),
     _odd("strongly-encrypted", "strong encryption", "encrypted", flags=0x41),
@@ -131,7 +118,7 @@ _DAMAGED = [
     _odd("two-names", "other names within than in the list", "damaged", local={"name": b"b"}),
     _odd("extra", "a broken extra field", "extra", extra=b"\1\0\xff\xff"),
     _odd("offset", "a member behind the end", "damaged|overlap", offset=2**31),
-    Case(4, "folder", "a folder called .fmu", _folder, "is no file"),
+    Case(4, "folder", "a folder called .fmu", "is no file", "simulate a.fmu", {"a.fmu": Path.mkdir}),
 ]  # fmt: skip
 
 CASES = [*_NAMES, *_LINKS, *_BOMBS, *_DAMAGED]

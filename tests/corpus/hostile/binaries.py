@@ -6,40 +6,31 @@ from pathlib import Path
 
 from stickslip import cosim
 from tests.corpus.hostile import fmus
-from tests.corpus.hostile.case import Case, Make
+from tests.corpus.hostile.case import Case
 
-_ISOLATED = ("--isolate", "--memory", "200", "--timeout")
-
-
-def _crashing(behaviour: str, version: int) -> Make:
-    def make(folder: Path) -> list[str | Path]:
-        hangs = any(word in behaviour for word in ("hang", "deaf", "log"))
-        fmu = fmus.write(folder / "h.fmu", behaviour, version=version)
-        return ["simulate", fmu, *_ISOLATED, "0.8" if hangs else "60"]
-
-    return make
+_RUN = "simulate h.fmu --isolate --memory 200 --timeout"
 
 
 def _attack(
     name: str, behaviour: str, about: str, says: str, *, version: int = 2, group: int = 16
 ) -> Case:
-    return Case(group, name, about, _crashing(behaviour, version), says)
+    hangs = any(word in behaviour for word in ("hang", "deaf", "log"))
+    files = {"h.fmu": lambda path: fmus.write(path, behaviour, version=version)}
+    return Case(group, name, about, says, f"{_RUN} {0.8 if hangs else 60}", files)
 
 
-def _pair(behaviour: str, flags: str = "") -> Make:
-    """Return what writes a package with two components of one FMU."""
+def _pair(name: str, about: str, behaviour: str, says: str, flags: str = "") -> Case:
+    """Return a case of a package with two components of one FMU."""
 
-    def make(folder: Path) -> list[str | Path]:
+    def package(path: Path) -> None:
         system = cosim.System("pair")
-        fmu = fmus.write(folder / "h.fmu", behaviour, flags=flags)
-        system.add("one", fmu)
-        system.add("two", fmu)
+        for component in ("one", "two"):
+            system.add(component, path.with_name("h.fmu"))
         system.connect("one.y", "two.u")
-        times = cosim.DefaultExperiment(0.0, 0.1, 0.01)
-        cosim.write_ssp(system, folder / "pair.ssp", times)
-        return ["simulate", folder / "pair.ssp", *_ISOLATED, "60"]
+        cosim.write_ssp(system, path, cosim.DefaultExperiment(0.0, 0.1, 0.01))
 
-    return make
+    files = {"h.fmu": lambda path: fmus.write(path, behaviour, flags=flags), "pair.ssp": package}
+    return Case(20, name, about, says, _RUN.replace("h.fmu", "pair.ssp") + " 60", files)
 
 
 def _lying(*changes: tuple[bytes, bytes]) -> bytes:
@@ -57,50 +48,43 @@ def _other_machine(content: bytes) -> bytes:
     return content[:18] + (94).to_bytes(2, "little") + content[20:]
 
 
-def _binaries(name: str, about: str, says: str, **files: object) -> Case:
+def _binaries(name: str, about: str, says: str, **binaries: object) -> Case:
     """Return a case of an FMU with other binaries than the usual one."""
 
-    def make(folder: Path) -> list[str | Path]:
+    def write(path: Path) -> None:
         made = {
             place: content() if callable(content) else content
-            for place, content in files["binaries"].items()  # type: ignore[attr-defined]
+            for place, content in binaries.items()
         }
-        return ["simulate", fmus.write(folder / "h.fmu", binaries=made), *_ISOLATED, "60"]
+        fmus.write(path, binaries=made)
 
-    return Case(14, name, about, make, says)
+    return Case(14, name, about, says, f"{_RUN} 60", {"h.fmu": write})
 
 
 _HERE = fmus.place()
 
 _NOT_LOADING = [
-    _binaries("no-binaries", "no binary at all", r".*h\.fmu: no binary for this machine", binaries={}),
-    _binaries("other-platform", "binaries for other platforms only", r".*no binary for this machine: expected .*, the FMU has plan9", binaries={"binaries/plan9/hostile.so": fmus.library}),
+    _binaries("no-binaries", "no binary at all", r".*h\.fmu: no binary for this machine"),
+    _binaries("other-platform", "binaries for other platforms only", r".*no binary for this machine: expected .*, the FMU has plan9", **{"binaries/plan9/hostile.so": fmus.library}),
     _binaries(
         "no-name-fits",
         "several libraries, none called like the modelIdentifier",
         r".*no binary for this machine: expected .*hostile",
-        binaries={
-            fmus.place(name="one"): fmus.library,
-            fmus.place(name="other"): fmus.library,
-        },
+        **{fmus.place(name="one"): fmus.library, fmus.place(name="other"): fmus.library},
     ),
-    _binaries("binary-is-folder", "a folder in the place of the library", r".*(no binary for this machine|cannot be loaded)", binaries={f"{_HERE}/readme.txt": b"nothing"}),
-    _binaries("text", "text as a library", r".*cannot be loaded", binaries={_HERE: b"#!/bin/sh\n"}),
-    _binaries("empty", "an empty library", r".*cannot be loaded", binaries={_HERE: b""}),
-    _binaries("cut-short", "half a library", r".*(cannot be loaded|loading its binary died)", binaries={_HERE: lambda: fmus.library()[: len(fmus.library()) // 2]}),
-    _binaries("head-only", "the first 64 bytes of a library", r".*cannot be loaded", binaries={_HERE: lambda: fmus.library()[:64]}),
-    _binaries("wrong-architecture", "a library for another processor", r".*cannot be loaded", binaries={_HERE: lambda: _other_machine(fmus.library())}),
-    _binaries("missing-function", "a library without fmi2DoStep", r".*has no function fmi2DoStep", binaries={_HERE: lambda: _lying((b"\0fmi2DoStep\0", b"\0fmi2DoStup\0"))}),
-    _binaries("missing-library", "needs a library that is not there", r".*cannot be loaded: libq", binaries={_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))}),
+    _binaries("binary-is-folder", "a folder in the place of the library", r".*(no binary for this machine|cannot be loaded)", **{f"{_HERE}/readme.txt": b"nothing"}),
+    _binaries("text", "text as a library", r".*cannot be loaded", **{_HERE: b"#!/bin/sh\n"}),
+    _binaries("empty", "an empty library", r".*cannot be loaded", **{_HERE: b""}),
+    _binaries("cut-short", "half a library", r".*(cannot be loaded|loading its binary died)", **{_HERE: lambda: fmus.library()[: len(fmus.library()) // 2]}),
+    _binaries("head-only", "the first 64 bytes of a library", r".*cannot be loaded", **{_HERE: lambda: fmus.library()[:64]}),
+    _binaries("wrong-architecture", "a library for another processor", r".*cannot be loaded", **{_HERE: lambda: _other_machine(fmus.library())}),
+    _binaries("missing-function", "a library without fmi2DoStep", r".*has no function fmi2DoStep", **{_HERE: lambda: _lying((b"\0fmi2DoStep\0", b"\0fmi2DoStup\0"))}),
+    _binaries("missing-library", "needs a library that is not there", r".*cannot be loaded: libq", **{_HERE: lambda: _lying((b"\0libc.so.6\0", b"\0libq.so.6\0"))}),
 ]  # fmt: skip
 
 
-def _refusing(folder: Path) -> list[str | Path]:
-    return ["simulate", fmus.write(folder / "h.fmu", token="other"), *_ISOLATED, "60"]  # noqa: S106
-
-
 _REFUSING = [
-    Case(15, "token-refused", "the token of the description is not that of the binary", _refusing, r"hostile: h\.fmu cannot be instantiated; the FMU says: wrong token"),
+    Case(15, "token-refused", "the token of the description is not that of the binary", r"hostile: h\.fmu cannot be instantiated; the FMU says: wrong token", f"{_RUN} 60", {"h.fmu": lambda path: fmus.write(path, token="other")}),  # noqa: S106
     _attack("null", "Instantiate null", "no instance, and not a word", r"hostile: h\.fmu cannot be instantiated", group=15),
     _attack("null-with-reason", "Instantiate say_null", "no instance, for a reason", r"hostile: h\.fmu cannot be instantiated; the FMU says: no licence", version=3, group=15),
     _attack("garbage-instance", "Instantiate garbage", "an address that is no instance", r"hostile \(h\.fmu\): fmi2SetReal died of SIGSEGV", group=15),
@@ -157,16 +141,10 @@ _ATTACKING = [
 ]  # fmt: skip
 
 _NUMBERED = [
-    Case(
-        20,
-        "once-per-process",
-        "can be instantiated once per process, and is wanted twice",
-        _pair("", 'canBeInstantiatedOnlyOncePerProcess="true"'),
-        r"two: .*\.fmu can be instantiated only once per process",
-    ),
-    Case(20, "second-refused", "gives one instance only, and does not declare it", _pair("Instantiate say_null 2"), r"two: .*\.fmu cannot be instantiated; the FMU says: no licence"),
-    Case(20, "second-crashes", "crashes on the second instance", _pair("Instantiate segv 2"), r"two \(.*\.fmu\): fmi2Instantiate died of SIGSEGV"),
-    Case(20, "same-instance", "gives the same instance to both", _pair("Instantiate same 2"), r"two: .*\.fmu gives an instance that it has given before"),
+    _pair("once-per-process", "can be instantiated once per process, and is wanted twice", "", r"two: .*\.fmu can be instantiated only once per process", 'canBeInstantiatedOnlyOncePerProcess="true"'),
+    _pair("second-refused", "gives one instance only, and does not declare it", "Instantiate say_null 2", r"two: .*\.fmu cannot be instantiated; the FMU says: no licence"),
+    _pair("second-crashes", "crashes on the second instance", "Instantiate segv 2", r"two \(.*\.fmu\): fmi2Instantiate died of SIGSEGV"),
+    _pair("same-instance", "gives the same instance to both", "Instantiate same 2", r"two: .*\.fmu gives an instance that it has given before"),
 ]  # fmt: skip
 
 CASES = [*_NOT_LOADING, *_REFUSING, *_ATTACKING, *_NUMBERED]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
-Make = Callable[[Path], Sequence[str | Path]]
-"""Writes files into an empty folder; returns the arguments of ``stickslip`` that feed them."""
+Content = bytes | str | Callable[[Path], object]
+"""What a file holds, or what makes it: given its path, it writes there or returns the content."""
 
 
 @dataclass(frozen=True)
@@ -19,15 +19,27 @@ class Case:
     group : what it attacks, a key of `GROUPS`
     name : of its own
     about : what is hostile about it, for the table
-    make : makes it
     says : regular expression that the line matches which the command ends with
+    command : arguments of ``stickslip``, run in a folder that holds the files
+    files : their contents by their names, written in this order
     """
 
     group: int
     name: str
     about: str
-    make: Make
     says: str
+    command: str
+    files: Mapping[str, Content] = field(default_factory=dict)
+
+    def make(self, folder: Path) -> list[str]:
+        """Write the files; return the arguments."""
+        for name, content in self.files.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            made = content(path) if callable(content) else content
+            if isinstance(made, str | bytes):
+                path.write_bytes(made.encode() if isinstance(made, str) else made)
+        return self.command.split()
 
     def __str__(self) -> str:
         return f"{self.group}-{self.name}"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from tests.corpus.hostile.case import Case
-from tests.corpus.hostile.sound import describe, members, replaced, simulating, spoilt
+from tests.corpus.hostile.sound import describe, fmu, members, replaced, spoilt
 from tests.corpus.hostile.zips import Member, zipped
 
 _three = partial(spoilt, version=3)
@@ -87,22 +86,20 @@ def _source(name: str, about: str, says: str, source: str) -> Case:
 
 
 def _system(group: int, name: str, about: str, says: str, attributes: str) -> Case:
+    """Return a case of a package with one component; an FMU lies in it and another beside it."""
     top = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+    ssd = (
+        f'<s:SystemStructureDescription xmlns:s="{top}" version="1.0" name="a">'
+        f'<s:System name="a"><s:Elements><s:Component {attributes}/>'
+        "</s:Elements></s:System></s:SystemStructureDescription>"
+    )
 
-    def make(folder: Path) -> Sequence[str | Path]:
-        ssd = (
-            f'<s:SystemStructureDescription xmlns:s="{top}" version="1.0" name="a">'
-            f'<s:System name="a"><s:Elements><s:Component {attributes}/>'
-            "</s:Elements></s:System></s:SystemStructureDescription>"
-        )
+    def package(_: Path) -> bytes:
         inner = Member(b"resources/a.fmu", zipped(members()))
-        (folder / "a.fmu").write_bytes(zipped(members()))
-        (folder / "a.ssp").write_bytes(
-            zipped([Member(b"SystemStructure.ssd", ssd.encode()), inner])
-        )
-        return ["simulate", folder / "a.ssp"]
+        return zipped([Member(b"SystemStructure.ssd", ssd.encode()), inner])
 
-    return Case(group, name, about, make, says)
+    files = {"a.fmu": lambda _: zipped(members()), "a.ssp": package}
+    return Case(group, name, about, says, "simulate a.ssp", files)
 
 
 _IDENTIFIERS = [
@@ -187,11 +184,6 @@ def _length(name: str, about: str, says: str, new: str) -> Case:
     return _three(12, f"length-{name}", about, says, (old, new), ('start="1 2 3"', 'start="1"'))
 
 
-def _resized(folder: Path) -> Sequence[str | Path]:
-    data = zipped(describe(replaced(3), 3))
-    return simulating(data, "--set", "n=4000000000")(folder)
-
-
 _STRUCTURAL = 'causality="structuralParameter" variability="fixed"'
 _ARRAYS = [
     _dimension("0", "0 elements", "start is 0, expected", '<Dimension start="0"/>'),
@@ -208,7 +200,7 @@ _ARRAYS = [
     _length("0", "a structural parameter of 0", "length 'n' = 0", f'{_STRUCTURAL} start="0"'),
     _length("huge", "one of 2^64 - 1", "length 'n' = 18446744073709551615", f'{_STRUCTURAL} start="18446744073709551615"'),
     _length("none", "one without start", "refers to 10", _STRUCTURAL),
-    Case(12, "length-set", "one set to 4 billion", _resized, "elements"),
+    fmu(12, "length-set", "one set to 4 billion", "elements", lambda: zipped(describe(replaced(3), 3)), "--set n=4000000000"),
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Feeds FMPy what a case feeds us: ``python -m tests.corpus.hostile.fed_to_fmpy JOB.json``.
+"""Feeds FMPy what a case feeds us: ``fed_to_fmpy.py JOB.json``.
 
 Runs in a process of its own, for much of it does not come back. The answer is written beside the
 job: null if all went well, else the exception and whether FMPy meant to raise it.

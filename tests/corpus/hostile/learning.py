@@ -4,36 +4,28 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from tests.corpus.defects import reference
-from tests.corpus.hostile.case import Case
+from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.sound import sound
 from tests.corpus.hostile.tables import LOG
 
 LEARNED = Path(__file__).parents[3] / "results" / "paper" / "learned.json"
 
 
-def _fed(name: str, about: str, says: str, *arguments: str, **files: bytes) -> Case:
+def _fed(name: str, about: str, says: str, command: str, **files: Content) -> Case:
     """Return a case of a command and files; ``_`` in their names stands for the dot."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        for file, content in files.items():
-            (folder / file.replace("_", ".")).write_bytes(content)
-        return arguments
-
-    return Case(23, name, about, make, says)
+    named = {file.replace("_", "."): content for file, content in files.items()}
+    return Case(23, name, about, says, command, named)
 
 
 def _learned(name: str, about: str, says: str, content: bytes, command: str = "export") -> Case:
     """Return a case of a learned.json."""
-    first = ["export", "compensator"] if command == "export" else [command]
-    return _fed(
-        f"learned-{name}", about, f"learned.json: .*{says}",
-        *first, "--parameters", "learned.json", learned_json=content,
-    )  # fmt: skip
+    first = "export compensator" if command == "export" else command
+    command = f"{first} --parameters learned.json"
+    return _fed(f"learned-{name}", about, f"learned.json: .*{says}", command, learned_json=content)
 
 
 def _changed(*path: str, to: Any) -> bytes:
@@ -48,41 +40,32 @@ def _changed(*path: str, to: Any) -> bytes:
 
 def _resumed(name: str, about: str, says: str, content: bytes) -> Case:
     """Return a case of a checkpoint that a learning run goes on with."""
-    return _fed(
-        f"checkpoint-{name}", about, says,
-        "learn", "--log", "log.csv", "--resume", "--checkpoint", "run.json", "--judge", "inverse",
-        log_csv=LOG, run_json=content,
-    )  # fmt: skip
+    command = "learn --log log.csv --resume --checkpoint run.json --judge inverse"
+    return _fed(f"checkpoint-{name}", about, says, command, log_csv=LOG, run_json=content)
 
 
-def _set(name: str, about: str, says: str, *assignments: str) -> Case:
-    return _fed(f"set-{name}", about, says, "reproduce", "--out", "out", "--set", *assignments)
+def _set(name: str, about: str, says: str, assignments: str) -> Case:
+    return _fed(f"set-{name}", about, says, f"reproduce --out out --set {assignments}")
 
 
-def _fleet(name: str, about: str, says: str, table: bytes, **files: bytes) -> Case:
-    return _fed(f"fleet-{name}", about, f"fleet.csv: .*{says}", "fleet", "fleet.csv", "--out",
-                "out", fleet_csv=table, **files)  # fmt: skip
+def _fleet(name: str, about: str, says: str, table: bytes) -> Case:
+    command = "fleet fleet.csv --out out"
+    return _fed(f"fleet-{name}", about, f"fleet.csv: .*{says}", command, fleet_csv=table)
 
 
-def _plan(name: str, about: str, says: str, *arguments: str) -> Case:
-    return _fed(f"plan-{name}", about, says, "plan", *arguments)
+def _plan(name: str, about: str, says: str, arguments: str) -> Case:
+    return _fed(f"plan-{name}", about, says, f"plan {arguments}")
 
 
 def _state(name: str, about: str, says: str, content: bytes) -> Case:
     """Return a case of a saved state that a run goes on with."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        fmu = reference.pack(folder / "a.fmu", reference.members(2))
-        (folder / "half.state").write_bytes(content)
-        return ["simulate", fmu, "--resume", folder / "half.state"]
-
-    return Case(23, f"state-{name}", about, make, says)
+    command = "simulate a.fmu --resume half.state"
+    return _fed(f"state-{name}", about, says, command, a_fmu=sound, half_state=content)
 
 
 def _lti(name: str, about: str, says: str, text: str, suffix: str = ".json") -> Case:
-    file = f"system{suffix}".replace(".", "_")
-    return _fed(f"lti-{name}", about, f"system{suffix}: .*{says}", "export", "lti",
-                f"system{suffix}", **{file: text.encode()})  # fmt: skip
+    file = f"system{suffix}"
+    return Case(23, f"lti-{name}", about, f"{file}: .*{says}", f"export lti {file}", {file: text})
 
 
 def _zip(**members: bytes) -> bytes:
@@ -127,16 +110,16 @@ OPTIONS = [
     _set("text", "a mass that is text", "must be a number", "drive.m=heavy"),
     _set("nan", "a mass that is NaN", "m", "drive.m=nan"),
     _set("negative", "a negative mass", "m = -1", "drive.m=-1"),
-    _set("twice", "two masses", "set twice", "drive.m=1", "drive.m=2"),
+    _set("twice", "two masses", "set twice", "drive.m=1 drive.m=2"),
     _set("no-assignment", "a name alone", "expected NAME=VALUE", "drive.m"),
     _set("component", "a parameter of something else", "only the drive's", "stage.m=1"),
-    _fed("seed-negative", "a negative seed", "--seed must be at least 0", "reproduce", "--out", "out", "--seed", "-1"),
-    _fed("workers-none", "no workers", "--workers must be at least 1", "reproduce", "--out", "out", "--workers", "0"),
-    _fed("searches-none", "no searches", "--seeds at least 1", "learn", "--log", "log.csv", "--seeds", "0", log_csv=LOG),
-    _plan("duration", "an experiment without end", "duration", "--duration", "inf"),
-    _plan("rate", "a million million samples", "rate", "--rate", "1e12"),
-    _plan("stroke", "a stroke of NaN", "stroke", "--stroke", "nan"),
-    _plan("parameter", "a parameter that is none", "'q'", "--show", "q"),
+    _fed("seed-negative", "a negative seed", "--seed must be at least 0", "reproduce --out out --seed -1"),
+    _fed("workers-none", "no workers", "--workers must be at least 1", "reproduce --out out --workers 0"),
+    _fed("searches-none", "no searches", "--seeds at least 1", "learn --log log.csv --seeds 0", log_csv=LOG),
+    _plan("duration", "an experiment without end", "duration", "--duration inf"),
+    _plan("rate", "a million million samples", "rate", "--rate 1e12"),
+    _plan("stroke", "a stroke of NaN", "stroke", "--stroke nan"),
+    _plan("parameter", "a parameter that is none", "'q'", "--show q"),
 ]  # fmt: skip
 
 FLEETS = [

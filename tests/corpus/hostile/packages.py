@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tests.corpus.defects import reference
-from tests.corpus.hostile.case import Make
 
 Text = str | bytes
 STRUCTURE = "SystemStructure.ssd"
@@ -113,18 +112,15 @@ def structure(
     return document("ssd:SystemStructureDescription", system + rest + proposed, version)
 
 
-def simulating(text: Text, files: Mapping[str, Text] | None = None, *arguments: str) -> Make:
-    """Feed a package of a structure, further files and the reference FMU of FMI 2.0 and 3.0."""
+def packed(text: Text, files: Mapping[str, Text] | None = None) -> Callable[[Path], None]:
+    """Return what writes a package of a structure, files, and the reference FMUs 2.fmu, 3.fmu."""
 
-    def make(folder: Path) -> Sequence[str | Path]:
-        path = folder / "system.ssp"
+    def write(path: Path) -> None:
         with zipfile.ZipFile(path, "w") as archive:
             for name, content in {STRUCTURE: text, **(files or {})}.items():
                 archive.writestr(name, content)
             for fmi in (2, 3):
-                fmu = reference.pack(folder / "fmu", reference.members(fmi))
-                archive.writestr(f"resources/{fmi}.fmu", fmu.read_bytes())
-                fmu.unlink()
-        return ["simulate", path, *arguments]
+                with archive.open(f"resources/{fmi}.fmu", "w") as fmu:
+                    reference.pack(fmu, reference.members(fmi))
 
-    return make
+    return write

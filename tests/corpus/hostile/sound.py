@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tests.corpus.defects import reference
-from tests.corpus.hostile.case import Case, Make
+from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.zips import DEFLATE, Member, zipped
 
 DESCRIPTION = "modelDescription.xml"
@@ -34,23 +34,22 @@ def replaced(version: int, *pairs: tuple[str, str]) -> bytes:
     return text.encode()
 
 
-def simulating(data: bytes, *arguments: str) -> Make:
-    """Feed bytes as an FMU."""
+def sound(path: Path) -> None:
+    """Write the reference FMU."""
+    reference.pack(path, reference.members(2))
 
-    def make(folder: Path) -> Sequence[str | Path]:
-        (folder / "a.fmu").write_bytes(data)
-        return ["simulate", folder / "a.fmu", *arguments]
 
-    return make
+def fmu(
+    group: int, name: str, about: str, says: str, data: Callable[[], bytes], more: str = ""
+) -> Case:
+    """Return a case of bytes that are run as an FMU."""
+    return Case(group, name, about, says, f"simulate a.fmu {more}", {"a.fmu": lambda _: data()})
 
 
 def spoilt(
     group: int, name: str, about: str, says: str, *pairs: tuple[str, str], version: int = 2
 ) -> Case:
     """Return a case of a sound FMU whose description has other texts."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        data = zipped(describe(replaced(version, *pairs), version))
-        return simulating(data)(folder)
-
-    return Case(group, name, about, make, says)
+    return fmu(
+        group, name, about, says, lambda: zipped(describe(replaced(version, *pairs), version))
+    )

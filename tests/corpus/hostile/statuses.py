@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip import cosim
@@ -10,7 +9,7 @@ from tests.corpus.hostile import faults
 from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.faults import Kind
 
-_SAVE = ("--until", "0.5", "--save", "state")
+_SAVE = "--until 0.5 --save state"
 
 
 def _case(
@@ -21,39 +20,28 @@ def _case(
     says: str,
     version: int = 2,
     kind: Kind = "plain",
-    more: Sequence[str] = (),
+    more: str = "",
 ) -> Case:
-    def make(folder: Path) -> Sequence[str | Path]:
-        return ["simulate", faults.write(folder / "a.fmu", plan, version, kind), *more]
-
-    return Case(group, name, about, make, says)
+    files = {"a.fmu": lambda path: faults.write(path, plan, version, kind)}
+    return Case(group, name, about, says, f"simulate a.fmu {more}", files)
 
 
 def _resumed(name: str, about: str, plan: str, says: str, version: int) -> Case:
-    def make(folder: Path) -> Sequence[str | Path]:
-        path = faults.write(folder / "a.fmu", plan, version)
+    def save(path: Path) -> None:
         system = cosim.System("a")
-        system.add("faults", path)
+        system.add("faults", path.with_name("a.fmu"))
         system.expose("u", "faults.u")
         with system.prepare(step=0.1, stop=1.0) as simulation:
             simulation.run(until=0.5)
-            simulation.save(folder / "state")
-        return ["simulate", path, "--resume", folder / "state"]
+            simulation.save(path)
 
-    return Case(19, name, about, make, says)
+    files = {"a.fmu": lambda path: faults.write(path, plan, version), "state": save}
+    return Case(19, name, about, says, "simulate a.fmu --resume state", files)
 
 
 def _read(name: str, about: str, rows: str, says: str) -> Case:
-    def make(folder: Path) -> Sequence[str | Path]:
-        (folder / "u.csv").write_text(f"time,u\n{rows}")
-        return [
-            "simulate",
-            faults.write(folder / "a.fmu", "none 1 0"),
-            "--input",
-            folder / "u.csv",
-        ]
-
-    return Case(18, name, about, make, says)
+    files = {"a.fmu": lambda path: faults.write(path, "none 1 0"), "u.csv": f"time,u\n{rows}"}
+    return Case(18, name, about, says, "simulate a.fmu --input u.csv", files)
 
 
 _STATUSES = [
@@ -107,7 +95,7 @@ _EXCHANGED = [
 CASES = [
     *_STATUSES,
     *_EXCHANGED,
-    _case(17, "discard-of-a-value", "FMI 2.0: SetReal discards a parameter", "SetReal 1 2", "fmi2SetReal returned discard during initialisation", more=("--set", "k=2")),
+    _case(17, "discard-of-a-value", "FMI 2.0: SetReal discards a parameter", "SetReal 1 2", "fmi2SetReal returned discard during initialisation", more="--set k=2"),
     _case(17, "fatal-at-a-whole-number", "FMI 3.0: GetInt32 returns fatal", "GetInteger 3 4", "fmi3GetInt32 returned fatal", 3, "typed"),
     _case(17, "event-at-no-time", "the next event is at NaN", "Event 1 0", "fmi2NewDiscreteStates gave a time that cannot be", kind="exchange"),
     _case(17, "event-always-now", "the next event is at the present time, for ever", "Event 1 1", "came to no end of events", 3, "exchange"),
@@ -126,8 +114,8 @@ CASES = [
     ),
     _case(18, "output-nan-typed", "an output is NaN beside one that is a whole number", "Output 1 0", r"faults\.y: .* not finite in the step from t = 0\.4 s", kind="typed"),
     _case(18, "derivative-nan", "a derivative is NaN from 0.5 s on", "Slope 1 0", r"faults.* (could not integrate|not finite)", kind="exchange"),
-    _case(18, "parameter-nan", "a parameter is set to NaN", "none 1 0", r"faults\.k = nan is outside its range", more=("--set", "k=nan")),
-    _case(18, "parameter-infinite", "a parameter is set to infinity", "none 1 0", r"faults\.k = inf is outside its range", more=("--set", "k=inf")),
+    _case(18, "parameter-nan", "a parameter is set to NaN", "none 1 0", r"faults\.k = nan is outside its range", more="--set k=nan"),
+    _case(18, "parameter-infinite", "a parameter is set to infinity", "none 1 0", r"faults\.k = inf is outside its range", more="--set k=inf"),
     _read("input-nan", "an input is NaN", "0,0\n0.5,nan\n1,0\n", "u"),
     _read("input-infinite", "an input is infinite", "0,0\n0.5,inf\n1,0\n", "u"),
     *(

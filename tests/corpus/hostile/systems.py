@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from tests.corpus.hostile.case import Case
@@ -17,7 +17,7 @@ from tests.corpus.hostile.packages import (
     connector,
     document,
     experiment,
-    simulating,
+    packed,
     structure,
     values,
 )
@@ -33,10 +33,11 @@ def _case(
     about: str,
     says: str,
     text: Text,
-    files: Mapping[str, Text] | None = None,
-    *more: str,
+    members: Mapping[str, Text] | None = None,
+    more: str = "",
 ) -> Case:
-    return Case(21, f"ssp-{name}", about, simulating(text, files, *more), says)
+    files = {"system.ssp": packed(text, members)}
+    return Case(21, f"ssp-{name}", about, says, f"simulate system.ssp {more}", files)
 
 
 def _source(name: str, source: str, says: str) -> Case:
@@ -72,9 +73,8 @@ def _arrays(first: int, second: int) -> str:
     return structure(inner, joined, connectors=ends(first), version="2.0")
 
 
-def _grown(folder: Path) -> Sequence[str | Path]:
+def _grown(path: Path) -> None:
     """Let each of thirty files name the next one twice: a thousand million components."""
-    path = folder / "grown.ssp"
     with zipfile.ZipFile(path, "w") as archive:
         for k in range(31):
             element = (
@@ -83,20 +83,11 @@ def _grown(folder: Path) -> Sequence[str | Path]:
             inside = element.format("p", k + 1) + element.format("q", k + 1)
             text = structure(inside if k < 30 else A)
             archive.writestr(f"{k}.ssd" if k else STRUCTURE, text)
-    return ["simulate", path]
 
 
-def _no_structure(folder: Path) -> Sequence[str | Path]:
-    path = folder / "other.ssp"
+def _no_structure(path: Path) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("README.txt", "nothing")
-    return ["simulate", path]
-
-
-def _lone_text(folder: Path) -> Sequence[str | Path]:
-    path = folder / "text.ssp"
-    path.write_text(structure(A))
-    return ["simulate", path]
 
 
 CONNECTIONS = [
@@ -156,9 +147,9 @@ SOURCES = [
     _case("contains-itself", "a nested system that is the outer one", "contains itself", _nested(STRUCTURE)),
     _case("ring", "two nested systems in each other", "contains itself", _nested("b.ssd"), {"b.ssd": _nested(STRUCTURE)}),
     _case("nested-no-package", "a nested package that is an FMU", "has no SystemStructure", _nested("resources/2.fmu", "package")),
-    Case(21, "ssp-nested-growth", "files that name the next one twice, thirty of them", _grown, "more than 1000 nested systems"),
-    Case(21, "ssp-no-structure", "a package without SystemStructure.ssd", _no_structure, "SystemStructure.ssd is missing"),
-    Case(21, "ssp-structure-alone", "a description that is not packed", _lone_text, "not a zip archive"),
+    Case(21, "ssp-nested-growth", "files that name the next one twice, thirty of them", "more than 1000 nested systems", "simulate a.ssp", {"a.ssp": _grown}),
+    Case(21, "ssp-no-structure", "a package without SystemStructure.ssd", "SystemStructure.ssd is missing", "simulate a.ssp", {"a.ssp": _no_structure}),
+    Case(21, "ssp-structure-alone", "a description that is not packed", "not a zip archive", "simulate a.ssp", {"a.ssp": structure(A)}),
 ]  # fmt: skip
 
 MAPPING = document("ssm:ParameterMapping", '<ssm:MappingEntry source="none" target="a.k"/>')
@@ -208,7 +199,7 @@ FILES = [
     _case("step-does-not-divide", "a step of 0.3 s in 1 s", "does not divide", structure(A, times=experiment("0.3"))),
     _case("step-zero", "a step of 0", "expected a positive one", structure(A, times=experiment("0"))),
     _case("step-tiny", "a step of 1e-12 s", "at most .* are done", structure(A, times=experiment("1e-12"))),
-    _case("variant-unknown", "a variant that the package has not", "no variant 'x'", structure(A), None, "--variant", "x"),
+    _case("variant-unknown", "a variant that the package has not", "no variant 'x'", structure(A), None, "--variant x"),
     _case("packed-input", "a packed input whose time falls", "line 3: time falls from 1.0 to 0.5",
           structure(A, [connection("v", "a.u")], connectors=V),
           {"extra/stickslip/input.csv": "time,v\n1,0\n0.5,1\n"}),

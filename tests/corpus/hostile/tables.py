@@ -6,7 +6,6 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,50 +13,31 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from tests.corpus.defects import reference
-from tests.corpus.hostile.case import Case
-
-Content = bytes | Callable[[], bytes] | None
-"""What a file holds; None of one that is not there."""
-
-
-def _write(path: Path, content: Content) -> Path:
-    if content is not None:
-        path.write_bytes(content() if callable(content) else content)
-    return path
+from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.sound import sound
 
 
 def _input(
-    name: str, about: str, says: str, content: Content, suffix: str = ".csv", *more: str
+    name: str, about: str, says: str, content: Content | None, suffix: str = ".csv", more: str = ""
 ) -> Case:
     """Return a case of inputs for the reference FMU."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        fmu = reference.pack(folder / "a.fmu", reference.members(2))
-        return ["simulate", fmu, "--input", _write(folder / f"in{suffix}", content), *more]
-
-    return Case(22, f"input-{name}", about, make, says)
+    files = {"a.fmu": sound} | ({} if content is None else {f"in{suffix}": content})
+    command = f"simulate a.fmu --input in{suffix} {more}"
+    return Case(22, f"input-{name}", about, says, command, files)
 
 
-def _log(
-    name: str, about: str, says: str, content: Content, suffix: str = ".csv", *more: str
-) -> Case:
+def _log(name: str, about: str, says: str, content: Content | None, suffix: str = ".csv") -> Case:
     """Return a case of a log."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        return ["learn", "--log", _write(folder / f"log{suffix}", content), "--check", *more]
-
-    return Case(22, f"log-{name}", about, make, says)
+    files = {} if content is None else {f"log{suffix}": content}
+    return Case(22, f"log-{name}", about, says, f"learn --log log{suffix} --check", files)
 
 
 def _config(name: str, about: str, says: str, content: bytes) -> Case:
     """Return a case of a description of a sound log."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        log = _write(folder / "log.csv", LOG)
-        return ["learn", "--log", log, "--config", _write(folder / "log.toml", content), "--check"]
-
-    return Case(22, f"config-{name}", about, make, says)
+    files = {"log.csv": LOG, "log.toml": content}
+    return Case(
+        22, f"config-{name}", about, says, "learn --log log.csv --config log.toml --check", files
+    )
 
 
 def _recorded() -> bytes:
@@ -123,29 +103,11 @@ def _bomb() -> bytes:
     return first + again * 320 + packer.flush()
 
 
-def _folder(folder: Path) -> Sequence[str | Path]:
-    fmu = reference.pack(folder / "a.fmu", reference.members(2))
-    (folder / "in.csv").mkdir()
-    return ["simulate", fmu, "--input", folder / "in.csv"]
-
-
-def _pipe(name: str) -> Callable[[Path], Sequence[str | Path]]:
-    def make(folder: Path) -> Sequence[str | Path]:
-        os.mkfifo(folder / name)
-        if name.startswith("log"):
-            return ["learn", "--log", folder / name, "--check"]
-        fmu = reference.pack(folder / "a.fmu", reference.members(2))
-        return ["simulate", fmu, "--input", folder / name]
-
-    return make
-
-
-def _huge(folder: Path) -> Sequence[str | Path]:
+def _huge(path: Path) -> None:
     """Make a file of 4 GB that takes no room."""
-    with (folder / "log.csv").open("wb") as file:
+    with path.open("wb") as file:
         file.write(LOG)
         file.truncate(1 << 32)
-    return ["learn", "--log", folder / "log.csv", "--check"]
 
 
 INPUTS = [
@@ -162,23 +124,23 @@ INPUTS = [
     _input("no-time", "no column time", "'time' among them", _rows("0,0", head="t,u")),
     _input("column-twice", "two columns of one name", "got 'u' twice", _rows("0,1,2", head="time,u,u")),
     _input("column-unknown", "a column that is no input", "no exposed input 'v'", _rows("0,1", head="time,v")),
-    _input("held-unknown", "a held column that is not there", "cannot hold v", _rows("0,1"), ".csv", "--hold", "v"),
+    _input("held-unknown", "a held column that is not there", "cannot hold v", _rows("0,1"), ".csv", "--hold v"),
     _input("header-only", "names and no values", "no values below", b"time,u\n"),
     _input("empty", "an empty file", "'time' among them", b""),
     _input("nul", "NUL bytes", "in.csv", b"time,u\n0,\0\n"),
     _input("binary", "bytes that are no text", "not a CSV file in UTF-8", bytes(range(256))),
-    _input("long-line", "a line of 3 MB", "line 2: 3000001 characters", lambda: b"time,u\n" + b"1," * 1_500_000 + b"\n"),
+    _input("long-line", "a line of 3 MB", "line 2: 3000001 characters", lambda _: b"time,u\n" + b"1," * 1_500_000 + b"\n"),
     _input("open-quote", "a quote that never ends", "in.csv", b'time,u\n"' + b"0,1\n" * 60_000),
     _input("missing", "no file", "in.csv: cannot be read: No such file", None),
-    Case(22, "input-folder", "a folder", _folder, "in.csv: cannot be read: "),
-    Case(22, "input-pipe", "a pipe that nobody writes to", _pipe("in.csv"), "no regular file"),
-    _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8", lambda: _parquet(time=np.arange(99) / 7)),
+    _input("folder", "a folder", "in.csv: cannot be read: ", Path.mkdir),
+    _input("pipe", "a pipe that nobody writes to", "no regular file", os.mkfifo),
+    _input("parquet-as-csv", "a Parquet file called .csv", "not a CSV file in UTF-8", lambda _: _parquet(time=np.arange(99) / 7)),
     _input("csv-as-parquet", "a CSV file called .parquet", "in.parquet: cannot be read", _rows("0,0"), ".parquet"),
-    _input("parquet-text", "texts in a Parquet file", "column 'u': expected numbers, got .*string", lambda: _parquet(time=[0.0, 1.0], u=["a", "b"]), ".parquet"),
-    _input("parquet-nested", "lists in a Parquet file", "column 'u': expected numbers, got list", lambda: _parquet(time=[0.0], u=[[1.0, 2.0]]), ".parquet"),
-    _input("parquet-nulls", "empty cells in a Parquet file", "not finite", lambda: _parquet(time=[0.0, 1.0], u=[None, 2.0]), ".parquet"),
-    _input("parquet-cut", "half a Parquet file", "in.parquet: cannot be read", lambda: _parquet(time=np.arange(99.0), u=np.arange(99.0))[:400], ".parquet"),
-    _input("parquet-growth", "a small Parquet file of 110 million numbers", "at most 100000000 values", _repeated, ".parquet"),
+    _input("parquet-text", "texts in a Parquet file", "column 'u': expected numbers, got .*string", lambda _: _parquet(time=[0.0, 1.0], u=["a", "b"]), ".parquet"),
+    _input("parquet-nested", "lists in a Parquet file", "column 'u': expected numbers, got list", lambda _: _parquet(time=[0.0], u=[[1.0, 2.0]]), ".parquet"),
+    _input("parquet-nulls", "empty cells in a Parquet file", "not finite", lambda _: _parquet(time=[0.0, 1.0], u=[None, 2.0]), ".parquet"),
+    _input("parquet-cut", "half a Parquet file", "in.parquet: cannot be read", lambda _: _parquet(time=np.arange(99.0), u=np.arange(99.0))[:400], ".parquet"),
+    _input("parquet-growth", "a small Parquet file of 110 million numbers", "at most 100000000 values", lambda _: _repeated(), ".parquet"),
 ]  # fmt: skip
 
 LOGS = [
@@ -191,24 +153,24 @@ LOGS = [
     _log("header-only", "names and no values", "no row of numbers", b"t,x,F\n"),
     _log("empty", "an empty file", "empty; expected columns of numbers", b""),
     _log("binary", "bytes that are no text", "binary, not text", bytes(range(256))),
-    _log("long-line", "a line of 1 MB", "row 2: 1000000 characters", lambda: b"t,x\n" + b"1;" * 500_000 + b"\n1,2\n"),
-    _log("many-lines", "five million lines", "more than 4000000 lines", lambda: b"1\n" * 5_000_000),
+    _log("long-line", "a line of 1 MB", "row 2: 1000000 characters", lambda _: b"t,x\n" + b"1;" * 500_000 + b"\n1,2\n"),
+    _log("many-lines", "five million lines", "more than 4000000 lines", lambda _: b"1\n" * 5_000_000),
     _log("brackets", "a name of brackets and blanks, slow to search", "no column of time",
-         lambda: b"( " * 30_000 + b",b\n" + b"1,2\n" * 50),
+         lambda _: b"( " * 30_000 + b",b\n" + b"1,2\n" * 50),
     _log("spreadsheet", "a spreadsheet", "an archive or a spreadsheet", b"PK\3\4" + bytes(30)),
     _log("missing", "no file", "log.csv: cannot be read", None),
-    Case(22, "log-pipe", "a pipe that nobody writes to", _pipe("log.csv"), "no regular file"),
-    Case(22, "log-huge", "4 GB", _huge, "4294967296 bytes, at most"),
-    _log("parquet-cut", "half a Parquet file", "not a Parquet file, or damaged", lambda: _parquet(t=np.arange(99.0), x=np.arange(99.0))[:300], ".parquet"),
-    _log("parquet-nested", "a position that is a list", "no column of position", lambda: _parquet(t=np.arange(50.0), x=[[1.0]] * 50), ".parquet"),
+    _log("pipe", "a pipe that nobody writes to", "no regular file", os.mkfifo),
+    _log("huge", "4 GB", "4294967296 bytes, at most", _huge),
+    _log("parquet-cut", "half a Parquet file", "not a Parquet file, or damaged", lambda _: _parquet(t=np.arange(99.0), x=np.arange(99.0))[:300], ".parquet"),
+    _log("parquet-nested", "a position that is a list", "no column of position", lambda _: _parquet(t=np.arange(50.0), x=[[1.0]] * 50), ".parquet"),
     _log("mat-text", "a text called .mat", "not a MAT file of version 5", LOG, ".mat"),
     _log("mat-7.3", "a MAT file of version 7.3", "version 7.3", b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
-    _log("mat-cells", "cells instead of numbers", "no vectors of numbers", lambda: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
-    _log("mat-shape", "a vector whose length lies", "'x' of shape .* has 24 bytes", lambda: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
-    _log("mat-size", "an element longer than the file", "ends within a variable", lambda: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
-    _log("mat-dimensions", "an array of a thousand dimensions", "1000 dimensions", lambda: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
-    _log("mat-bomb", "320 MB of zeros, packed", "variables of more than", lambda: _mat((15, _bomb())), ".mat"),
-    _log("mat-damaged", "packed data that is none", "compressed data", lambda: _mat((15, b"x" * 40)), ".mat"),
+    _log("mat-cells", "cells instead of numbers", "no vectors of numbers", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
+    _log("mat-shape", "a vector whose length lies", "'x' of shape .* has 24 bytes", lambda _: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
+    _log("mat-size", "an element longer than the file", "ends within a variable", lambda _: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
+    _log("mat-dimensions", "an array of a thousand dimensions", "1000 dimensions", lambda _: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
+    _log("mat-bomb", "320 MB of zeros, packed", "variables of more than", lambda _: _mat((15, _bomb())), ".mat"),
+    _log("mat-damaged", "packed data that is none", "compressed data", lambda _: _mat((15, b"x" * 40)), ".mat"),
 ]  # fmt: skip
 
 CONFIGS = [

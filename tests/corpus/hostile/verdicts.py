@@ -41,10 +41,10 @@ def judge(case: Case, cache: Path) -> tuple[Verdict, Verdict]:
         folder = Path(name, "fed")
         folder.mkdir()
         with warnings.catch_warnings(action="ignore"):
-            arguments = [str(argument) for argument in case.make(folder)]
+            arguments = case.make(folder)
         copy = Path(name, "copy")
         shutil.copytree(folder, copy, symlinks=True, ignore=_pipes)
-        theirs = fmpy(_moved(arguments, folder, copy), copy, Path(name))
+        theirs = fmpy(arguments, copy, Path(name))
         return theirs, stickslip(arguments, folder, Path(name), cache)
 
 
@@ -56,7 +56,7 @@ def fmpy(arguments: Sequence[str], folder: Path, room: Path) -> Verdict:
     path, temporary = room / "fmpy.json", room / "fmpy"
     path.write_text(json.dumps(job), encoding="utf-8")
     temporary.mkdir()
-    command = [sys.executable, "-m", "tests.corpus.hostile.fed_to_fmpy", str(path)]
+    command = [sys.executable, "-P", str(Path(__file__).with_name("fed_to_fmpy.py")), str(path)]
     ended = run(command, folder, temporary, PATIENCE)
     kind, words = _what_fmpy_did(ended, path.with_suffix(".answer"), room)
     return Verdict(kind, words + "; leaves a temporary folder" * bool(ended.left))
@@ -128,10 +128,6 @@ def _number(text: str | None) -> float | None:
         return None if text is None else float(text)
     except ValueError:
         return None
-
-
-def _moved(arguments: Sequence[str], folder: Path, copy: Path) -> list[str]:
-    return [argument.replace(str(folder), str(copy)) for argument in arguments]
 
 
 def _pipes(folder: str, names: Sequence[str]) -> set[str]:

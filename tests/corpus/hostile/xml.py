@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Callable
 
 from tests.corpus.hostile.case import Case
-from tests.corpus.hostile.sound import DESCRIPTION, describe, members, replaced, simulating
+from tests.corpus.hostile.sound import DESCRIPTION, describe, fmu, members, replaced
 from tests.corpus.hostile.zips import Member, zipped
 
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
@@ -16,11 +15,7 @@ _LAUGHS = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i 
 
 def _xml(group: int, name: str, about: str, says: str, xml: Callable[[], bytes]) -> Case:
     """Return a case of an FMU with another description."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        return simulating(zipped(describe(xml())))(folder)
-
-    return Case(group, name, about, make, says)
+    return fmu(group, name, about, says, lambda: zipped(describe(xml())))
 
 
 def _dtd(name: str, about: str, dtd: str, use: str = "&e;") -> Case:
@@ -32,10 +27,7 @@ def _dtd(name: str, about: str, dtd: str, use: str = "&e;") -> Case:
 
 
 def _packed(name: str, about: str, says: str, members_: Callable[[], list[Member]]) -> Case:
-    def make(folder: Path) -> Sequence[str | Path]:
-        return simulating(zipped(members_()))(folder)
-
-    return Case(5, name, about, make, says)
+    return fmu(5, name, about, says, lambda: zipped(members_()))
 
 
 def _elsewhere(name: str) -> list[Member]:
@@ -43,17 +35,10 @@ def _elsewhere(name: str) -> list[Member]:
     return [Member(name.encode(), content.data), *members(2, [DESCRIPTION])]
 
 
-def _system(
-    name: str, about: str, says: str, ssd: str, command: str = "simulate", *options: str
-) -> Case:
+def _system(name: str, about: str, says: str, ssd: str, command: str = "simulate a.ssp") -> Case:
     """Return a case of a package with this structure."""
-
-    def make(folder: Path) -> Sequence[str | Path]:
-        content = [Member(b"SystemStructure.ssd", ssd.encode())]
-        (folder / "a.ssp").write_bytes(zipped(content))
-        return [command, folder / "a.ssp", *options]
-
-    return Case(6, name, about, make, says)
+    data = zipped([Member(b"SystemStructure.ssd", ssd.encode())])
+    return Case(6, name, about, says, command, {"a.ssp": data})
 
 
 _ROOT = f'<s:SystemStructureDescription xmlns:s="{_SSD}" version="1.0" name="a">'
@@ -96,7 +81,7 @@ _ATTACKS = [
     _xml(6, "second-root", "a second root", "line", lambda: replaced(2) + b"<a/>"),
     _xml(6, "hidden", "a DOCTYPE behind a comment", "a DOCTYPE", lambda: replaced(2, (_HEAD, f"{_HEAD} <!-- > --> <?a ?> <!DOCTYPE a>"))),
     _system("system-entity", "an entity that is a file, in a system", r"SystemStructure\.ssd: a DOCTYPE", f'<!DOCTYPE a [<!ENTITY e SYSTEM "file:///etc/passwd">]>{_ROOT}&e;</s:SystemStructureDescription>'),
-    _system("system-laughs", "entities in entities, in a system", "a DOCTYPE", f"<!DOCTYPE a [{_LAUGHS}]>{_ROOT}&l29;</s:SystemStructureDescription>", "export", "--as", "fmu"),
+    _system("system-laughs", "entities in entities, in a system", "a DOCTYPE", f"<!DOCTYPE a [{_LAUGHS}]>{_ROOT}&l29;</s:SystemStructureDescription>", "export a.ssp --as fmu"),
     _system("system-deep", "100,000 systems in one another", "depth", _ROOT + "<s:System>" * 100_000),
 ]  # fmt: skip
 

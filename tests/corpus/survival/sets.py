@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import (
-    claimed,
+    locked,
     staged,
     verify,
 )
@@ -31,9 +31,9 @@ NEW: Files = {
 
 def write(files: Files, folder: Path) -> None:
     """Write a set as commands do."""
-    with staged(folder, {"name": "survival"}) as desk:
+    with staged(folder, {"name": "survival"}) as staging:
         for name, content in files.items():
-            write_whole(desk / name, content)
+            atomic_write(staging / name, content)
 
 
 def plain(folder: Path) -> Files:
@@ -60,7 +60,7 @@ def holds(folder: Path, sets: Iterable[Files]) -> str:
     verdict = verify(folder)
     if verdict.faults or plain(folder) not in sets:
         raise RuntimeError(f"{folder} holds neither set: {verdict}, {sorted(plain(folder))}")
-    with claimed(folder):
+    with locked(folder):
         pass
     if left := [path.name for path in folder.glob(".stickslip-*")]:
         raise RuntimeError(f"{folder}: left behind: {left}")

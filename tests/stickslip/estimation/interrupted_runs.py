@@ -55,7 +55,7 @@ def watched(how):
     """Return the block that a program runs in: the command line's, or a notebook's."""
     if how == "notebook":
         return nullcontext()
-    from stickslip.fmi.toolchain import interruptible
+    from stickslip.fmi.process import interruptible
 
     return interruptible()
 

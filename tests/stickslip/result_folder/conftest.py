@@ -11,8 +11,8 @@ HOLDER = """
 import sys, time
 from pathlib import Path
 from stickslip.results.folder import staged
-with staged(Path(sys.argv[1]), {"name": "other"}) as desk:
-    (desk / "half").write_text("written")
+with staged(Path(sys.argv[1]), {"name": "other"}) as staging:
+    (staging / "half").write_text("written")
     print("has it", flush=True)
     time.sleep(600)
 """
@@ -37,9 +37,9 @@ def holder(folder):
 
 
 def _write(folder, name="learn", **files):
-    with staged(folder, {"name": name}) as desk:
+    with staged(folder, {"name": name}) as staging:
         for file, text in files.items():
-            (desk / file).write_text(text)
+            (staging / file).write_text(text)
 
 
 @pytest.fixture

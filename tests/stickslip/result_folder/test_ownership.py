@@ -41,9 +41,9 @@ def test_a_file_of_the_user_is_named_and_stays(folder, how, when):
         with reserved(folder, ["a", "c"]):
             began.append(when)
             appear("meanwhile")
-            with staged(folder, {"name": "learn"}) as desk:
+            with staged(folder, {"name": "learn"}) as staging:
                 for name in ("a", "c"):
-                    (desk / name).write_text("new")
+                    (staging / name).write_text("new")
 
     left, began = {}, []
     appear("before")
@@ -58,9 +58,9 @@ def test_a_file_to_be_removed_is_the_users_too(folder):
     (folder / "stale").write_text("mine")
     with (
         pytest.raises(UsageError, match="stale: exists, and no manifest"),
-        staged(folder, {"name": "learn"}, without=["stale"]) as desk,
+        staged(folder, {"name": "learn"}, without=["stale"]) as staging,
     ):
-        (desk / "a").write_text("new a")
+        (staging / "a").write_text("new a")
     assert (folder / "stale").read_text() == "mine"
     assert (folder / "a").read_text() == "old a"
 

@@ -8,9 +8,9 @@ import threading
 import pytest
 
 from stickslip.errors import ResultsError, UsageError
-from stickslip.fmi.toolchain import write_whole
+from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import (
-    claimed,
+    locked,
     staged,
     verify,
 )
@@ -41,21 +41,21 @@ def test_what_someone_changed_or_added_is_not_deleted(folder, put, texts):
 
 def test_a_command_can_tell_which_files_must_not_stay(folder, put, texts):
     put(folder, "validate", table="t")
-    with staged(folder, {"name": "learn"}, without=["absent", "table", "a"]) as desk:
-        (desk / "a").write_text("new a")
+    with staged(folder, {"name": "learn"}, without=["absent", "table", "a"]) as staging:
+        (staging / "a").write_text("new a")
     assert texts(folder) == {"a": "new a"}
     assert not verify(folder).faults
 
 
 def test_an_error_in_the_block_leaves_the_old_set_alone(folder, texts):
-    with pytest.raises(TypeError), staged(folder, {"name": "learn"}) as desk:
-        (desk / "a").write_text("half") + "no number"
+    with pytest.raises(TypeError), staged(folder, {"name": "learn"}) as staging:
+        (staging / "a").write_text("half") + "no number"
     assert texts(folder) == OLD
 
 
 def test_errors_name_the_file_as_it_will_be_called(folder):
-    with pytest.raises(OSError, match="No space") as told, staged(folder, {}) as desk:
-        raise OSError(28, "No space left on device", str(desk / "a"))
+    with pytest.raises(OSError, match="No space") as told, staged(folder, {}) as staging:
+        raise OSError(28, "No space left on device", str(staging / "a"))
     assert told.value.filename == str(folder / "a")
 
 
@@ -84,7 +84,7 @@ def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put,
         except UsageError as error:
             refused.append(str(error))
 
-    with claimed(folder):
+    with locked(folder):
         thread = threading.Thread(target=write)
         thread.start()
         thread.join()
@@ -94,13 +94,13 @@ def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put,
 
 
 def test_a_claim_without_results_leaves_no_folder(tmp_path):
-    with claimed(tmp_path / "new" / "folder"):
+    with locked(tmp_path / "new" / "folder"):
         assert (tmp_path / "new" / "folder").is_dir()
     assert not any(tmp_path.iterdir())
 
 
 def test_a_folder_removed_while_it_is_claimed_is_made_anew(folder, put, texts):
-    with claimed(folder):
+    with locked(folder):
         shutil.rmtree(folder)
         put(folder, a="new a")
     assert texts(folder) == {"a": "new a"}
@@ -109,10 +109,10 @@ def test_a_folder_removed_while_it_is_claimed_is_made_anew(folder, put, texts):
 def test_a_folder_removed_while_it_is_written_gets_no_half_set(folder, texts):
 
     def write():
-        with staged(folder, {"name": "learn"}) as desk:
-            (desk / "a").write_text("before")
+        with staged(folder, {"name": "learn"}) as staging:
+            (staging / "a").write_text("before")
             shutil.rmtree(folder)
-            write_whole(desk / "b", "after")
+            atomic_write(staging / "b", "after")
 
     with pytest.raises(ResultsError, match="was removed while results were written"):
         write()

@@ -1,4 +1,4 @@
-"""Shared libraries of all systems, read by importer and judge: what they need and offer."""
+"""Shared libraries of all systems, read without being loaded: exports and needed libraries."""
 
 from __future__ import annotations
 
@@ -7,17 +7,13 @@ from pathlib import Path
 from random import Random
 
 from stickslip.fmi import toolchain
-from stickslip.fmucheck.binaries.library import Library, read_library
+from stickslip.fmi.binary import NotALibrary, read_library, universal
 
 _CODE = '__attribute__((visibility("default"))) double twice(double x) { return x + x; }\n'
 _NUMBERS = (0, 1, 7, 8, 24, 255, 2**15, 2**16 - 1, 2**31, 2**32 - 1, 2**63, 2**64 - 1)
 
 
-class Refused(Exception):
-    """What the judge says of bytes that are no library."""
-
-
-EXPECTED = (Refused, toolchain.NotALibrary)
+EXPECTED = NotALibrary
 
 
 def corpus() -> list[bytes]:
@@ -28,15 +24,11 @@ def corpus() -> list[bytes]:
         for name, platform in toolchain.PLATFORMS.items()
     }
     apple = [data for name, data in each.items() if "darwin" in name]
-    return [*each.values(), toolchain.universal(apple)]
+    return [*each.values(), universal(apple)]
 
 
 def parse(data: bytes, folder: Path) -> None:  # noqa: ARG001 - nothing is written
-    found = read_library(data)
-    if data[:4] != b"\xca\xfe\xba\xbe":  # universal ones are for the judge alone
-        toolchain.interface(data)
-    if not isinstance(found, Library):
-        raise Refused(found)
+    read_library(data)
 
 
 def mutate(rng: Random, data: bytes) -> bytes:

@@ -1,1 +1,0 @@
-/work/docs/stickslip/__init__.py

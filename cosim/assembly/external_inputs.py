@@ -1,0 +1,73 @@
+"""The exposed inputs of a system at the points in time of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stickslip.cosim.errors import SignalError
+from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.signals.signals import (
+    Array,
+    Input,
+    Table,
+    ends_of,
+    sampled,
+    shifted,
+)
+from stickslip.cosim.system.system import System
+from stickslip.fmi.messages import suggestion
+
+
+def sample_inputs(
+    system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
+) -> Array:
+    """Return the exposed inputs over time, (n, number of exposed inputs).
+
+    Raises
+    ------
+    SignalError
+        When a name is not exposed, or a signal has the wrong shape or is not finite.
+    """
+    for name in inputs:
+        if name not in system.inputs:
+            raise SignalError(
+                f"{system.name} has no exposed input {name!r}{suggestion(name, system.inputs)}"
+            )
+    table = np.empty((len(time), len(system.inputs)))
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if name in inputs:
+            signal = inputs[name]
+            if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
+                signal = signal.hold(time)
+            table[:, i] = sampled(name, signal, time)
+        else:
+            start = _start(system, starts, targets[0])
+            table[:, i] = system.scaling(name, targets[0]).inverse(start)
+    return table
+
+
+def sample_ends(system: System, inputs: Mapping[str, Input], time: Array, external: Array) -> Array:
+    """Return the exposed inputs at the end of the step before each point in time.
+
+    They differ from those at the points, ``external``, where an input jumps: what is discrete or
+    held has the value of the point before.
+    """
+    ends = external.copy()
+    for i, (name, targets) in enumerate(system.inputs.items()):
+        if system.variable(targets[0]).is_discrete:
+            ends[:, i] = shifted(external[:, i])
+        elif name in inputs:
+            ends[:, i] = ends_of(inputs[name], external[:, i], time)
+    return ends
+
+
+def _start(system: System, starts: Mapping[str, Value], target: str) -> float:
+    """Return the start value of an input, which may be an element of an array."""
+    variable = system.variable(target)
+    whole = starts.get(f"{component_of(target)}.{variable.owner}")
+    start = starts.get(target, whole[variable.element] if isinstance(whole, tuple) else None)
+    start = variable.start if start is None else start
+    return float(start) if isinstance(start, int | float) else 0.0

@@ -1,0 +1,74 @@
+#include "laws/law.h"
+
+#include <stddef.h>
+
+#include "laws/stribeck.h"
+#include "numerics/elementary.h"
+
+enum { ELEMENTS = sizeof((Law *)NULL)->alpha / sizeof(double) };
+
+static double g(double v, const Law *p) {
+    return stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta);
+}
+
+static double sum(const double values[]) {
+    double total = 0.0;
+    for (size_t i = 0; i < ELEMENTS; i++)
+        total += values[i];
+    return total;
+}
+
+/* Damping of the elements, which act side by side [N]: `rate` [N/s] is that of their forces. */
+static double damping(double rate, const Law *p) { return p->sigma_1 * rate / p->sigma_0; }
+
+double law_force(double v, const LawState *s, const Law *p) {
+    const double G = g(v, p), alpha = 1.0 / sum(p->alpha), k = p->sigma_0 / sum(p->kappa);
+    const double sign = v < 0.0 ? -1.0 : 1.0;
+    double rate = 0.0; /* [N/s] */
+    for (size_t i = 0; v != 0.0 && i < ELEMENTS; i++) {
+        const double limit = alpha * p->alpha[i] * G;
+        const bool slips = s->mode[i] == sign || sign * s->F_e[i] >= limit;
+        rate += slips ? p->C * (sign * limit - s->F_e[i]) / G : k * p->kappa[i] * v;
+    }
+    return sum(s->F_e) + damping(rate, p);
+}
+
+double law_step(double h, double v, LawState *s, const Law *p) {
+    const double before = sum(s->F_e);
+    if (v == 0.0) {
+        for (size_t i = 0; i < ELEMENTS; i++)
+            s->mode[i] = 0.0;
+        return before;
+    }
+    const double G = g(v, p), alpha = 1.0 / sum(p->alpha), k = p->sigma_0 / sum(p->kappa);
+    const double sign = v < 0.0 ? -1.0 : 1.0;
+    double impulse = 0.0; /* [N s] */
+    for (size_t i = 0; i < ELEMENTS; i++) {
+        const double limit = alpha * p->alpha[i] * G; /* [N] */
+        const double rate = k * p->kappa[i] * v;      /* [N/s] */
+        const double lack = limit - sign * s->F_e[i]; /* [N] */
+        double slipping = h;                          /* [s] */
+        if (s->mode[i] != sign && lack > 0.0) {
+            const bool holds = lack >= sign * rate * h;
+            const double sticking = holds ? h : lack / (sign * rate); /* [s] */
+            impulse += sticking * (s->F_e[i] + 0.5 * rate * sticking);
+            s->F_e[i] += rate * sticking;
+            s->mode[i] = holds ? 0.0 : sign;
+            slipping = h - sticking;
+        } else {
+            s->mode[i] = sign;
+        }
+        const double y = p->C * slipping / G;
+        const double excess = s->F_e[i] - sign * limit;
+        impulse += slipping * (sign * limit + excess * elementary_phi(y));
+        s->F_e[i] -= excess * y * elementary_phi(y);
+    }
+    return impulse / h + damping((sum(s->F_e) - before) / h, p);
+}
+
+Law law_scaled(const Law *p, double factor) {
+    Law scaled = *p;
+    scaled.F_s *= factor;
+    scaled.F_c *= factor;
+    return scaled;
+}

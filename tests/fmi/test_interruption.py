@@ -1,0 +1,154 @@
+"""A signal ends a program in one way, and never in the middle of what must be whole."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from stickslip.fmi.process import Threads, check_interruption, held, interrupted_by, interruptible
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
+ROOT = Path(__file__).parents[2]
+
+NATIVE = """
+import ctypes, sys
+from stickslip.fmi.process import interruption
+interruption.DEADLINE, interruption.AGAIN = float(sys.argv[1]), 0.3
+mutex = ctypes.create_string_buffer(64)
+library = ctypes.CDLL(None)
+with interruption.interruptible(), interruption.temporary_folder():
+    library.pthread_mutex_lock(mutex)
+    print("ready", flush=True)
+    library.pthread_mutex_lock(mutex)  # never returns
+"""
+BUSY = """
+import time
+from stickslip.fmi.process import interruptible
+with interruptible():
+    print("ready", flush=True)
+    while True:  # comes to no point that raises by itself
+        try:
+            time.sleep(60)
+        finally:
+            print("unwound", flush=True)
+"""
+
+
+def start(program, *arguments, **settings):
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *arguments],
+        env=os.environ | {"PYTHONPATH": str(ROOT)} | settings,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "ready\n"
+    return process
+
+
+@pytest.mark.parametrize("twice", [False, True])
+def test_native_code_that_never_returns_is_ended_and_its_folders_go(tmp_path, twice):
+    with start(NATIVE, "60" if twice else "0.5", TMPDIR=str(tmp_path)) as process:
+        assert list(tmp_path.iterdir())
+        process.terminate()
+        if twice:
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(1.0)
+            process.terminate()
+        said = process.communicate(timeout=20)[1]
+    assert (process.returncode, said) == (143, "stickslip: interrupted; ended at once\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_python_code_that_looks_for_no_signal_is_unwound():
+    with start(BUSY) as process:
+        process.send_signal(signal.SIGHUP)
+        out, error = process.communicate(timeout=20)
+    assert out == "unwound\n"
+    assert error.endswith("KeyboardInterrupt\n")
+
+
+def nested(number, done):
+    with held():
+        with held():
+            signal.raise_signal(number)
+        done.append("all")
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_waits_for_the_end_of_a_held_block(name):
+    number, done = getattr(signal, name), []
+    with interruptible():
+        with pytest.raises(KeyboardInterrupt):
+            nested(number, done)
+        assert interrupted_by() == number
+        with pytest.raises(KeyboardInterrupt):
+            check_interruption()
+    assert done == ["all"]
+    assert interrupted_by() is None
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_ctrl_c_waits_in_a_notebook_too():
+    before, done = signal.getsignal(signal.SIGINT), []
+    with pytest.raises(KeyboardInterrupt):
+        nested(signal.SIGINT, done)
+    assert done == ["all"]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_what_is_ignored_stays_ignored():
+    """As SIGHUP is under nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with interruptible():
+            signal.raise_signal(signal.SIGHUP)
+            check_interruption()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_cleaning_up_is_not_interrupted_again():
+    cleaned = []
+
+    def work():
+        try:
+            signal.raise_signal(signal.SIGTERM)
+            check_interruption()
+        finally:
+            with held():
+                signal.raise_signal(signal.SIGTERM)
+            check_interruption()
+            cleaned.append(True)
+
+    with interruptible(), pytest.raises(KeyboardInterrupt):
+        work()
+    assert cleaned
+
+
+def test_threads_end_at_their_next_safe_point():
+    began = threading.Event()
+
+    def work(_):
+        began.set()
+        while True:
+            check_interruption()
+
+    def signal_when_begun():
+        began.wait()
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    threading.Thread(target=signal_when_begun).start()
+    with interruptible(), pytest.raises(KeyboardInterrupt), Threads(2) as threads:
+        threads.each(work, range(5))
+
+
+def test_results_come_in_order_and_an_error_cancels_the_rest():
+    with Threads(2) as threads:
+        assert threads.each(lambda x: x * x, range(20)) == [x * x for x in range(20)]
+        with pytest.raises(ZeroDivisionError):
+            threads.each(lambda x: 1 / x, range(1000))

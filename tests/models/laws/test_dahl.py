@@ -1,0 +1,111 @@
+"""Dahl's law: closed forms of the steady cycle, any exponent, and its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from stickslip import models
+
+SIGMA_0, F_C = 3.9162e5, 5.999
+H = 5e-4  # s
+
+
+def cycle(amplitude: float, n: int = 200) -> np.ndarray:
+    """Return the velocity of triangular cycles from one end to the other [m/s], 2 n steps each."""
+    speed = 2.0 * amplitude / (n * H)
+    first = np.full(n // 2, speed)
+    return np.concatenate([first, np.tile(np.repeat([-speed, speed], n), 10)])
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "force", "loss"),
+    [(30e-6, 5.764857, 3.666460e-4), (10e-6, 3.440773, 2.913115e-5)],
+)
+def test_the_steady_cycle_has_the_closed_form(follow, amplitude, force, loss):
+    """F(A) = F_c tanh a; the loss is 4 F_c^2 / sigma_0 (a - tanh a), a = sigma_0 A / F_c."""
+    a = SIGMA_0 * amplitude / F_C
+    v = cycle(amplitude)
+    found = follow("dahl", H, v)
+    assert found["F_f"][-1] == pytest.approx(F_C * np.tanh(a), rel=1e-9)
+    assert found["F_f"][-1] == pytest.approx(force, abs=1e-6)
+    last = slice(-400, None)
+    energy = float(np.sum(found["F_mean"][last] * v[last]) * H)
+    assert energy == pytest.approx(4.0 * F_C**2 / SIGMA_0 * (a - np.tanh(a)), rel=1e-9)
+    assert energy == pytest.approx(loss, rel=1e-6)
+
+
+@pytest.mark.parametrize("i", [0.0, 0.5, 0.999999, 1.000001, 1.5, 2.0])
+@pytest.mark.parametrize("v", [1e-9, 1e-5, 1e-3])
+def test_any_exponent_against_a_solver(follow, i, v):
+    """From a force against the motion, over ways from far below to far above F_c / sigma_0."""
+    start, steps = -3.0, 60
+
+    def rate(_: float, F: np.ndarray) -> np.ndarray:
+        r = 1.0 - F / F_C
+        return SIGMA_0 * np.where(r > 0.0, np.abs(r) ** i, 0.0)
+
+    ways = np.arange(steps + 1) * H * v
+    tight = {"rtol": 1e-11, "atol": 1e-12, "max_step": ways[-1] / 2000}
+    exact = solve_ivp(rate, (0.0, ways[-1]), [start], "LSODA", dense_output=True, **tight)
+    found = follow("dahl", H, np.full(steps, v), i=i, F_d=start)
+    tolerance = 2e-5 if i < 1.0 else 1e-7  # the solver's, at the kink where the force is F_c
+    np.testing.assert_allclose(found["F_f"], exact.sol(ways)[0], atol=tolerance)
+    for k in (0, 20, 59):
+        mean, _ = quad(lambda x: float(exact.sol(x)[0]), ways[k], ways[k + 1], limit=50)
+        assert found["F_mean"][k] == pytest.approx(mean / (H * v), abs=tolerance)
+
+
+def test_exponent_0_is_an_elastic_spring_that_slips(follow):
+    v = 1e-4 * np.concatenate([np.full(400, 1.0), np.full(700, -1.0), np.full(100, 1.0)])
+    force, expected = 0.0, []
+    for way in v * H:
+        force = np.clip(force + SIGMA_0 * way, -F_C, F_C)
+        expected.append(force)
+    np.testing.assert_allclose(follow("dahl", H, v, i=0.0)["F_f"][1:], expected, atol=1e-11)
+
+
+def test_lugre_without_damping_and_stribeck_is_dahl(follow):
+    v = 0.01 * np.sin(np.arange(800) * 0.05) * np.cos(np.arange(800) * 0.003)
+    lugre = follow("lugre", H, v, F_s=F_C, F_c=F_C, sigma_1=0.0)
+    np.testing.assert_allclose(follow("dahl", H, v)["F_mean"], lugre["F_mean"], atol=2e-13)
+
+
+def test_only_the_way_counts(follow):
+    way = 2e-6 * np.sin(np.arange(300) * 0.05)
+    slow, fast = follow("dahl", 1e-2, way / 1e-2), follow("dahl", 1e-4, way / 1e-4)
+    np.testing.assert_allclose(slow["F_f"], fast["F_f"], atol=1e-12)
+
+
+def test_minor_loops_do_not_close(follow):
+    """0, 40, 0, 15, 0 um: the force at the second 0 differs from the first, unlike with GMS."""
+    v = np.repeat([40e-6, -40e-6, 15e-6, -15e-6], 100) / (100 * H)
+    force = follow("dahl", H, v)["F_f"]
+    assert force[200] == pytest.approx(-5.150, abs=1e-3)
+    assert force[400] == pytest.approx(-3.065, abs=1e-3)
+
+
+def test_a_mass_that_coasts_stops_where_the_closed_form_says(push):
+    """With a stiff contact Dahl is Coulomb friction: m/b ln(1 + b v0 / F_c) until it stands."""
+    m, b, v0 = 5.557, 6.6135, 0.57685
+    found = push("dahl", H, np.zeros(1000), sigma_0=1e9, v=v0, F_d=F_C)
+    distance = m / b * (v0 - F_C / b * np.log1p(b * v0 / F_C))
+    assert found["x"].max() == pytest.approx(distance, abs=2e-8)
+    standing = np.flatnonzero(found["v"] < 2e-4)[0] * H
+    assert standing == pytest.approx(m / b * np.log1p(b * v0 / F_C), abs=H)
+
+
+def test_the_midpoint_step_is_of_second_order_where_the_motion_is_smooth(push):
+    """With communication steps below 50 us the sub-step is the step."""
+    reference = push("dahl", 1e-6 / 2, np.full(2000, 3.0))["v"][-1]
+    ends = [push("dahl", 1e-3 / n, np.full(n, 3.0))["v"][-1] for n in (25, 50, 100)]
+    errors = np.abs(np.subtract(ends, reference))
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert orders == pytest.approx(2.0, abs=0.1)
+
+
+def test_parameters_declare_what_estimation_needs():
+    p = models.load_law("dahl").parameters
+    assert (p["sigma_0"].force, p["sigma_0"].length) == (1, -1)
+    assert (p["F_c"].force, p["F_c"].length, p["i"].force) == (1, 0, 0)

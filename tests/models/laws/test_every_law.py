@@ -1,0 +1,136 @@
+"""What holds for every friction law in models/laws, with what its law.toml declares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip import cosim, models
+
+LAWS = [models.load_law(name) for name in models.law_names()]
+H = 5e-4  # s
+every = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+
+
+def level(law: models.Law, v: float) -> float:
+    """Return the force that law.toml declares for a constant speed [N]."""
+    p = {name: parameter.start[0] for name, parameter in law.parameters.items()}
+    if law.steady == "coulomb":
+        return float(np.sign(v) * p["F_c"])
+    rise = (p["F_s"] - p["F_c"]) * np.exp(-((abs(v) / p["v_s"]) ** p["delta"]))
+    return float(np.sign(v) * (p["F_c"] + rise))
+
+
+@every
+def test_no_force_at_rest(follow, law):
+    found = follow(law.name, H, np.zeros(50))
+    assert not found["F_mean"].any()
+    assert not found["F_f"].any()
+
+
+@every
+@pytest.mark.parametrize("v", [2e-4, -1e-3, 0.05])
+def test_a_constant_speed_ends_at_the_declared_force(follow, law, v):
+    found = follow(law.name, H, np.full(4000, v))
+    assert found["F_mean"][-1] == pytest.approx(level(law, v), rel=1e-6)
+    assert found["F_f"][-1] == pytest.approx(level(law, v), rel=1e-6)
+
+
+@every
+def test_forward_and_backward_mirror_each_other(follow, law):
+    v = 0.02 * np.sin(np.arange(600) * 0.04) + 1e-3 * np.cos(np.arange(600) * 0.7)
+    np.testing.assert_array_equal(
+        follow(law.name, H, v)["F_mean"], -follow(law.name, H, -v)["F_mean"]
+    )
+
+
+@every
+def test_the_mean_is_that_of_finer_steps(follow, law):
+    """law_step is exact for a held velocity: dividing a step changes its mean by rounding only."""
+    v = np.repeat(0.01 * np.sin(np.arange(60) * 0.4), 5)
+    whole = follow(law.name, H, v)["F_mean"]
+    parts = follow(law.name, H / 8, np.repeat(v, 8))["F_mean"].reshape(-1, 8).mean(axis=1)
+    np.testing.assert_allclose(parts, whole, atol=1e-11)
+
+
+@every
+def test_passivity_is_as_declared(follow, law):
+    """A passive law gives back at most what it was given; a README names what is not passive."""
+    if not law.is_passive:
+        assert "passive" in (law.folder / "README.md").read_text()
+        return
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        v = 10.0 ** rng.uniform(-5, -1) * np.repeat(rng.standard_normal(100), 20)
+        energy = np.cumsum(follow(law.name, H, v)["F_mean"] * v * H)
+        assert energy.min() >= -1e-15
+
+
+@every
+def test_a_share_of_the_force_is_that_share_at_every_motion(follow, law):
+    start = {
+        name if len(p.start) == 1 else f"{name}[{k + 1}]": value
+        for name, p in law.parameters.items()
+        for k, value in enumerate(p.start)
+    }
+    v = 0.01 * np.sin(np.arange(400) * 0.03)
+    whole = follow(law.name, H, v, **start)["F_mean"]
+    third = follow(law.name, H, v, **law.share(start, 1 / 3))["F_mean"]
+    np.testing.assert_allclose(third, whole / 3, rtol=1e-9, atol=1e-12)
+
+
+@every
+def test_a_plant_rests_below_its_break_away_force_and_moves_above(push, law):
+    rest, moved = (push(law.name, H, np.full(2000, u)) for u in (2.0, 12.0))
+    assert abs(rest["v"][-1]) < 1e-4  # contacts without damping ring
+    assert abs(rest["x"][-1]) < 5e-5
+    assert moved["v"][-1] > 0.1
+
+
+@every
+def test_roughness_scales_the_declared_force(with_law, law):
+    """The drive's asymmetry multiplies the steady force and leaves the stiffness."""
+    system = cosim.System()
+    extras = {"asymmetric": True, "asymmetry": 0.25, "dac": False, "current_loop": False}
+    system.add("drive", with_law("drive", law.name), extras)
+    system.expose("u", "drive.u")
+    with system.prepare(step=H, stop=2.0) as simulation:
+        result = simulation.run(inputs={"u": -20.0})
+    assert result["drive.v"][-1] < -0.5
+    assert result["drive.F_f"][-1] == pytest.approx(0.75 * level(law, -1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("law", "x", "v"),
+    [
+        ("lugre", (4811.43, 24397.67, 6992.67, 30459.82, 3083.70), 41.4128),
+        ("dahl", (5190.02, 25143.30, 6471.34, 30541.22, 2652.41), 43.2285),
+        ("gms", (5131.40, 25034.76, 8523.16, 32117.56, 3558.11), 41.6254),
+    ],
+)
+def test_a_motion_against_another_integrator(push, law, x, v):
+    """Values of a Runge-Kutta method of order 4 at 1 us, written apart from this project.
+
+    The tolerance is the error of 10 midpoint sub-steps; elements that switch leave more.
+    """
+    t = np.arange(4000) * H
+    found = push(law, H, 9.5 * np.sin(2 * np.pi * t) + 3.0 * np.sin(2 * np.pi * 3.3 * t))
+    places = [round(s / H) for s in (0.25, 0.5, 1.0, 1.5, 2.0)]
+    coarse = law == "gms"
+    np.testing.assert_allclose(1e6 * found["x"][places], x, atol=2.0 if coarse else 0.06)
+    assert 1e3 * found["v"][2500] == pytest.approx(v, abs=5e-3 if coarse else 2e-4)
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters", "force"),
+    [
+        ("lugre", {}, (2.509045, 6.491185, 7.210577, -3.108798, -7.209842)),
+        ("dahl", {}, (1.346792, 5.965734, 5.998816, -1.550317, -5.998631)),
+        ("gms", {"sigma_1": 0.0}, (1.525276, 6.499558, 8.653500, 2.715898, -8.013601)),
+    ],
+)
+def test_a_force_against_another_integrator(follow, law, parameters, force):
+    """As above; the elements of those values have stiffnesses rounded to 1 N/m."""
+    v = 1e-3 * np.sin(2 * np.pi * 2.0 * np.arange(1001) * H)
+    found = follow(law, H, v, **parameters)["F_mean"][[50, 250, 500, 600, 1000]]
+    np.testing.assert_allclose(found, force, atol=2e-5 if law == "gms" else 1e-6)
