@@ -22,8 +22,6 @@ from stickslip.cosim.errors import (
     SspError,
 )
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
@@ -40,7 +38,6 @@ from stickslip.cosim.ssp import (
     write_ssp,
 )
 from stickslip.cosim.system.coupling import Adaptive, Coupling
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Deviation, Record
 from stickslip.cosim.system.scaling import (
@@ -49,6 +46,9 @@ from stickslip.cosim.system.scaling import (
     ValueMap,
 )
 from stickslip.cosim.system.system import Specification, System
+from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable
 
 __all__ = [
     "Adaptive",

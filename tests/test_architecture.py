@@ -26,7 +26,7 @@ ALLOWED = {
 }
 # From the lowest to the highest: each room uses those before it and those beside it.
 ROOMS_OF_COSIM = (
-    *({"errors"}, {"kernel"}, {"document", "description", "fmu"}, {"signals"}, {"system"}),
+    *({"errors"}, {"kernel"}, {"fmu"}, {"signals"}, {"system"}),
     *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
 )
 PLAIN_DATA = {f"stickslip.cosim.system.{name}" for name in ("scaling", "experiment")}

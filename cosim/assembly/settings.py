@@ -13,8 +13,8 @@ from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown
 
 # When a start value is set: in Configuration Mode, when instantiated, or in Initialization Mode.
@@ -132,7 +132,7 @@ def check_start_values(system: System) -> None:
             if variable.is_settable and not any(set_):
                 unit = f" {variable.unit}" if variable.unit else ""
                 low, high = variable.minimum, variable.maximum
-                wrong = f"outside its range {low} .. {high}{unit}"
+                wrong = f"outside its range {low} to {high}{unit}"
                 if low is None is high:
                     wrong = "no finite number"
                 raise ParameterError(

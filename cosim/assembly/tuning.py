@@ -19,10 +19,11 @@ from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.system.scaling import Scaling
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import suggestion
 
 
@@ -140,7 +141,7 @@ def tune(
             value = float(series[step])
             try:
                 whole = int(value) if value.is_integer() else value
-                checked = variable.checked(whole, name)
+                checked = converted(variable, whole, name)
             except ParameterError as fault:
                 raise SignalError(f"scenario: {fault}") from None
             batch = Batch(libraries[component], [variable], "Set")

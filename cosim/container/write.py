@@ -28,11 +28,11 @@ from stickslip.cosim.fmu.library import UnloadedLibrary
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.ssp.members import zipped
 from stickslip.cosim.system.coupling import Coupling
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.loops import algebraic_loop, group
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
+from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.files import atomic_write
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]

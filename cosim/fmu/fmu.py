@@ -10,22 +10,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from stickslip.cosim.description import (
-    Description,
-    DescriptionFault,
-    read_description,
-)
-from stickslip.cosim.description.attributes import flag
-from stickslip.cosim.description.clocks import Clock
-from stickslip.cosim.document import Malformed, parse_xml
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.collection import paused_collection
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable, parse_element
+from stickslip.cosim.fmu.values import resized
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
 from stickslip.fmi.archive.names import is_device
+from stickslip.fmi.description import Description, DescriptionFault, read_description
+from stickslip.fmi.description.attributes import flag
+from stickslip.fmi.description.clocks import Clock
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable, parse_element
 from stickslip.fmi.messages import shown
+from stickslip.fmi.xml import Malformed, parse_xml
 
 Interface = Literal["co_simulation", "model_exchange"]
 
@@ -146,7 +143,7 @@ class Fmu:
         """
         variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
         if variable is not None:
-            variable = variable.shaped(lengths) if lengths else variable
+            variable = resized(variable, lengths) if lengths else variable
             return variable if variable.name == name else replace(variable, name=name)
         if element := parse_element(name):
             array = self.find(element[0], lengths)

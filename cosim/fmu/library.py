@@ -12,10 +12,10 @@ from typing import Any
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.variables import SETTERS
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 from stickslip.fmi.binary import NotALibrary, read_library
+from stickslip.fmi.description.variables import SETTERS
 
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.

@@ -21,7 +21,6 @@ from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.single_instance import claim, give_up
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
@@ -29,14 +28,11 @@ from stickslip.cosim.run.real_time import Pace
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.coupling import Coupling
-from stickslip.cosim.system.experiment import (
-    check_memory,
-    check_tolerance,
-    count_steps,
-)
+from stickslip.cosim.system.experiment import check_memory, check_tolerance, count_steps
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
+from stickslip.fmi.description.variables import Variable
 
 _log = logging.getLogger(__name__)
 

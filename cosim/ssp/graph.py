@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable, parse_element
 from stickslip.cosim.ssp.connectors import (
     FAMILY,
     Connector,
@@ -34,7 +32,10 @@ from stickslip.cosim.system.scaling import (
     Link,
     Scaling,
     Transform,
+    conversion,
 )
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable, parse_element
 from stickslip.fmi.messages import suggestion
 
 End = tuple[Path, str]
@@ -291,7 +292,7 @@ def _then(first: Transform, following: Transform, edge: Edge) -> Transform:
 def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
     if unit is None or other is None:
         return IDENTITY
-    scaling = unit.to(other)
+    scaling = conversion(unit, other)
     if scaling is None:
         undefined = [
             f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None

@@ -24,9 +24,9 @@ from stickslip.cosim.ssp.names import (
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.structure import read_structure
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.scaling import Link
 from stickslip.cosim.system.system import Origin, System
+from stickslip.fmi.description.model import DefaultExperiment
 
 
 def read_ssp(

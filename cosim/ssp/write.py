@@ -44,9 +44,9 @@ from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node
 from stickslip.cosim.ssp.verify import verify
 from stickslip.cosim.ssp.version import as_version
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.scaling import PLAIN, Link
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.files import atomic_write
 
 

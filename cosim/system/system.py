@@ -15,8 +15,7 @@ from stickslip.cosim.errors import (
 )
 from stickslip.cosim.fmu.fmu import Fmu, Interface
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Value, Variable
+from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.isolation import Isolation
@@ -26,6 +25,8 @@ from stickslip.cosim.system.scaling import (
     Link,
     Transform,
 )
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown, suggestion
 
 if TYPE_CHECKING:
@@ -208,7 +209,7 @@ class System:
         if isinstance(checked, int) and variable in self.components[component].structural:
             lengths = {**self.lengths(component), variable: checked}
             for array in self.components[component].variables.values():
-                array.shaped(lengths)
+                resized(array, lengths)
         self.parameters[name] = checked
 
     def checked(self, name: str, value: object) -> Value:
@@ -218,7 +219,7 @@ class System:
         ------
         ParameterError
         """
-        return self.variable(name, ParameterError).checked(value, name)
+        return converted(self.variable(name, ParameterError), value, name)
 
     def variable(self, name: str, error: type[CosimError] = ConnectionFault) -> Variable:
         """Return the variable called ``component.variable``.

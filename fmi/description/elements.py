@@ -9,17 +9,10 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from stickslip.cosim.description.attributes import (
-    WORDS,
-    flag,
-    name_of,
-    real,
-    whole,
-    whole_of,
-)
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.description.types import TypeDefinition
-from stickslip.cosim.fmu.variables import (
+from stickslip.fmi.description.attributes import WORDS, flag, name_of, real, whole, whole_of
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.types import TypeDefinition
+from stickslip.fmi.description.variables import (
     FLOATS,
     MAX_ELEMENTS,
     NOT_NUMBERS,

@@ -7,26 +7,15 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
-from stickslip.cosim.description import checks
-from stickslip.cosim.description.attributes import (
-    name_of,
-    real,
-    whole,
-    whole_of,
-)
-from stickslip.cosim.description.clocks import read_clocks
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.description.model import Description
-from stickslip.cosim.description.structure import read_derivatives, read_unknowns
-from stickslip.cosim.description.types import read_types, read_units
-from stickslip.cosim.description.variables import (
-    MAX_REFERENCE,
-    Lengths,
-    read_variable,
-    typed_element,
-)
-from stickslip.cosim.fmu.variables import MAX_ELEMENTS, Variable
-from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.fmi.description import checks
+from stickslip.fmi.description.attributes import name_of, real, whole, whole_of
+from stickslip.fmi.description.clocks import read_clocks
+from stickslip.fmi.description.elements import MAX_REFERENCE, Lengths, read_variable, typed_element
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.model import DefaultExperiment, Description
+from stickslip.fmi.description.structure import read_derivatives, read_unknowns
+from stickslip.fmi.description.types import read_types, read_units
+from stickslip.fmi.description.variables import MAX_ELEMENTS, Variable
 from stickslip.fmi.messages import shown
 
 _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")

@@ -1,10 +1,13 @@
-"""One variable of an FMU, and what may be written to it."""
+"""One variable of an FMU.
+
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from ctypes import (
     c_bool,
     c_char_p,
@@ -24,8 +27,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-
-from stickslip.cosim.errors import ParameterError
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]  # arrays row by row
@@ -57,8 +58,6 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
     },
 }
 
-_C_TYPES = {name: c_type for setters in SETTERS.values() for name, (_, c_type) in setters.items()}
-_WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off": False}
 MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
@@ -146,27 +145,6 @@ class Variable:
         """Number of values."""
         return math.prod(self.dimensions)
 
-    def shaped(self, lengths: Mapping[str, int]) -> Variable:
-        """Return it as it is with these values of the structural parameters.
-
-        Raises
-        ------
-        ParameterError
-            When it has no elements, or too many.
-        """
-        dimensions = tuple(
-            lengths.get(name or "", length)
-            for length, name in zip(self.dimensions, self.structure, strict=True)
-        )
-        if dimensions == self.dimensions:
-            return self
-        if not 0 < math.prod(dimensions) <= MAX_ELEMENTS:
-            raise ParameterError(
-                f"{self.name} would have {math.prod(dimensions)} elements, expected 1 to"
-                f" {MAX_ELEMENTS}; choose other structural parameters"
-            )
-        return replace(self, dimensions=dimensions, start=None)
-
     def elements(self) -> Iterator[Variable]:
         """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
         if not self.dimensions:
@@ -194,89 +172,6 @@ class Variable:
             element=place,
             start=self.start[place] if isinstance(self.start, tuple) else None,
         )
-
-    def checked(self, value: object, label: str) -> Value:
-        """Return ``value`` as this variable's type; text is read as a number where one is due.
-
-        Arrays take a numpy array or nested list of their dimensions, or the values row by row.
-        ``label`` names the variable in messages.
-
-        Raises
-        ------
-        ParameterError
-            When the variable cannot be set, or not to this value.
-        """
-        if not self.is_settable:
-            raise ParameterError(
-                f"{label} cannot be set: it is a {self.variability} {self.causality};"
-                " parameters, inputs and variables with a start value can"
-            )
-        if self.type == "Clock":
-            raise ParameterError(f"{label} cannot be set: it is a clock, which ticks by itself")
-        if self.dimensions:
-            return tuple(self._checked(item, label) for item in self._items(value, label))
-        return self._checked(value, label)
-
-    def _items(self, value: Any, label: str) -> list[Any]:
-        items = value.split() if isinstance(value, str) else value
-        try:
-            array = np.asarray(items, dtype=None if self.type in FLOATS else object)
-        except ValueError:
-            array = np.empty(0)
-        if array.shape not in {self.dimensions, (self.size,)}:
-            raise ParameterError(
-                f"{label}: expected an array of the dimensions {self.dimensions}, got {array.shape}"
-            )
-        return list(array.reshape(-1))
-
-    def _checked(self, value: object, label: str) -> Scalar:
-        try:
-            result = self._converted(value)
-        except (TypeError, ValueError, KeyError, OverflowError):
-            raise ParameterError(
-                f"{label}: expected a value of type {self.type}, got {value!r}"
-            ) from None
-        if isinstance(result, (int, float)):
-            self._check_range(result, label)
-        return result
-
-    def _converted(self, value: Any) -> Scalar:
-        if self.type in FLOATS:
-            return float(value)
-        if self.type == "String":
-            if not isinstance(value, str):
-                raise TypeError
-            return value
-        if self.type == "Binary":
-            return bytes.fromhex(value) if isinstance(value, str) else bytes(memoryview(value))
-        if self.type == "Boolean":
-            return _WORDS[str(value).lower()]
-        result = _whole(value) if isinstance(value, str) else int(value)
-        if _C_TYPES[self.type](result).value != result or (
-            not isinstance(value, str) and result != value
-        ):
-            raise ValueError
-        return result
-
-    def _check_range(self, value: float, label: str) -> None:
-        lowest = -math.inf if self.minimum is None else self.minimum
-        highest = math.inf if self.maximum is None else self.maximum
-        if not (math.isfinite(value) and lowest <= value <= highest):
-            unit = f" {self.unit}" if self.unit else ""
-            raise ParameterError(
-                f"{label} = {value}{unit} is outside its range {lowest} .. {highest}{unit}"
-            )
-
-
-def _whole(text: str) -> int:
-    """Read ``-3`` and ``3.0``, whatever the number of digits of the former."""
-    try:
-        return int(text)
-    except ValueError:
-        number = float(text)
-        if not number.is_integer():
-            raise
-        return int(number)
 
 
 def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from stickslip.cosim.description.attributes import whole
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.description.model import Unknown
+from stickslip.fmi.description.attributes import whole
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.model import Unknown
 from stickslip.fmi.messages import shown
 
 Places = Mapping[str, str]

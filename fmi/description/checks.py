@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.fmu.variables import Variable
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import shown
 
 

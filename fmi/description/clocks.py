@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.cosim.description.attributes import finite, whole
-from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import finite, whole
+from stickslip.fmi.description.faults import DescriptionFault
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
 # Clocks of other kinds are triggered by whoever runs the FMU.

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.cosim.description.faults import DescriptionFault
+from stickslip.fmi.description.faults import DescriptionFault
 from stickslip.fmi.messages import shown
 
 _WHOLE = re.compile(r"\s*[-+]?[0-9]{1,20}\s*")

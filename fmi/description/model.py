@@ -5,10 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stickslip.cosim.description.clocks import Clock
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable
-from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.fmi.description.clocks import Clock
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable
+
+
+@dataclass(frozen=True)
+class DefaultExperiment:
+    """What an FMU or an SSP proposes. All times in s; None where it proposes nothing.
+
+    ``tolerance`` is the relative one of solvers.
+    """
+
+    start: float | None = None
+    stop: float | None = None
+    step: float | None = None
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True)

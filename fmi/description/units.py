@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from stickslip.cosim.system.scaling import IDENTITY, Scaling
-
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
@@ -45,22 +43,6 @@ class Unit:
             return self.name == other.name
         mine = (self.exponents, self.factor, self.offset)
         return mine == (other.exponents, other.factor, other.offset)
-
-    def to(self, other: Unit) -> Scaling | None:
-        """Return what turns a number in this unit into one in the other, None when nothing does.
-
-        Nothing does where the units measure different things, or one does not say what it
-        measures, and between a difference and an absolute value where an offset would matter.
-        """
-        if self.same_as(other):
-            return IDENTITY
-        if not self.measures_as(other):
-            return None
-        factor, offset = self.factor / other.factor, (self.offset - other.offset) / other.factor
-        mine, theirs = self.like(other).relative, other.like(self).relative
-        if mine and theirs:
-            return Scaling(factor)
-        return None if bool(mine) != bool(theirs) and offset else Scaling(factor, offset)
 
     def measures_as(self, other: Unit) -> bool:
         """Whether both are known to measure the same thing."""

@@ -6,13 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.cosim.description.attributes import (
-    finite,
-    name_of,
-    whole,
-)
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.fmu.units import BASE_UNITS, Unit
+from stickslip.fmi.description.attributes import finite, name_of, whole
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.units import BASE_UNITS, Unit
 
 
 @dataclass(frozen=True)
