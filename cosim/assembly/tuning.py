@@ -70,12 +70,12 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
 def _at_source(
     name: str, table: Disturbance, sources: Mapping[str, str], system: System
 ) -> Disturbance:
-    """Return what happens to an input as if it happened to what feeds it."""
+    """Return what happens to an input as if it happened to its source."""
     source = sources[name]
     if receivers := [target for target in sources if sources[target] == source and target != name]:
         raise SignalError(
-            f"scenario: {name} is fed by {source}, which feeds {', '.join(receivers)} too and is"
-            f" disturbed as a whole: name {source}"
+            f"scenario: {name} is connected to {source}, which is also connected to {', '.join(receivers)}"
+            f" and is disturbed as a whole: name {source}"
         )
     line = system.scaling(source, name)
     if not isinstance(line, Scaling) or line.factor == 0:

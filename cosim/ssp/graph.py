@@ -74,7 +74,7 @@ class Graph:
     ------
     SspError
         When a connection has an end that does not exist, joins two ends that both give or both
-        take, leads to an end that is fed already, or joins types that do not fit.
+        take, leads to an end that is already connected, or joins types that do not fit.
     """
 
     def __init__(self, top: Node, fmus: Mapping[Path, Fmu]) -> None:
@@ -93,11 +93,11 @@ class Graph:
         Raises
         ------
         SspError
-            When its target is fed already.
+            When its target is already connected.
         """
         if other := self.edges.get(edge.target):
             raise SspError(
-                f"{place(edge.element)}: {label(edge.target)} is fed already, by the connection in"
+                f"{place(edge.element)}: {label(edge.target)} is already connected, in"
                 f" {place(other.element)}; leave one of them"
             )
         self.edges[edge.target] = edge
