@@ -37,7 +37,7 @@ class PositionError:
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="learn_parameters_"))
 
 # 1. The system: one FMU here, any System can be used. The force input first moves the stage
-# within its presliding range (which determines sigma_0), then makes it slide (which determines F_c).
+# within its presliding range (for sigma_0), then makes it slide (for F_c).
 system = cosim.System("stage")
 system.add("stage", models.build_fmu("stage", folder))
 system.expose("u", "stage.u")

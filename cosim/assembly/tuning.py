@@ -74,8 +74,8 @@ def _at_source(
     source = sources[name]
     if receivers := [target for target in sources if sources[target] == source and target != name]:
         raise SignalError(
-            f"scenario: {name} is connected to {source}, which is also connected to {', '.join(receivers)}"
-            f" and is disturbed as a whole: name {source}"
+            f"scenario: {name} is connected to {source}, which is also connected to "
+            f"{', '.join(receivers)} and is disturbed as a whole: name {source}"
         )
     line = system.scaling(source, name)
     if not isinstance(line, Scaling) or line.factor == 0:
