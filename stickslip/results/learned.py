@@ -7,12 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from stickslip.catalog.parameters import (
-    LUGRE,
-    UNITS,
-    at_share,
-    unit_of,
-)
+from stickslip.catalog.parameters import LUGRE, UNITS, at_share, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
