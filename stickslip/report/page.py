@@ -84,7 +84,7 @@ class Section:
         parts = [_markup(part, pictures) for part in self.content]
         if not self.title:
             return join(parts, "\n")
-        return element("section", element("h2", self.title), *parts)
+        return element("section", join([element("h2", self.title), *parts], "\n"))
 
 
 def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
