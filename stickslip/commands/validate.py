@@ -15,7 +15,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
-from stickslip.results.learned import read_learned
+from stickslip.results.learned import LearnedFile
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    compensator = read_learned(options.parameters)
+    compensator = LearnedFile(options.parameters).compensator
     with reserved(options.out, ["table4.csv", "attribution.csv"]):
         _validate(options, truth, compensator)
 

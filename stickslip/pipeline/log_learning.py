@@ -11,16 +11,8 @@ from typing import Any
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, at_share
 from stickslip.fmi.files import atomic_write
-from stickslip.identification.estimation import (
-    Estimation,
-    JudgeName,
-    Search,
-    Task,
-    candidate_fmus,
-)
-from stickslip.identification.estimation import (
-    learn as estimate,
-)
+from stickslip.identification.estimation import Estimation, JudgeName, Search, Task, candidate_fmus
+from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import (
     Description,
@@ -36,7 +28,8 @@ from stickslip.logs import (
 )
 from stickslip.pipeline.log_trial import LogTrial, try_compensator
 from stickslip.report.learned import FILES as REPORT
-from stickslip.report.learned import section_worth, write_estimation_report
+from stickslip.report.learned import write_estimation_report
+from stickslip.report.learned.result import compensation
 from stickslip.results.folder import staged
 from stickslip.results.learned import estimation_document, trial_document
 
@@ -185,7 +178,7 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         )
         if force or not learned.refusal:
             models.build_fmu("compensator", staging, start=learned.compensator)
-        further = [section_worth.write(learned.trial.worth)] if learned.trial else []
+        further = [compensation(learned.trial.worth)] if learned.trial else []
         write_estimation_report(learned.estimation, learned.findings, staging, further)
 
 

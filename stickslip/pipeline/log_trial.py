@@ -8,21 +8,12 @@ import numpy as np
 
 from stickslip.catalog.parameters import LUGRE, at_share
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import (
-    Trial,
-    Worth,
-    inspect,
-    try_out,
-)
+from stickslip.evaluation.guards import Trial, Worth, inspect, try_out
 from stickslip.fmi.process import temporary_folder
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Reading
 from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import (
     LoopSpecification,

@@ -18,14 +18,9 @@ from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
-from stickslip.report.learned import (
-    PICTURES,
-    section_judge,
-    section_known,
-    write_estimation_report,
-)
+from stickslip.report.learned import FIGURES, method, result, sections, write_estimation_report
 from stickslip.report.learned.scales import Scale
-from stickslip.report.learned.thinning import thinned
+from stickslip.report.learned.signals import thinned
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style
@@ -112,6 +107,12 @@ def written(request, tmp_path_factory):
     return request.param, estimation, folder
 
 
+def drawing(name, estimation):
+    """Return what draws a figure of the page."""
+    found = [one for part in sections(estimation, (), ()) for one in part.illustrations()]
+    return next(one.draw for one in found if one.name == name)
+
+
 def words(folder):
     """The page's text, without style and markup."""
     page = (folder / "report.html").read_text(encoding="utf-8").split("</style>")[1]
@@ -144,7 +145,7 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
 def test_the_page_names_judge_reason_and_errors(written):
     kind, estimation, folder = written
     said = words(folder)
-    assert f"Judged by the {estimation.judge}: {estimation.reason}." in said
+    assert f"Criterion: {estimation.judge}, since {estimation.reason}." in said
     assert "12.3 %" in said
     assert ("0.015 %" in said) == (kind != "friction")
     assert "nan" not in said.lower()
@@ -179,7 +180,7 @@ def test_the_page_names_only_files_that_are_there(written):
 def test_the_page_holds_its_pictures_and_needs_nothing_else(written):
     page = (written[2] / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-    assert len(sources) == len(PICTURES)
+    assert len(sources) == len(FIGURES)
     assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
     assert len(page) < 1_500_000
 
@@ -187,14 +188,14 @@ def test_the_page_holds_its_pictures_and_needs_nothing_else(written):
 def test_pictures_show_units_of_the_drive(written):
     kind, _, folder = written
     force, length = ("N m", "mrad") if kind == "rotary" else ("N", "mm")
-    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in PICTURES}
+    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in FIGURES}
     assert f"[{length}]" in texts["recording"]
     assert f"[{force}]" in texts["recording"]
     assert f"[{force}]" in texts["force"]
     assert "relative error 12.3 %" in texts["force"].replace("\u00a0", " ")
     assert ("Hysteresis" in texts["force"]) == (kind == "friction")
     assert ("one step of the encoder" in texts["residual"]) == (kind != "friction")
-    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in PICTURES)
+    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in FIGURES)
 
 
 def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
@@ -207,7 +208,7 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
 @pytest.mark.parametrize("name", ["force", "profiles"])
 def test_the_same_estimation_gives_the_same_bytes(written, name):
     kind, _, folder = written
-    again = Picture.of(PICTURES[name], made(kind))
+    again = Picture.of(drawing(name, made(kind)))
     assert (folder / f"{name}.svg").read_bytes() == again.svg
     assert (folder / f"{name}.png").read_bytes() == again.png
 
@@ -215,7 +216,7 @@ def test_the_same_estimation_gives_the_same_bytes(written, name):
 def test_searches_of_several_seeds_are_listed():
     estimation = made("friction", n=2000)
     rows = pd.concat([estimation.searches, estimation.searches.assign(seed=7, cost=0.0123)])
-    said = section_judge.write(replace(estimation, searches=rows))
+    said = method.criterion(replace(estimation, searches=rows)).markup({})
     assert "Spread over seeds" in said
     assert "0.0123" in said
     assert "504 candidates in 2 searches" in said
@@ -235,8 +236,8 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
     )  # fmt: skip
     with house_style():
         for name in ("force", "profiles"):
-            PICTURES[name](blind).draw_without_rendering()
-    assert "≈ 6" in section_known.write(blind)
+            drawing(name, blind)().draw_without_rendering()
+    assert "≈ 6" in result.head(blind).markup({})
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():

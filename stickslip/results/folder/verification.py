@@ -11,17 +11,9 @@ from pathlib import Path
 
 from stickslip.errors import ResultsError
 from stickslip.results.folder.locking import OURS
-from stickslip.results.folder.manifest import (
-    MANIFEST,
-    Manifest,
-    hash_of,
-)
+from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of
 from stickslip.results.folder.ownership import refuse_places
-from stickslip.results.folder.publishing import (
-    READY,
-    complete,
-    files_in,
-)
+from stickslip.results.folder.publishing import READY, complete, files_in
 
 NOTES = {
     "learning.checkpoint*.json": "of a learning that did not end; continue with --resume",

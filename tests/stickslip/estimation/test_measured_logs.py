@@ -11,7 +11,7 @@ from stickslip.commands.learn import print_estimation
 from stickslip.evaluation.guards import Worth
 from stickslip.logs import Finding, load_description
 from stickslip.pipeline.log_learning import learn, write_learned
-from stickslip.results.learned import read_learned
+from stickslip.results.learned import LearnedFile
 
 ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT.parent / "shared" / "data"
@@ -55,7 +55,7 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 
 def test_what_was_learned_is_written_and_read(emps, tmp_path):
     write_learned(emps, tmp_path)
-    assert read_learned(tmp_path / "learned.json") == pytest.approx(emps.compensator)
+    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(emps.compensator)
     assert sum("not visible in this log" in warning for warning in emps.warnings) == 4
     assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
         emps.compensator["F_c"]
@@ -81,7 +81,7 @@ def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
     worth = replace(emps.trial.worth, share=0.8)
     write_learned(replace(emps, trial=replace(emps.trial, worth=worth)), tmp_path, force=True)
     whole = emps.estimation.compensator
-    assert read_learned(tmp_path / "learned.json") == pytest.approx(whole)
+    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
     assert start == pytest.approx(whole["F_c"])
 

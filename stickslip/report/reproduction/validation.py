@@ -2,39 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import partial
 
 import pandas as pd
 
 from stickslip.evaluation.validation import Validation
-from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import (
-    Html,
-    element,
-    join,
-    paragraph,
-    symbol,
-    table,
-)
-from stickslip.report.picture import Picture
+from stickslip.report.markup import METRICS, Html, join, paragraph, symbol, table
+from stickslip.report.page import Illustration, Section
 from stickslip.report.quantity import number, percent
-from stickslip.report.shown import METRICS, figure
+from stickslip.report.reproduction.curves import draw_tracking
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import CUTOFF
 
 
-def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
+def validation_section(validation: Validation) -> Section:
     """Return the section on validation."""
-    return describe(reproduction.validation, pictures["fig6_tracking"])
-
-
-def describe(validation: Validation, tracking: Picture) -> Html:
-    """Return it for any validation; ``tracking`` is Fig. 6."""
     frame = validation.table()
     begin, end = (number(1e3 * edge) for edge in REGION)
-    return element(
-        "section",
-        element("h2", "Validation"),
+    return Section(
+        "Validation",
         paragraph(
             "The simulated drive follows a trapezoid of "
             f"±{number(1e3 * VALIDATION.height)} mm/s with ramps of "
@@ -57,8 +43,9 @@ def describe(validation: Validation, tracking: Picture) -> Html:
             "simulated drive with the paper’s parameters, without compensation and as measured, "
             "come near those of the real stage. That these agree is therefore no evidence."
         ),
-        figure(
-            tracking,
+        Illustration(
+            "fig6_tracking",
+            partial(draw_tracking, validation),
             "Velocity and velocity error of the simulated drive at motion start and reversal, "
             "without and with compensation",
             join(
@@ -69,7 +56,7 @@ def describe(validation: Validation, tracking: Picture) -> Html:
                     " − ",
                     symbol("v"),
                     " where the motion starts and reverses: measured velocity as a thick line, "
-                    "true velocity as a thin one. The shaded window is judged in Table 4.",
+                    "true velocity as a thin one. Table 4 evaluates the shaded window.",
                 ]
             ),
         ),
@@ -82,9 +69,9 @@ def _rows(frame: pd.DataFrame) -> list[tuple[Html, str, str, str, str]]:
     for (region, metric), errors in frame.groupby(["region", "metric"], sort=False):
         name = join([f"Motion {region}, ", METRICS[str(metric)]])
         for row in errors.to_dict("records"):
-            said = f"simulated drive, {row['velocity']}"
+            label = f"simulated drive, {row['velocity']}"
             numbers = f"{row['without']:.3f}", f"{row['with']:.3f}", percent(row["reduction"])
-            rows.append((name, said, *numbers))
+            rows.append((name, label, *numbers))
         without, compensated, less = errors[
             ["paper_without", "paper_with", "paper_reduction"]
         ].iloc[0]

@@ -1,45 +1,53 @@
-"""The section on the paper's learning as published, and on what its text leaves open."""
+"""The learning as published, over seeds, and the readings that the paper leaves open."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.validation import PAPER_TABLE4
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.markup import (
+    METRICS,
     Html,
     element,
     join,
     paragraph,
-    symbol,
-    table,
-)
-from stickslip.report.picture import Picture
-from stickslip.report.quantity import number, percent
-from stickslip.report.reproduction.as_published_pictures import draw_band, draw_seeds
-from stickslip.report.shown import (
-    METRICS,
-    figure,
     parameter,
     parameter_unit,
     parameter_value,
+    symbol,
+    table,
+)
+from stickslip.report.page import Illustration, Section
+from stickslip.report.quantity import FORMULAS, number, percent
+from stickslip.report.style import (
+    COLUMN,
+    GREY,
+    INK,
+    PAGE,
+    PALE,
+    THICK,
+    WITH,
+    WITHOUT,
+    name_panel,
+    new_figure,
 )
 from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.measurement import Array
 from stickslip.tuning.coarse_start import SPREAD
-from stickslip.tuning.published.readings import (
-    ERRORS,
-    summary,
-    worse,
-)
+from stickslip.tuning.published.readings import ERRORS, summary, worse
 from stickslip.tuning.published.study import PAPER_COST, Published
 from stickslip.tuning.published.whole import WholeStudy
 
-FIG5, OUTCOMES = PICTURES = ("fig5_as_published", "as_published")
-"""Names of the pictures that the section shows."""
+FIG5, OUTCOMES = FIGURES = ("fig5_as_published", "as_published")
+"""Names of the figures of the section."""
 
 RMS = ("start_E_rms", "reverse_E_rms")
 
@@ -50,34 +58,26 @@ _HEADS = {
 }
 
 
-def draw(published: Published, drive: Mapping[str, float]) -> dict[str, Picture]:
-    """Draw what the section shows.
+def as_published(reproduction: Reproduction) -> Section | None:
+    """Return the section, None where the study was not made."""
+    study = reproduction.published
+    return study_section(study, reproduction.truth) if study else None
+
+
+def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
+    """Return the section of any study.
 
     Parameters
     ----------
     drive : the drive's true parameters by name, SI units
     """
-    return {
-        FIG5: Picture.of(draw_band, published),
-        OUTCOMES: Picture.of(draw_seeds, published, drive),
-    }
-
-
-def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
-    """Return the section, nothing where the study was not made."""
-    study = reproduction.published
-    return describe(study, pictures) if study else Html()
-
-
-def describe(study: WholeStudy, pictures: Mapping[str, Picture]) -> Html:
-    """Return it for a study of its own."""
     published = study.published
-    return element(
-        "section",
-        element("h2", "The learning as published"),
+    return Section(
+        "The learning as published",
         _method(published),
-        figure(
-            pictures[FIG5],
+        Illustration(
+            FIG5,
+            partial(draw_band, published),
             "Best cost over the generations, a band over seeds",
             join(
                 [
@@ -93,8 +93,9 @@ def describe(study: WholeStudy, pictures: Mapping[str, Picture]) -> Html:
             ),
         ),
         _course(published),
-        figure(
-            pictures[OUTCOMES],
+        Illustration(
+            OUTCOMES,
+            partial(draw_seeds, published, drive),
             "Learned parameters and errors on the trapezoid, a dot for each seed",
             "What each seed started from and what it learned: (a) parameters relative to those of "
             "the simulated drive, which are the paper’s Table 2 unless they were changed; (b) the "
@@ -277,16 +278,107 @@ def _evaluation_table(evaluations: pd.DataFrame) -> Html:
 
 
 def _step3(published: Published, threshold: Mapping[str, float]) -> Html:
-    said = (
+    sentence = (
         f"Step 3 stops at a threshold ε or after 100 generations; ours has no threshold. With ε = "
         f"{number(threshold['threshold'])}, {percent(threshold['stops'], 0)} of the seeds stop"
     )
     if threshold["stops"]:
-        said += f", after {number(threshold['generations'])} generations in the median"
+        sentence += f", after {number(threshold['generations'])} generations in the median"
     cost = summary(published)["cost"]
-    said += (
+    sentence += (
         f"; the median cost is then {number(threshold['cost'], 2)} instead of {number(cost, 2)}. "
         "Elites are not run again: the simulated drive repeats itself exactly, so on it this "
         "reading changes nothing. “Number of gene 10” of Table 3 has no counterpart."
     )
-    return paragraph(said)
+    return paragraph(sentence)
+
+
+_LABELS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
+BAND = "#9dbbd6"
+
+
+def draw_band(published: Published) -> Figure:
+    """Draw Fig. 5 of a study."""
+    table = published.fitness()
+    best = table.pivot_table(index="generation", columns="seed", values="best_cost")
+    generation = best.index.to_numpy(dtype=float)
+    figure = new_figure(COLUMN, 82.0)
+    axes = figure.add_subplot()
+    axes.set_yscale("log")
+    axes.grid(visible=True, axis="y")
+    low, first, middle, third, high = np.quantile(best.to_numpy(), (0, 0.25, 0.5, 0.75, 1), axis=1)
+    axes.fill_between(
+        generation, low, high, step="post", color=PALE, lw=0, label=f"{best.shape[1]} seeds, all"
+    )
+    axes.fill_between(
+        generation, first, third, step="post", color=BAND, lw=0, label="middle half of them"
+    )
+    axes.step(generation, middle, where="post", color=WITH, lw=THICK, label="median")
+    axes.axhline(PAPER_COST, color=INK, lw=0.8, ls=(0, (4, 2)), label="real stage (paper), end")
+    axes.axhline(
+        published.cost_without, color=WITHOUT, lw=0.8, ls=(0, (1, 1.5)), label="no compensation"
+    )
+    axes.set_xlim(generation[0], generation[-1])
+    axes.set_xlabel("Generation [1]")
+    axes.set_ylabel(r"Cost $\sum (v - v_r)^2$ [m$^2$/s$^2$]")
+    figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_seeds(published: Published, drive: Mapping[str, float]) -> Figure:
+    """Draw the learned values and the errors of a study.
+
+    Parameters
+    ----------
+    drive : the drive's true parameters by name, SI units
+    """
+    figure = new_figure(PAGE, 78.0)
+    left, right = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
+    _draw_values(left, published, drive)
+    _draw_errors(right, published)
+    handles, labels = right.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure
+
+
+def _draw_values(axes: Axes, published: Published, drive: Mapping[str, float]) -> None:
+    axes.set_yscale("log")
+    axes.axhline(1.0, color=INK, lw=0.8, ls=(0, (4, 2)))
+    for place, name in enumerate(LUGRE):
+        start = np.array([one.start[name] for one in published.seeds]) / drive[name]
+        learned = np.array([one.learned[name] for one in published.seeds]) / drive[name]
+        _strip(axes, place, start, learned)
+    axes.set_xticks(range(len(LUGRE)), [FORMULAS[name] for name in LUGRE])
+    axes.set_ylabel("Value / the simulated drive’s [1]")
+    name_panel(axes, "a", "Parameters of each seed")
+
+
+def _draw_errors(axes: Axes, published: Published) -> None:
+    table = published.table4()
+    table = table[table["velocity"] == "measured"]
+    axes.set_yscale("log")
+    ticks = []
+    for place, (region, metric) in enumerate((r, m) for r in ("start", "reverse") for m in METRICS):
+        rows = table[(table["region"] == region) & (table["metric"] == metric)]
+        _strip(axes, place, rows["start"].to_numpy(), rows["with"].to_numpy(), legend=place == 0)
+        without, compensated = PAPER_TABLE4[region, metric]
+        for value, colour, label in (
+            (without, WITHOUT, "real stage (paper), without"),
+            (compensated, INK, "real stage (paper), with"),
+        ):
+            label = label if place == 0 else ""
+            axes.hlines(value, place - 0.4, place + 0.4, color=colour, lw=1.2, label=label)
+        ticks.append(f"{region}\n{_LABELS[metric]}")
+    axes.set_xticks(range(len(ticks)), ticks)
+    axes.set_ylabel("Error on the trapezoid [mm/s]")
+    name_panel(axes, "b", "Table 4 of each seed, measured velocity")
+
+
+def _strip(axes: Axes, place: int, start: Array, learned: Array, *, legend: bool = False) -> None:
+    """Draw each seed's start and what was learned as two dots joined by a line."""
+    x = place + np.linspace(-0.3, 0.3, len(start))
+    axes.vlines(x, start, learned, color=GREY, lw=0.4)
+    marks = {"ls": "none", "mew": 0.7}
+    label = ("coarse start", "learned") if legend else (None, None)
+    axes.plot(x, start, "o", ms=3.0, mfc="white", mec=GREY, label=label[0], **marks)  # type: ignore[arg-type]
+    axes.plot(x, learned, "o", ms=3.0, mfc=WITH, mec=WITH, label=label[1], **marks)  # type: ignore[arg-type]

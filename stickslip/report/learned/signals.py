@@ -1,4 +1,4 @@
-"""The signals of an estimation that several pictures draw."""
+"""The signals of an estimation that the figures draw, and how many points they take."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.identification.estimation import Estimation
 from stickslip.servo.measurement import Array
 from stickslip.servo.stribeck_curve import level
 
-BENT = 5.0
+FULLY_BENT = 5.0
 """Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly."""
 
 
@@ -26,21 +26,21 @@ class Parts:
     t : (k,) [s]
     position : (k,) [m]
     velocity : (k,) low-passed [m/s]
-    shown, implied : (k,) recorded and implied force [N]
+    measured, predicted : (k,) force [N]
     rest : (k,) the part of both that is not friction: inertia and offset [N]
     """
 
     t: Array
     position: Array
     velocity: Array
-    shown: Array
-    implied: Array
+    measured: Array
+    predicted: Array
     rest: Array
 
     @property
     def difference(self) -> Array:
-        """Recorded without implied force (k,) [N]."""
-        return self.shown - self.implied
+        """Measured less predicted force (k,) [N]."""
+        return self.measured - self.predicted
 
 
 def parts(estimation: Estimation) -> Parts:
@@ -56,14 +56,14 @@ def parts(estimation: Estimation) -> Parts:
     return Parts(*(np.asarray(signal[used]) for signal in signals))
 
 
-def sliding(estimation: Estimation, shown: Parts) -> NDArray[np.bool_]:
-    """Return where (k,) the way since the last reversal is so long that bristles are bent."""
-    v = shown.velocity
-    way = np.cumsum(np.abs(v)) * estimation.recording.T_s
+def sliding(estimation: Estimation, signals: Parts) -> NDArray[np.bool_]:
+    """Return where (k,) the displacement since the last reversal has bent the bristles fully."""
+    v = signals.velocity
+    path = np.cumsum(np.abs(v)) * estimation.recording.T_s
     turns = np.append(True, np.sign(v[1:]) != np.sign(v[:-1]))
-    since = way - np.maximum.accumulate(np.where(turns, way, 0.0))
+    since = path - np.maximum.accumulate(np.where(turns, path, 0.0))
     p = estimation.parameters
-    return np.asarray(since > BENT * max(p["F_s"], p["F_c"]) / p["sigma_0"])
+    return np.asarray(since > FULLY_BENT * max(p["F_s"], p["F_c"]) / p["sigma_0"])
 
 
 def measures_friction(estimation: Estimation) -> bool:
@@ -81,3 +81,33 @@ def stribeck(estimation: Estimation, v: Array) -> Array:
     p = estimation.parameters
     b = p["b"] if "b" in estimation.known else 0.0
     return np.asarray(np.sign(v) * level(p, v) + b * v)
+
+
+COLUMNS = 700
+"""More than a printed page's width resolves."""
+
+
+def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
+    """Return the least and the largest value of each stretch of time, in their order.
+
+    Parameters
+    ----------
+    t, signal : (n,) of any length
+    columns : so many stretches; a signal of at most two values each stays as it is
+
+    Returns
+    -------
+    two arrays of at most 2 columns values, which draw the same line
+    """
+    if len(t) <= 2 * columns:
+        return t, signal
+    kept = []
+    for stretch in np.array_split(np.arange(len(t)), columns):
+        ends = (stretch[np.argmin(signal[stretch])], stretch[np.argmax(signal[stretch])])
+        kept += sorted(set(ends))
+    return t[kept], signal[kept]
+
+
+def spread(n: int, most: int) -> NDArray[np.intp]:
+    """Return at most ``most`` of n indices, evenly spaced."""
+    return np.arange(0, n, max(1, -(-n // most)))

@@ -1,4 +1,4 @@
-"""Profile likelihoods: how much worse each value would explain the recording."""
+"""Profile likelihoods: the loss of likelihood at each value of a parameter."""
 
 from __future__ import annotations
 
@@ -15,21 +15,8 @@ from scipy.interpolate import PchipInterpolator
 from stickslip.catalog.parameters import LUGRE, unit_of
 from stickslip.identification.estimation import Estimation
 from stickslip.report.learned.scales import Scale, parameter_scale
-from stickslip.report.quantity import (
-    FORMULAS,
-    MEANINGS,
-    number,
-    unit,
-)
-from stickslip.report.style import (
-    GREY,
-    PAGE,
-    SHADE,
-    WITH,
-    WITHOUT,
-    name_panel,
-    new_figure,
-)
+from stickslip.report.quantity import FORMULAS, MEANINGS, number, unit
+from stickslip.report.style import GREY, PAGE, SHADE, WITH, WITHOUT, name_panel, new_figure
 from stickslip.servo.measurement import Array
 
 LINE_95 = 3.84
@@ -42,7 +29,7 @@ FARTHEST = 1e3
 LETTERS = "abcde"
 
 
-def draw(estimation: Estimation) -> Figure:
+def draw_profiles(estimation: Estimation) -> Figure:
     """Draw a panel for each of LuGre's five, with its interval and the 95 % line."""
     figure = new_figure(PAGE, 105.0)
     panels = figure.subplots(2, 3, sharey=True).ravel()

@@ -1,31 +1,27 @@
-"""The page's head: what was done and what came out."""
+"""The head of the page: what was done, the result, and the errors at a glance."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
+
+import pandas as pd
 
 from stickslip import models
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.markup import (
+    METRICS,
     Html,
     element,
     join,
     paragraph,
-)
-from stickslip.report.picture import Picture
-from stickslip.report.quantity import (
-    number,
-    percent,
-    unit,
-)
-from stickslip.report.reproduction.headline import headline
-from stickslip.report.shown import (
-    METRICS,
     parameter,
     parameter_estimate,
     parameter_unit,
     parameter_value,
+    table,
 )
+from stickslip.report.page import Section
+from stickslip.report.quantity import number, percent, unit
 
 EFFECTS = {
     "current_loop": "lag of the current loop",
@@ -39,7 +35,7 @@ EFFECTS = {
 FEEDS = {"nominal": "the nominal loop’s velocity", "command": "the velocity command"}
 
 
-def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
+def head(reproduction: Reproduction) -> Section:
     """Return the paragraph of what was done, and the verdict."""
     options = reproduction.options
     algorithm = reproduction.algorithm
@@ -49,20 +45,19 @@ def write(reproduction: Reproduction, _: Mapping[str, Picture]) -> Html:
         "simulated drive, built as an FMU. It was identified by three experiments; a "
         f"velocity loop was designed on what they found; {algorithm.title} then tried "
         f"{number(algorithm.evaluations, 6)} friction compensators on the drive "
-        f"(preset “{options.preset}”, seed {options.seed}, compensator fed with "
+        f"(preset “{options.preset}”, seed {options.seed}, compensator input: "
         f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning saw the "
-        "drive’s commands and measurements only; its true parameters and its true velocity serve "
-        "to judge the result.",
+        "drive’s commands and measurements only; its true parameters and its true velocity are "
+        "used to evaluate the result.",
     )
-    parts = [done, _drive(reproduction), _verdict(reproduction), headline(reproduction)]
-    return join(parts, "\n")
+    return Section("", done, _drive(reproduction), _verdict(reproduction), _headline(reproduction))
 
 
 def _refined(reproduction: Reproduction) -> str:
     if not reproduction.options.refined:
         return ""
     if reproduction.learned.skipped:
-        return "; no search followed this first generation, since the drive had no more to teach"
+        return "; no search followed this first generation, since a search would gain nothing"
     if reproduction.learned.accepted:
         return ", and a least-squares fit refined the winner"
     return "; a least-squares fit of the winner did not do better and was not taken"
@@ -76,7 +71,7 @@ def _drive(reproduction: Reproduction) -> Html:
         + f" (instead of {number(float(variables[name].start), 6)})"
         for name, value in reproduction.options.truth.items()
     ]
-    said = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
+    text = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
     switches = {name: v for name, v in variables.items() if v.type == "boolean"}
     states = {
         state: ", ".join(
@@ -85,7 +80,7 @@ def _drive(reproduction: Reproduction) -> Html:
         for state in (True, False)
     }
     return paragraph(
-        f"Parameters of the simulated drive: {said}. Effects switched on: "
+        f"Parameters of the simulated drive: {text}. Effects switched on: "
         f"{states[True] or 'none'}; off: {states[False] or 'none'}.",
     )
 
@@ -118,14 +113,14 @@ def _verdict(reproduction: Reproduction) -> Html:
             )
         )
     if above == len(keys):
-        said = "by more than that of the real stage (paper), in every measure"
+        text = "by more than that of the real stage (paper), in every measure"
     else:
-        said = f"by more than that of the real stage (paper) in {above} of {len(keys)} measures"
+        text = f"by more than that of the real stage (paper) in {above} of {len(keys)} measures"
     return element(
         "div",
         paragraph(
             "Compensation reduces the tracking error of the simulated drive, as its encoder shows "
-            f"it, {said}."
+            f"it, {text}."
         ),
         element("div", join(tiles, "\n"), class_="tiles"),
         _coulomb(reproduction),
@@ -157,3 +152,72 @@ def _coulomb(reproduction: Reproduction) -> Html:
         f"{parameter_value('F_c', truth)} {unit_}, off by "
         f"{percent(abs(learned.value / truth - 1.0), 2)}.",
     )
+
+
+REAL = "real stage (paper)"
+SIMULATED = "simulated drive"
+CALIBRATED = f"{SIMULATED}, calibrated to this row"
+EXTRAS = f"{SIMULATED}, all extras on"
+
+
+def _headline(reproduction: Reproduction) -> Html:
+    """Return the errors on the measured velocity, without and with compensation, as rows."""
+    own = _measured(reproduction.validation.table())
+    extras = reproduction.extras
+    validation = extras.validation if extras else None
+    rows: list[tuple[str, ...]] = []
+    for quantity, label, show in (
+        ("without", "Without compensation", _error),
+        ("with", "With compensation", _error),
+        ("reduction", "Reduction", percent),
+    ):
+        rows.append((label, REAL, *_cells(own, f"paper_{quantity}", _paper(quantity))))
+        # Changed, the drive is no longer the one that was calibrated.
+        calibrated = quantity == "without" and not reproduction.options.truth
+        drive = CALIBRATED if calibrated else SIMULATED
+        rows.append(("", drive, *_cells(own, quantity, show)))
+        if validation:
+            errors = _measured(validation.table())
+            rows.append(("", EXTRAS, *_cells(errors, quantity, show)))
+    head = [join([f"{region.capitalize()}, ", METRICS[metric]]) for region, metric in own.index]
+    return join(
+        [
+            table(
+                ("", "", *head),
+                rows,
+                "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them",
+                (0, 1),
+            ),
+            _extras_remark(reproduction),
+        ]
+    )
+
+
+def _extras_remark(reproduction: Reproduction) -> Html:
+    extras = reproduction.extras
+    if extras is None:
+        return Html("")
+    if extras.validation is None:
+        return paragraph(f"With all extras on the drive could not be learned: {extras.reason}.")
+    return element(
+        "p",
+        "“All extras on” is the same drive with every effect of its model: identified, learned and "
+        "validated from the beginning, with the same settings.",
+        class_="quiet",
+    )
+
+
+def _measured(errors: pd.DataFrame) -> pd.DataFrame:
+    return errors[errors["velocity"] == "measured"].set_index(["region", "metric"])
+
+
+def _cells(errors: pd.DataFrame, column: str, show: Callable[[float], str]) -> list[str]:
+    return [show(value) for value in errors[column]]
+
+
+def _error(value: float) -> str:
+    return f"{value:.2f}"
+
+
+def _paper(quantity: str) -> Callable[[float], str]:
+    return (lambda share: percent(share, 0)) if quantity == "reduction" else _error

@@ -1,34 +1,31 @@
-"""The learning: Fig. 5, the settings beside Table 3, and Table 2 with what was learned."""
+"""The learning: Fig. 5, the settings beside Table 3, and Table 2 with the learned values."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from functools import partial
 
 from stickslip import ga
-from stickslip.catalog.parameters import (
-    LUGRE,
-    PAPER,
-    UNITS,
-)
+from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.markup import (
     Html,
     element,
     join,
     paragraph,
-    symbol,
-    table,
-)
-from stickslip.report.picture import Picture
-from stickslip.report.quantity import number, percent
-from stickslip.report.reproduction.training_cost import training_cost
-from stickslip.report.shown import (
-    figure,
     parameter,
     parameter_estimate,
     parameter_unit,
     parameter_value,
+    symbol,
+    table,
 )
+from stickslip.report.page import Illustration, Section
+from stickslip.report.quantity import number, percent
+from stickslip.report.reproduction.curves import draw_fitness
+from stickslip.report.reproduction.diagrams import draw_flow, draw_scheme
+from stickslip.servo.datasheet import TRAINING
+from stickslip.tuning.published.study import PAPER_COST
 
 PAPER_TABLE3 = {
     "population": "10",
@@ -41,15 +38,15 @@ PAPER_TABLE3 = {
 """Table 3; its “number of gene 10” is not explained and has no counterpart."""
 
 
-def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
+def learning_section(reproduction: Reproduction) -> Section:
     """Return the section on learning."""
-    return element(
-        "section",
-        element("h2", "Learning"),
-        _scheme(pictures),
+    return Section(
+        "Learning",
+        *_scheme(reproduction),
         _course(reproduction),
-        figure(
-            pictures["fig5_fitness"],
+        Illustration(
+            "fig5_fitness",
+            partial(draw_fitness, reproduction),
             "Best and mean cost over the generations, logarithmic",
             join(
                 [
@@ -63,16 +60,17 @@ def write(reproduction: Reproduction, pictures: Mapping[str, Picture]) -> Html:
                 ]
             ),
         ),
-        training_cost(reproduction),
+        _training_cost(reproduction),
         _settings(reproduction),
         _table2(reproduction),
         _remarks(reproduction),
     )
 
 
-def _scheme(pictures: Mapping[str, Picture]) -> Html:
-    scheme = figure(
-        pictures["fig3_scheme"],
+def _scheme(reproduction: Reproduction) -> tuple[Illustration, Illustration]:
+    scheme = Illustration(
+        "fig3_scheme",
+        partial(draw_scheme, reproduction),
         "Block diagram: the genetic algorithm sets the compensator’s parameters so that the "
         "drive’s velocity is that of the nominal loop",
         join(
@@ -86,34 +84,35 @@ def _scheme(pictures: Mapping[str, Picture]) -> Html:
             ]
         ),
     )
-    flow = figure(
-        pictures["fig4_flow"],
+    flow = Illustration(
+        "fig4_flow",
+        partial(draw_flow, reproduction),
         "Flow chart of the four steps of the learning",
         "Fig. 4. The steps of the learning, with the settings of this run.",
     )
-    return join([scheme, flow], "\n")
+    return scheme, flow
 
 
 def _course(reproduction: Reproduction) -> Html:
     algorithm, learned = reproduction.algorithm, reproduction.learned
-    said = _begun(reproduction) + (
+    text = _begun(reproduction) + (
         f"Without compensation a training run costs {number(reproduction.cost_without, 3)} m²/s², "
         f"with these parameters {number(reproduction.cost_of_identified, 3)} m²/s². "
     )
     if learned.skipped:
         why = learned.skipped.replace("m2/s2", "m²/s²")
         return paragraph(
-            f"{said}Nothing was searched beyond a first generation of "
+            f"{text}Nothing was searched beyond a first generation of "
             f"{number(algorithm.evaluations, 6)} candidates, and the parameters stand: {why}."
         )
-    said += (
+    text += (
         f"With the best of {number(algorithm.evaluations, 6)} candidates it costs "
         f"{number(algorithm.best.cost, 3)} m²/s². "
     )
     if not reproduction.options.refined:
-        said += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
+        text += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
     elif learned.accepted:
-        said += (
+        text += (
             "A least-squares fit then weighed repeated runs of the training command and of its "
             "mirror image against what learning began with; its result "
             f"costs {number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of "
@@ -121,12 +120,12 @@ def _course(reproduction: Reproduction) -> Html:
             "typical run of the refined parameters may cost a little more."
         )
     else:
-        said += (
+        text += (
             "A least-squares fit was tried and cost more on the drive, over the training command "
             f"and its mirror image, so the {_standing(reproduction)}, at "
             f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)."
         )
-    return paragraph(said)
+    return paragraph(text)
 
 
 def _begun(reproduction: Reproduction) -> str:
@@ -171,7 +170,7 @@ def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
     surrogates = "sections, bowl and quadratic" if settings.surrogates else "none"
     restarts = "none" if settings.patience is None else f"after {settings.patience} generations"
     return [
-        *((said, _setting(settings, name), PAPER_TABLE3[name]) for name, said in names.items()),
+        *((text, _setting(settings, name), PAPER_TABLE3[name]) for name, text in names.items()),
         ("crossover", settings.crossover, "not stated"),
         ("mutation", settings.mutation, "not stated"),
         ("survival", settings.survival, "elitist"),
@@ -233,4 +232,38 @@ def _remarks(reproduction: Reproduction) -> Html:
                 parameter("m"), " and ", parameter("b"), " are identified only, not learned."
             ),
         ]
+    )
+
+
+def _training_cost(reproduction: Reproduction) -> Html:
+    """Return the costs as a table, with the RMS of v - v_r that each means."""
+    samples = round(TRAINING.duration / reproduction.identification.loop.T_s) + 1
+    without = reproduction.cost_without
+    begun = "coarse start" if reproduction.options.coarse else "identified parameters"
+    costs = [
+        ("without compensation", without),
+        (begun, reproduction.cost_of_identified),
+        ("best candidate", reproduction.algorithm.best.cost),
+        (reproduction.learned.result, reproduction.learned.cost),
+        ("real stage (paper), as read below", PAPER_COST),
+    ]
+    rows = [
+        (
+            label,
+            number(cost, 3),
+            number(1e3 * math.sqrt(cost / samples), 3),
+            percent(cost / without, 2) if cost != PAPER_COST else "–",
+        )
+        for label, cost in costs
+    ]
+    gap = join(["RMS of ", symbol("v"), " − ", symbol("v", "r"), " [mm/s]"])
+    head = ("", "Cost (6) [m²/s²]", gap, "Of that without")
+    return element(
+        "div",
+        table(head, rows, f"Cost of a training run of {number(samples, 6)} samples"),
+        paragraph(
+            f"The paper prints {number(PAPER_COST, 2)} without a unit, a sample rate or a "
+            "duration. Read in m²/s² over as many samples as here, it is the velocity error in the "
+            "last row. What the real stage costs without compensation is not given."
+        ),
     )
