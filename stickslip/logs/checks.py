@@ -130,13 +130,15 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     if not step or recording.position is None:
         return
     noise = step / recording.T_s / max(shown.top_speed, 1e-300)
-    figure = f"{step:.4g}, {noise:.2g} of the top speed as difference of two samples"
+    figure = (
+        f"step {step:.4g}, which is {noise:.2g} of the top speed in the difference of two samples"
+    )
     travel = float(np.ptp(recording.position)) / step
     if travel < 100:
         advice = "move farther, or use a finer encoder"
         yield Finding("warning", "the whole travel is few encoder steps", f"{travel:.0f}", advice)
     else:
-        yield Finding("note", "the position has steps", figure)
+        yield Finding("note", "the position is quantised", figure)
 
 
 def _delays(recording: Recording, late: int) -> Iterator[Finding]:
@@ -152,10 +154,10 @@ def _delays(recording: Recording, late: int) -> Iterator[Finding]:
 
 def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0) -> Finding:
     figure = f"{delay.value / T_s:.2f} +- {delay.standard_error / T_s:.2f} samples"
-    way = "late" if delay.value >= 0 else "early (negative)"
+    way = "delayed" if delay.value >= 0 else "early (negative delay)"
     if taken_out:
-        advice = f"{1e3 * taken_out * T_s:.4g} ms are taken out before learning"
-        return Finding("warning", f"{name} shows {way} against {other}", figure, advice)
+        advice = f"{1e3 * taken_out * T_s:.4g} ms are removed before learning"
+        return Finding("warning", f"{name} is {way} relative to {other}", figure, advice)
     if not delay.known(T_s):
-        return Finding("note", f"how late {name} is against {other} does not show", figure)
-    return Finding("note", f"{name} shows {way} against {other}", figure)
+        return Finding("note", f"the delay of {name} relative to {other} is not determined", figure)
+    return Finding("note", f"{name} is {way} relative to {other}", figure)

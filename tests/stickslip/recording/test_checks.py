@@ -73,7 +73,7 @@ def test_short_slow_and_coarse():
     )
     steady = replace(DRIVE, position=0.01 * DRIVE.t, velocity=None)
     said = findings(steady, "warning")
-    assert "b and F_c are hard to tell apart" in said
+    assert "b and F_c are hard to separate" in said
     assert "0 reversals" in said
 
 
@@ -99,10 +99,10 @@ def run(rig, v) -> Recording:
 def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(rig):
     planned = run(rig, plan()["velocity_command"].to_numpy())
     assert not findings(planned, "warning")
-    assert "sigma_0 and sigma_1 may show" in findings(planned, "note")
+    assert "sigma_0 and sigma_1 may be identifiable" in findings(planned, "note")
     swept = run(rig, TRAINING.sample(rig.samples(10.0)))
-    assert "F_s and v_s hardly show" in findings(swept, "warning")
-    assert "m shows" in findings(swept, "note")
+    assert "F_s and v_s are poorly identifiable" in findings(swept, "warning")
+    assert "m is identifiable" in findings(swept, "note")
 
 
 def test_reversals_are_those_of_the_command(rig):

@@ -74,7 +74,7 @@ def test_names_and_units_are_taken_from_the_header(table, tmp_path, style):
     reading = read_recording(written(tmp_path, text, "log.txt"))
     equals(reading.recording, table)
     assert reading.recording.velocity_command is not None
-    assert any("guessed" in str(finding) for finding in reading.findings)
+    assert any("detected by their names" in str(finding) for finding in reading.findings)
 
 
 def test_preamble_comments_and_a_row_of_units(table, tmp_path):
