@@ -95,7 +95,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         default="nominal",
         help="what drives the compensator: the nominal loop's velocity, or the command",
     )
-    add_set_option(parser, "change the drive's truth: drive.NAME=VALUE")
+    add_set_option(parser, "change the simulated drive: drive.NAME=VALUE, or drive.law=NAME")
     parser.set_defaults(run=run)
 
 
