@@ -120,7 +120,7 @@ def test_ctrl_c_leaves_nothing(room, archive, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(members, "_extract_file", interrupted)
+        patch.setattr(members, "extract_file", interrupted)
         with pytest.raises(KeyboardInterrupt):
             opened(archive)
     assert list(room.iterdir()) == []
