@@ -1,6 +1,6 @@
 """How often the 95 % intervals of learned parameters hold the truth.
 
-    python -m benchmarks.coverage --recordings 100 --drives varied --out coverage
+    python -m tests.interval_coverage --recordings 100 --drives varied --out coverage
 
 Each recording is simulated with noise and a seed of its own, of Table 2's drive or of another one
 each time, and learned like a log; coverage.csv and coverage.png are rewritten after each.
@@ -9,6 +9,7 @@ each time, and learned like a log; coverage.csv and coverage.png are rewritten a
 from __future__ import annotations
 
 import argparse
+import io
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -18,8 +19,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullLocator
 
-from benchmarks.coverage_picture import draw
 from stickslip.catalog.parameters import PAPER, UNITS
 from stickslip.identification.estimation import (
     Task,
@@ -29,6 +31,17 @@ from stickslip.identification.estimation import (
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
 from stickslip.planning import plan
+from stickslip.report.quantity import MEANINGS, number
+from stickslip.report.style import (
+    GREY,
+    PAGE,
+    RESOLUTION,
+    THIN,
+    WITH,
+    WITHOUT,
+    house_style,
+    new_figure,
+)
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
@@ -37,12 +50,14 @@ MASS = (3.0, 12.0)  # [kg]
 F_C = (2.0, 12.0)  # [N]
 RISE = (1.1, 2.0)  # F_s / F_c
 SIGMA_0 = (1e5, 1e6)  # [N/m], evenly in its logarithm
+EVEN = 3.0
+"""Median half-widths up to which the axis of the picture is linear; beyond, logarithmic."""
 DAMPING = (0.3, 2.0)  # sigma_1 / (2 sqrt(sigma_0 m))
 
 
 def main() -> None:
     """Simulate, learn, count."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.interval_coverage", description=__doc__)
     parser.add_argument("--recordings", type=int, default=100, metavar="N")
     parser.add_argument("--drives", choices=("varied", "same"), default="varied")
     parser.add_argument("--first", type=int, default=0, help="seed of the first recording")
@@ -126,6 +141,45 @@ def _rows(truth, known) -> Iterator[dict[str, object]]:
             "visible": found.visible,
             "holds": found.low <= truth[name] <= found.high,
         }
+
+
+def draw(table: pd.DataFrame) -> bytes:
+    """Return a PNG file: a panel for each parameter, a line for each recording."""
+    names = list(dict.fromkeys(table["parameter"]))
+    with house_style():
+        figure = new_figure(PAGE, 32.0 * len(names))
+        panels = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
+        for axes, name in zip(panels, names, strict=True):
+            _panel(axes, table[table["parameter"] == name], name)
+        panels[-1].set_xlabel("Recording")
+        figure.align_ylabels()
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _panel(axes: Axes, rows: pd.DataFrame, name: str) -> None:
+    truth = rows["truth"].to_numpy()
+    low, value, high = (
+        100.0 * (rows[column].to_numpy() / truth - 1.0) for column in ("low", "value", "high")
+    )
+    k, holds = np.arange(1, len(rows) + 1), rows["holds"].to_numpy(dtype=bool)
+    even = EVEN * float(np.median(0.5 * (high - low)))
+    limit = max(even, 1.2 * float(np.max(np.abs([low, high]))))
+    axes.axhline(0.0, color=GREY, lw=THIN)
+    for part, colour in ((holds, WITH), (~holds, WITHOUT)):
+        axes.vlines(k[part], low[part], high[part], color=colour, lw=1.2)
+        axes.plot(k[part], value[part], "o", ms=2.0, color=colour)
+    axes.set_yscale("symlog", linthresh=even, linscale=2.0)
+    axes.set_ylim(-limit, limit)
+    axes.set_yticks([-limit / 1.2, -0.6 * even, 0.0, 0.6 * even, limit / 1.2])
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x, 2)))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_xlim(0.0, len(rows) + 1.0)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    said = MEANINGS[name]
+    axes.set_ylabel("Error [%]")
+    axes.set_title(f"{said[0].upper()}{said[1:]}: {holds.sum()} of {len(rows)} hold the truth")
 
 
 if __name__ == "__main__":
