@@ -3,12 +3,9 @@ import pytest
 from scipy.signal import lfilter
 
 from stickslip.identification.criteria.output_error import OutputError, predictor_error
-from stickslip.identification.criteria.unknowns import NAMES
 from stickslip.identification.estimation.learn import MODEL_ERROR
 from stickslip.identification.fitting.bootstrap import correct
 from stickslip.identification.fitting.fit import linearised
-
-F_C = NAMES.index("F_c")
 
 
 @pytest.mark.parametrize("pole", [0.9, -0.5])
@@ -31,12 +28,12 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
     learned = recorded.estimation
     best = learned.fit
     q = best.q.copy()
-    q[F_C] += off
+    q[best.space.index("F_c")] += off
     with OutputError(candidates, learned.recording, learned.gains) as judge:
         judge.whiten(best.parameters)
-        values = best.unknowns.values(q)
+        values = best.space.decode(q)
         variance = float(np.var(judge.residual(values)))
-        bad = linearised(judge, best.unknowns, q, variance)
+        bad = linearised(judge.over(best.space), q, variance)
         told = correct(judge, bad, candidates, learned.recording, learned.gains, 0)
     assert told.found / told.expected < MODEL_ERROR
     assert (told.model_error > MODEL_ERROR) == (off > 0.0)
