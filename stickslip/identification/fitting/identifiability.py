@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stickslip.catalog.space import ParameterSpace, Values
@@ -176,7 +177,7 @@ class _Information:
     """
 
     fitted: Fit
-    loose: Array
+    loose: NDArray[np.bool_]
     inverse: Array
     frozen: Array
     weight: Array

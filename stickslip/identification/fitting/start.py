@@ -58,7 +58,7 @@ def begin(model: InverseModel, recording: Recording) -> Start:
     travel = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]
     deflection = float(np.clip(share * travel, 3.0 * recording.encoder_step, 0.05 * travel))
-    mass = m if m > 0.0 else 1e-6 * F_c / np.std(model.motion.a)
+    mass = m if m > 0.0 else 1e-6 * F_c / float(np.std(model.motion.a))
     sigma_0 = F_c / deflection
     space = ParameterSpace.of(model.space.law)
     guesses = {
@@ -66,7 +66,7 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         "F_c": F_c,
         "v_s": 0.03 * top,
         "sigma_0": sigma_0,
-        "sigma_1": 2.0 * np.sqrt(sigma_0 * mass) if m > 0.0 else 1e-3 * sigma_0,
+        "sigma_1": 2.0 * float(np.sqrt(sigma_0 * mass)) if m > 0.0 else 1e-3 * sigma_0,
     }
     line = {
         **{name: guesses.get(name, _scaled(name, space, F_c, deflection)) for name in space.names},
