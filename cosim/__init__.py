@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from stickslip.cosim.component import Component
 from stickslip.cosim.container import write_fmu
 from stickslip.cosim.errors import (
     ConnectionFault,
@@ -22,8 +23,7 @@ from stickslip.cosim.errors import (
     SspError,
 )
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.function import Function
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
@@ -40,7 +40,6 @@ from stickslip.cosim.ssp import (
     write_ssp,
 )
 from stickslip.cosim.system.coupling import Adaptive, Coupling
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Deviation, Record
 from stickslip.cosim.system.scaling import (
@@ -49,9 +48,13 @@ from stickslip.cosim.system.scaling import (
     ValueMap,
 )
 from stickslip.cosim.system.system import Specification, System
+from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable
 
 __all__ = [
     "Adaptive",
+    "Component",
     "ConnectionFault",
     "CosimError",
     "Coupling",
@@ -61,6 +64,7 @@ __all__ = [
     "Fmu",
     "FmuCrashed",
     "FmuError",
+    "Function",
     "Isolation",
     "Link",
     "ParameterError",

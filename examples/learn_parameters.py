@@ -3,7 +3,7 @@
     python examples/learn_parameters.py [FOLDER]
 
 The target is the motion of a stage whose friction is known; in your case it is a recording. The
-genetic algorithm looks for the parameters with which the FMU repeats that motion. To use it for
+genetic algorithm searches the parameters with which the FMU repeats that motion. To use it for
 another FMU, change the names, the ranges and the cost. Without a folder it writes into a
 temporary one.
 """
@@ -30,14 +30,14 @@ class PositionError:
     target: np.ndarray
 
     def __call__(self, result: cosim.Result) -> float:
-        """Return the cost of one run, 0 or above [m]."""
+        """Return the cost of one run, not negative [m]."""
         return float(np.sqrt(np.mean((result["stage.x"] - self.target) ** 2)))
 
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="learn_parameters_"))
 
-# 1. The system: one FMU here, any cosim.System will do. The force input first moves the stage
-# within its presliding range (which shows sigma_0), then makes it slide (which shows F_c).
+# 1. The system: one FMU here, any System can be used. The force input first moves the stage
+# within its presliding range (for sigma_0), then makes it slide (for F_c).
 system = cosim.System("stage")
 system.add("stage", models.build_fmu("stage", folder))
 system.expose("u", "stage.u")
@@ -51,7 +51,7 @@ with experiment.prepare() as simulation:
 target = recorded["stage.x"]
 
 # 3. What to learn: name, range and start. The genes are logarithms by default, so a range may span
-# decades; the start is where you would begin by hand.
+# decades; the start is the best value that is known.
 genes = [
     ga.Gene("stage.F_c", lower=0.6, upper=60.0, start=6.0, unit="N"),
     ga.Gene("stage.sigma_0", lower=4e4, upper=4e6, start=4e5, unit="N/m"),

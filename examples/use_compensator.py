@@ -1,4 +1,4 @@
-"""The tuned compensator, taken out and used elsewhere.
+"""The tuned compensator, exported and used in other tools.
 
     python examples/use_compensator.py [FOLDER]
 
@@ -36,10 +36,10 @@ else:
     print("parameters: identified ones of the paper's Table 2, because nothing is learned yet")
 print(", ".join(f"{name} = {value:.5g}" for name, value in values.items()) + " (SI units)")
 
-# 2. The FMU, with these as its start values: it needs no settings where it is used.
+# 2. The FMU, with these as its start values: it needs no further settings.
 fmu = models.build_fmu("compensator", folder, start=values)
 
-# 3. A velocity command: to and fro within the presliding range at first, then sliding.
+# 3. A velocity command: first forward and back within the presliding range, then sliding.
 time = STEP * np.arange(round(STOP / STEP) + 1)  # s
 velocity = np.where(time < 0.5, 1e-4, 4e-3) * np.sin(2 * np.pi * 4 * time)  # m/s
 displacement = STEP * np.cumsum(velocity)  # m
@@ -49,7 +49,7 @@ table = np.array(list(zip(time, velocity, strict=True)), dtype=[("time", "f8"), 
 times = {"stop_time": STOP, "step_size": STEP, "output_interval": STEP}
 alone = fmpy.simulate_fmu(str(fmu), **times, input=table, output=["F_f", "F_mean"])
 
-# 5. In a system of FMUs, where F_mean would feed a controller's force feedforward.
+# 5. In a system of FMUs, where F_mean is connected to the feedforward input of a controller.
 system = cosim.System("feedforward")
 system.add("compensator", fmu)
 system.expose("v", "compensator.v")

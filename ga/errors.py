@@ -51,7 +51,7 @@ class Interrupted(KeyboardInterrupt):
         elif not generations:
             kept = "nothing is kept, because no generation was done"
         else:
-            kept = f"they are kept in {checkpoint}; go on with resume=True (--resume)"
+            kept = f"they are kept in {checkpoint}; continue with resume=True (--resume)"
         super().__init__(
             f"interrupted after {generations} generations ({evaluations} evaluations); {kept}"
         )

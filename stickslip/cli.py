@@ -27,20 +27,20 @@ COMMANDS = {
     "reproduce": "reproduce the paper: identify, learn, validate, report",
     "build": "build FMUs of the models",
     "simulate": "run a system of FMUs (.ssp) or one FMU",
-    "check": "judge FMUs of any tool",
+    "check": "validate FMUs of any tool",
     "design": "design the velocity loop from bandwidth and phase margin",
-    "plan": "write the command of an experiment that shows a drive's parameters",
-    "identify": "identify the drive FMU's parameters",
-    "learn": "learn a drive's parameters from one log, with their uncertainty",
+    "plan": "write the command of an experiment from which a drive can be learned",
+    "identify": "identify the parameters of the drive FMU",
+    "learn": "learn a drive's parameters from one log, with confidence intervals",
     "fleet": "learn many drives at once, from a table of logs or drive variants",
-    "validate": "judge a compensator's parameters on the drive FMU, as in Table 4",
+    "validate": "evaluate a compensator's parameters on the drive FMU, as in Table 4",
     "verify": "check folders of results against their manifests",
-    "export": "the tuned compensator, a linear system or a whole loop, for other tools",
+    "export": "export the tuned compensator, a linear system or a whole loop",
 }
 """Each is a module of ``stickslip.commands``, imported when it is called for."""
 EXPECTED = (Fault, OSError)
 """What a user can cause; everything else is a defect of ours and shows its traceback."""
-_LONGEST = 2000  # characters of a message, which may hold what a stranger wrote
+_LONGEST = 2000  # characters of a message, which may contain text from a file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -8,7 +8,6 @@ import numpy as np
 
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.signals.signals import (
     Array,
     Input,
@@ -18,6 +17,7 @@ from stickslip.cosim.signals.signals import (
     shifted,
 )
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import suggestion
 
 

@@ -16,10 +16,10 @@ from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.batch import Batch, batches
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.kernel import doubles
 from stickslip.cosim.kernel import facade as mirror
 from stickslip.cosim.signals.signals import Table
+from stickslip.fmi.description.variables import Value, Variable
 
 # What it keeps of time, and of each clock, that does not follow from anything else.
 _TIMES = ("time", "next_event", "passed")

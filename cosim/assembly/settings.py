@@ -13,8 +13,8 @@ from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown
 
 # When a start value is set: in Configuration Mode, when instantiated, or in Initialization Mode.
@@ -126,16 +126,16 @@ def check_start_values(system: System) -> None:
         Where an FMU contradicts itself and the system gives no other start value.
     """
     for component, fmu in system.components.items():
-        for variable in fmu.description.outside:
+        for variable in fmu.outside:
             name = f"{component}.{variable.name}"
             set_ = (n == name or n.startswith(f"{name}[") for n in system.parameters)
             if variable.is_settable and not any(set_):
                 unit = f" {variable.unit}" if variable.unit else ""
                 low, high = variable.minimum, variable.maximum
-                wrong = f"outside its range {low} .. {high}{unit}"
+                wrong = f"outside its range {low} to {high}{unit}"
                 if low is None is high:
                     wrong = "no finite number"
                 raise ParameterError(
-                    f"{fmu.path}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
+                    f"{fmu.label}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
                     f" {wrong}; give it another start value"
                 )

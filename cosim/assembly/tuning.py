@@ -19,10 +19,11 @@ from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.system.scaling import Scaling
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import suggestion
 
 
@@ -69,12 +70,12 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
 def _at_source(
     name: str, table: Disturbance, sources: Mapping[str, str], system: System
 ) -> Disturbance:
-    """Return what happens to an input as if it happened to what feeds it."""
+    """Return what happens to an input as if it happened to its source."""
     source = sources[name]
     if receivers := [target for target in sources if sources[target] == source and target != name]:
         raise SignalError(
-            f"scenario: {name} is fed by {source}, which feeds {', '.join(receivers)} too and is"
-            f" disturbed as a whole: name {source}"
+            f"scenario: {name} is connected to {source}, which is also connected to "
+            f"{', '.join(receivers)} and is disturbed as a whole: name {source}"
         )
     line = system.scaling(source, name)
     if not isinstance(line, Scaling) or line.factor == 0:
@@ -140,7 +141,7 @@ def tune(
             value = float(series[step])
             try:
                 whole = int(value) if value.is_integer() else value
-                checked = variable.checked(whole, name)
+                checked = converted(variable, whole, name)
             except ParameterError as fault:
                 raise SignalError(f"scenario: {fault}") from None
             batch = Batch(libraries[component], [variable], "Set")

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from xml.etree import ElementTree as ET
 
 from stickslip.cosim.container.variables import Shown
-from stickslip.cosim.fmu.units import BASE_UNITS
-from stickslip.cosim.system.experiment import DefaultExperiment
+from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.units import BASE_UNITS
 
 _TAGS = {
     2: {"REAL": "Real", "INTEGER": "Integer", "BOOLEAN": "Boolean"},

@@ -10,8 +10,8 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.container.variables import TYPES, Shown
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value
 
 
 def system_header(

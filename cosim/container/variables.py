@@ -8,9 +8,9 @@ from fnmatch import fnmatchcase
 from typing import Literal
 
 from stickslip.cosim.errors import ConnectionFault, ParameterError
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import suggestion
 
 Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]

@@ -13,10 +13,11 @@ from fmpy.fmi3 import FMU3Model, fmi3Float64
 from numpy.typing import NDArray
 
 from stickslip.cosim.control.errors import LinearisationError
-from stickslip.cosim.description.attributes import flag
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.variables import Variable
+from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
+from stickslip.fmi.description.attributes import flag
+from stickslip.fmi.description.variables import Variable
 
 Array = NDArray[np.float64]
 _MOST_EVENTS = 1000
@@ -123,7 +124,7 @@ class Exchange:
                 raise LinearisationError(f"{self._fmu.path} has no variable {name!r}")
             kind = {"Enumeration": "Int64" if self._version3 else "Integer"}.get(variable.type)
             setter = getattr(self._api, f"set{kind or variable.type}")
-            setter([variable.reference], [variable.checked(value, name)])
+            setter([variable.reference], [converted(variable, value, name)])
         self._api.enterInitializationMode()
         self._api.exitInitializationMode()
         self._take_events()

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from stickslip.cosim.control.errors import LinearisationError
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Variable
 
 Array = NDArray[np.float64]
 _HIDDEN = 1e-2  # of the range in two steps: more than an integrator's tolerance explains
@@ -49,7 +49,7 @@ class StepMap:
         self.inputs, self.outputs = tuple(system.inputs), tuple(outputs)
         variables = {
             f"{name}.{v.name}": v
-            for name, fmu in system.components.items()
+            for name, fmu in system.fmus("linearisation").items()
             for v in _states(name, fmu)
         }
         self.states = tuple(variables)

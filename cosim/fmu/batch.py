@@ -8,12 +8,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.fmu.variables import (
-    Scalar,
-    Value,
-    Variable,
-)
 from stickslip.cosim.kernel.facade import STORED, Group
+from stickslip.fmi.description.variables import Scalar, Value, Variable
 
 
 class Batch:

@@ -32,11 +32,7 @@ from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.system.coupling import Coupling
-from stickslip.cosim.system.experiment import (
-    check_memory,
-    check_tolerance,
-    count_steps,
-)
+from stickslip.cosim.system.experiment import check_memory, check_tolerance, count_steps
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.loops import group
 from stickslip.cosim.system.record import Record

@@ -14,12 +14,12 @@ import numpy as np
 
 from stickslip.cosim.assembly.memory import Room
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.stepping import Discarded, Stepping
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import Specification
+from stickslip.fmi.description.variables import Value
 
 _Trace = tuple[str, str]
 _ENDED = {how: {("ended", how)} for how in ("stopped", "halted", "finished")}

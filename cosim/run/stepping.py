@@ -27,7 +27,7 @@ from stickslip.cosim.errors import (
     ParameterError,
     SimulationError,
 )
-from stickslip.cosim.fmu.variables import Value
+from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.run.prepared import Prepared
 from stickslip.cosim.run.real_time import Pace
 from stickslip.cosim.run.result import Result
@@ -43,6 +43,7 @@ from stickslip.cosim.signals.signals import (
     Table,
 )
 from stickslip.cosim.signals.span import slack
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
 
 _log = logging.getLogger(__name__)
@@ -75,7 +76,7 @@ class Stepping(Prepared):
             if name not in self._variables:
                 self._variables[name] = system.variable(name, ParameterError)
             variable = self._variables[name]
-            values[name] = variable.checked(value, name)
+            values[name] = converted(variable, value, name)
             if variable.causality == "structuralParameter":
                 check_length(name, values[name], system.parameters.get(name, variable.start))
         return values

@@ -7,7 +7,6 @@ from itertools import product
 from math import prod
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.variables import parse_element
 from stickslip.cosim.ssp.graph import (
     Edge,
     End,
@@ -15,6 +14,7 @@ from stickslip.cosim.ssp.graph import (
     label,
 )
 from stickslip.cosim.ssp.markup import place
+from stickslip.fmi.description.variables import parse_element
 
 Shape = tuple[int, ...]
 MOST_ELEMENTS = 1_000_000

@@ -10,7 +10,6 @@ from lxml import etree
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.ssp.compose import (
     add,
     group,
@@ -38,6 +37,7 @@ from stickslip.cosim.ssp.values import (
     whole_arrays,
 )
 from stickslip.cosim.system.system import Origin, System
+from stickslip.fmi.description.variables import Value
 
 
 def edit_parameters(

@@ -7,14 +7,14 @@ from typing import Any
 
 from lxml import etree
 
-from stickslip.cosim.fmu.units import BASE_UNITS, Unit
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.ssp.markup import local
 from stickslip.cosim.ssp.names import (
     NAMESPACES,
     OSP,
     tag,
 )
+from stickslip.fmi.description.units import BASE_UNITS, Unit
+from stickslip.fmi.description.variables import Variable
 
 # How the schemas sort what lies in a description, a system and a component.
 _ORDER = (

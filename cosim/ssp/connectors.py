@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.units import BASE_UNITS, Unit
 from stickslip.cosim.ssp.markup import (
     attribute,
     find,
@@ -17,6 +16,7 @@ from stickslip.cosim.ssp.markup import (
     place,
 )
 from stickslip.cosim.ssp.names import NAMESPACES, tag
+from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.messages import shown
 
 Items = Mapping[str, int]

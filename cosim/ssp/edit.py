@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.ssp.compose import (
     add,
     add_connector,
@@ -31,6 +29,8 @@ from stickslip.cosim.system.scaling import (
     PLAIN,
     Link,
 )
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable
 
 _TEXTS = {"String", "Binary"}
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable, parse_element
 from stickslip.cosim.ssp.connectors import (
     FAMILY,
     Connector,
@@ -34,7 +32,10 @@ from stickslip.cosim.system.scaling import (
     Link,
     Scaling,
     Transform,
+    conversion,
 )
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable, parse_element
 from stickslip.fmi.messages import suggestion
 
 End = tuple[Path, str]
@@ -73,7 +74,7 @@ class Graph:
     ------
     SspError
         When a connection has an end that does not exist, joins two ends that both give or both
-        take, leads to an end that is fed already, or joins types that do not fit.
+        take, leads to an end that is already connected, or joins types that do not fit.
     """
 
     def __init__(self, top: Node, fmus: Mapping[Path, Fmu]) -> None:
@@ -92,11 +93,11 @@ class Graph:
         Raises
         ------
         SspError
-            When its target is fed already.
+            When its target is already connected.
         """
         if other := self.edges.get(edge.target):
             raise SspError(
-                f"{place(edge.element)}: {label(edge.target)} is fed already, by the connection in"
+                f"{place(edge.element)}: {label(edge.target)} is already connected, in"
                 f" {place(other.element)}; leave one of them"
             )
         self.edges[edge.target] = edge
@@ -291,7 +292,7 @@ def _then(first: Transform, following: Transform, edge: Edge) -> Transform:
 def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
     if unit is None or other is None:
         return IDENTITY
-    scaling = unit.to(other)
+    scaling = conversion(unit, other)
     if scaling is None:
         undefined = [
             f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None

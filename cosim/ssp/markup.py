@@ -10,7 +10,6 @@ from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
-from stickslip.cosim.document import Malformed, parse_xml
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.names import (
     NAMESPACES,
@@ -22,6 +21,7 @@ from stickslip.cosim.ssp.names import (
 from stickslip.cosim.ssp.schema import violation
 from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
+from stickslip.fmi.xml import Malformed, parse_xml
 
 MOST_BYTES = 1 << 26
 

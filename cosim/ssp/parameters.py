@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.ssp.connectors import (
     FAMILY,
     Definitions,
@@ -37,8 +35,11 @@ from stickslip.cosim.system.scaling import (
     IDENTITY,
     Transform,
     ValueMap,
+    conversion,
 )
 from stickslip.fmi.archive import unpack
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import suggestion
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
@@ -73,7 +74,7 @@ class Given:
         """Return the value for something that has this unit or these items of an enumeration."""
         value = self.value if self.items is None else self._number({**self.items, **items})
         if self.unit and unit and self.convert:
-            converted = self.unit.to(unit)
+            converted = conversion(self.unit, unit)
             if converted is None:
                 raise SspError(
                     f"{place(self.element)}: parameter {self.element.get('name')!r} is given in"

@@ -24,9 +24,9 @@ from stickslip.cosim.ssp.names import (
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.structure import read_structure
-from stickslip.cosim.system.experiment import DefaultExperiment
 from stickslip.cosim.system.scaling import Link
 from stickslip.cosim.system.system import Origin, System
+from stickslip.fmi.description.model import DefaultExperiment
 
 
 def read_ssp(
@@ -70,7 +70,7 @@ def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
         if node.fmu is not None:
             with _blaming(node.element):
                 system.add(component(node.path), node.fmu)
-            fmus[node.path] = system.components[component(node.path)]
+            fmus[node.path] = system.fmus("an SSP")[component(node.path)]
     graph = Graph(top, fmus)
     for name, (value, element) in _structure_first(read_parameters(graph), system):
         with _blaming(element):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.fmu.variables import Variable
 from stickslip.cosim.ssp.compose import add
 from stickslip.cosim.ssp.connectors import FAMILY, Items
 from stickslip.cosim.ssp.markup import (
@@ -22,6 +21,7 @@ from stickslip.cosim.system.scaling import (
     Transform,
     ValueMap,
 )
+from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import suggestion
 
 _WORDS = {"true": 1, "1": 1, "false": 0, "0": 0}

@@ -8,7 +8,6 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value, Variable
 from stickslip.cosim.ssp.compose import (
     add,
     add_units,
@@ -18,6 +17,7 @@ from stickslip.cosim.ssp.compose import (
 from stickslip.cosim.ssp.markup import local
 from stickslip.cosim.ssp.names import tag
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value, Variable
 
 _FLOATS = {"Real", "Float64", "Float32"}
 _TYPES = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}

@@ -6,12 +6,12 @@ import math
 
 from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.variables import Value
 from stickslip.cosim.ssp.members import Members
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_package
 from stickslip.cosim.system.scaling import Scaling, Transform
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import temporary_folder
 
 

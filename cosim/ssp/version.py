@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from lxml import etree
 
-from stickslip.cosim.document import Malformed, parse_xml
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import short
 from stickslip.cosim.ssp.names import (
@@ -15,6 +14,7 @@ from stickslip.cosim.ssp.names import (
     tag,
 )
 from stickslip.cosim.ssp.schema import violation
+from stickslip.fmi.xml import Malformed, parse_xml
 
 _WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from stickslip.cosim.errors import ConnectionFault, ParameterError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.fmu.units import Unit
-from stickslip.cosim.fmu.variables import Variable
-from stickslip.cosim.system.scaling import Link, Transform, ValueMap
+from stickslip.cosim.fmu.values import converted
+from stickslip.cosim.system.scaling import Link, Transform, ValueMap, conversion
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,14 @@ def transform(source: End, target: End, link: Link) -> Transform:
     unit, wanted = source.unit, target.unit
     if isinstance(link.scaling, ValueMap) or not (unit and wanted and link.convert):
         return link.scaling
-    converted = unit.to(wanted)
-    if converted is None:
+    scaling = conversion(unit, wanted)
+    if scaling is None:
         hint = "; scale it by a Link with convert=False" if unit.measures_as(wanted) else ""
         raise ConnectionFault(
             f"cannot connect {source.name} to {target.name}: {source.name} is in {unit},"
             f" {target.name} in {wanted}; one cannot be converted to the other{hint}"
         )
-    return converted.then(link.scaling)
+    return scaling.then(link.scaling)
 
 
 def check_connection(source: End, target: End, link: Link) -> None:
@@ -97,7 +98,7 @@ def check_connection(source: End, target: End, link: Link) -> None:
             )
         for _, value in link.scaling.pairs:
             try:
-                end.checked(value, target.name)
+                converted(end, value, target.name)
             except ParameterError as fault:
                 raise ConnectionFault(f"{purpose}: {fault}") from None
     elif start.kind != end.kind:

@@ -4,26 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
 
 from stickslip.cosim.errors import ExperimentError
 
 MAX_STEPS = 10**10
 _SHARE = 0.8  # of a machine's memory that a run may take
 _NUMBER = 8  # bytes
-
-
-@dataclass(frozen=True)
-class DefaultExperiment:
-    """What an FMU or an SSP proposes. All times in s; None where it proposes nothing.
-
-    ``tolerance`` is the relative one of solvers.
-    """
-
-    start: float | None = None
-    stop: float | None = None
-    step: float | None = None
-    tolerance: float | None = None
 
 
 def count_steps(start: float, stop: float, step: float) -> int:

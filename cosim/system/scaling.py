@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
+from stickslip.fmi.description.units import Unit
+
 
 @dataclass(frozen=True)
 class Scaling:
@@ -45,6 +47,23 @@ class Scaling:
 
 
 IDENTITY = Scaling()
+
+
+def conversion(unit: Unit, other: Unit) -> Scaling | None:
+    """Return the conversion of a number in one unit to another unit, None when there is none.
+
+    There is none where the units measure different quantities, or one does not say what it
+    measures, and between a difference and an absolute value where an offset would matter.
+    """
+    if unit.same_as(other):
+        return IDENTITY
+    if not unit.measures_as(other):
+        return None
+    factor, offset = unit.factor / other.factor, (unit.offset - other.offset) / other.factor
+    mine, theirs = unit.like(other).relative, other.like(unit).relative
+    if mine and theirs:
+        return Scaling(factor)
+    return None if bool(mine) != bool(theirs) and offset else Scaling(factor, offset)
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,14 @@
-"""One command a file: ``add_to`` declares its name and options, ``run`` does it."""
+"""One command per file: ``declare`` declares its options, ``run`` executes it."""
+
+import argparse
+
+
+def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:
+    """Accept an option of one value also as ``old``, which the help does not list."""
+    parser.add_argument(
+        old,
+        dest=action.dest,
+        choices=action.choices,
+        default=argparse.SUPPRESS,
+        help=argparse.SUPPRESS,
+    )

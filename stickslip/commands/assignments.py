@@ -1,12 +1,13 @@
-"""``--set NAME=VALUE`` and ``--coarse NAME=FACTOR`` on the command line."""
+"""``--set NAME=VALUE``, ``--coarse NAME=FACTOR`` and ``--source`` on the command line."""
 
 from __future__ import annotations
 
 import math
 from argparse import ArgumentParser
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from stickslip.catalog.parameters import LUGRE
+from stickslip.commands import add_old_spelling
 from stickslip.errors import UsageError
 
 _WORDS = {"true": True, "on": True, "false": False, "off": False}
@@ -27,9 +28,21 @@ def add_coarse_option(parser: ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="NAME=FACTOR",
-        help="begin learning at these factors times what identification found, e.g. F_s=0.7 "
+        help="start learning at these factors times the identified values, e.g. F_s=0.7 "
         "F_c=0.7 v_s=3 sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1",
     )
+
+
+def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
+    """Declare ``--source``, with which signal the compensator is driven; the first is usual."""
+    action = parser.add_argument(
+        "--source",
+        dest="feed",
+        choices=sources,
+        default=sources[0],
+        help="velocity input of the compensator: that of the nominal loop, or the command",
+    )
+    add_old_spelling(parser, "--feed", action)
 
 
 def coarse_factors(texts: Iterable[str]) -> dict[str, float]:

@@ -27,7 +27,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--cross-check",
         action="store_true",
-        help="also write inputs and expected results as the FMI Cross-Check wants them",
+        help="also write inputs and expected results in the layout of the FMI Cross-Check",
     )
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)

@@ -18,7 +18,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--strict", action="store_true", help="warnings count as errors")
     parser.add_argument("--no-run", action="store_true", help="do not load the binary")
     parser.add_argument(
-        "--timeout", type=float, default=20.0, metavar="S", help="the binary may take for one rule"
+        "--timeout",
+        type=float,
+        default=20.0,
+        metavar="S",
+        help="time limit of the binary for one rule",
     )
     parser.set_defaults(run=run)
 

@@ -34,7 +34,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             option, type=float, default=value, metavar=unit, help=f"{text} (default {value:g})"
         )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write design.json there")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for design.json")
     parser.set_defaults(run=run)
 
 

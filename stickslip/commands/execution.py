@@ -33,7 +33,7 @@ def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
         type=int,
         default=processors(),
         metavar="N",
-        help=f"{what} run side by side; as many as there are processors by default",
+        help=f"number of {what} that run in parallel (default: number of processors)",
     )
     place = parser.add_mutually_exclusive_group()
     place.add_argument(
@@ -41,7 +41,7 @@ def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
         dest="where",
         choices=["threads", "processes"],
         default="threads",
-        help="what the workers are on this machine",
+        help="kind of workers on this machine",
     )
     place.add_argument(
         "--cluster",
@@ -58,12 +58,12 @@ def add_execution_options(parser: argparse.ArgumentParser) -> None:
         "--checkpoint",
         type=Path,
         metavar="FILE",
-        help="written after every generation; kept at the end if it is named here",
+        help="checkpoint, written after every generation; with this option it is kept at the end",
     )
     parser.add_argument(
         "--resume",
         action="store_true",
-        help="go on from the checkpoint of a run that was killed or interrupted, if there is one",
+        help="continue from the checkpoint of a killed or interrupted run, if there is one",
     )
 
 
@@ -84,8 +84,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
     for path in _kept(execution, options):  # before anything is done
         if not options.resume:
             raise UsageError(
-                f"{path}: an earlier run did not end; go on with --resume, or delete it to start "
-                "afresh"
+                f"{path}: an earlier run did not end; continue with --resume, or delete it to "
+                "start again"
             )
         check(path)
     return execution
@@ -108,8 +108,8 @@ def keeping(execution: Execution, options: argparse.Namespace) -> Iterator[None]
         if not kept or (isinstance(interruption, ga.Interrupted) and _seeds(options) == 1):
             raise
         raise KeyboardInterrupt(
-            f"interrupted; what the search found is kept in {', '.join(map(str, kept))}; go on "
-            "with --resume"
+            f"interrupted; the state of the search is kept in {', '.join(map(str, kept))}; "
+            "continue with --resume"
         ) from None
 
 

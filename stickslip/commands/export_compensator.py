@@ -11,26 +11,14 @@ from typing import Any
 import numpy as np
 
 from stickslip import models
-from stickslip.catalog.parameters import at_share
+from stickslip.catalog.parameters import friction_law
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.commands.worth import print_worth
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.evaluation.guards import (
-    Trial,
-    inspect,
-    try_out,
-)
+from stickslip.evaluation.guards import Trial, inspect, try_out
 from stickslip.fmi.process import temporary_folder
 from stickslip.models.firmware import write_compensator
-from stickslip.results.learned import read_friction, read_learned
-from stickslip.results.learned_loop import (
-    read_datasheet,
-    read_document,
-    read_feed,
-    read_loop,
-    read_standard_errors,
-    read_validation,
-)
+from stickslip.results.learned import LearnedFile
 from stickslip.servo.systems import build_fmus
 
 MOST_SAMPLES = 10_000_000
@@ -41,7 +29,11 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser("compensator", help="the tuned compensator: FMU, C or PLC code")
     parser.add_argument(
-        "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
+        "--parameters",
+        type=Path,
+        required=True,
+        metavar="FILE.json",
+        help="parameters of the compensator: a learned.json",
     )
     parser.add_argument(
         "--as",
@@ -67,18 +59,19 @@ def run(options: argparse.Namespace) -> None:
     What the guards find goes to standard error. The force is reduced to the largest share that
     makes the loop worse nowhere; where there is none, nothing is written.
     """
-    start = read_learned(options.parameters)
+    learned = LearnedFile(options.parameters)
+    start = learned.compensator
     try:
         models.load_model("compensator").with_start(start)
-        share = _guarded_share(options.parameters, start, force=options.force)
-        start = at_share(start, share)
+        share = _guarded_share(learned, start, force=options.force)
+        start = friction_law().share(start, share)
         paths = _write(options, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
 
 
-def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) -> float:
+def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force: bool) -> float:
     """Try a compensator, print what is found, and return the share of its force to export.
 
     Raises
@@ -86,14 +79,16 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     HarmfulError
         When it makes the loop worse at every share, or learning refused it, and is not forced.
     """
-    document = read_document(path)
-    if (refusal := document.get("refusal")) and not force:
-        raise HarmfulError(f"{path}: learn refused it: {refusal}; --force exports all the same")
-    loop = read_loop(path)
+    path = learned.path
+    if learned.refusal and not force:
+        raise HarmfulError(
+            f"{path}: learn refused it: {learned.refusal}; --force exports it anyway"
+        )
+    loop = learned.loop
     if loop is None:
-        _warn(f"{path} tells of no loop, so whether this compensator helps is not checked")
+        _warn(f"{path} contains no loop, so the effect of this compensator is not checked")
         return 1.0
-    command, feed = read_validation(path), read_feed(path)
+    command = learned.validation
     duration = command.corners()[-1] + command.begin
     if duration > MOST_SAMPLES * loop.T_s:
         raise UsageError(
@@ -103,17 +98,19 @@ def _guarded_share(path: Path, compensator: dict[str, float], *, force: bool) ->
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with temporary_folder() as folder:
         build_fmus(folder, {})
-        sheet = read_datasheet(path)
-        friction = read_friction(path)
-        trial = Trial(folder, loop, friction, compensator, v_cmd, feed, sheet)
-        worth = try_out(trial, rotary=document.get("motion") == "rotary")
-        written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
-        for finding in inspect(written, read_standard_errors(path)):
+        trial = Trial(
+            folder, loop, learned.friction, compensator, v_cmd, learned.feed, learned.datasheet
+        )
+        worth = try_out(trial, rotary=learned.rotary)
+        written = replace(
+            trial, compensator=friction_law().share(compensator, 1.0 if force else worth.share)
+        )
+        for finding in inspect(written, learned.standard_errors):
             _warn(str(finding))
     if not worth.harmless:
         print_worth(worth, sys.stderr)
         if not force:
-            raise HarmfulError(f"{path}: {worth.refusal}; --force exports all the same")
+            raise HarmfulError(f"{path}: {worth.refusal}; --force exports it anyway")
         _warn(worth.refusal)
     elif worth.share < 1.0:
         fate = "the whole force" if force else f"{worth.share:g} of the force"

@@ -18,7 +18,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     )
     for option in ("--step", "--stop"):
         parser.add_argument(
-            option, type=float, metavar="S", help="that the FMU proposes; by the poles by default"
+            option, type=float, metavar="S", help="proposed by the FMU (default: from the poles)"
         )
     parser.add_argument(
         "--held",

@@ -20,10 +20,17 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser = exports.add_parser(NAME, help="a whole system of FMUs as one FMU")
     parser.add_argument("--as", dest="form", choices=["fmu"], required=True)
     parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
-    parser.add_argument("--step", type=float, metavar="S", help="instead of the file's own")
-    parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
     parser.add_argument(
-        "--coupling", choices=["gauss_seidel", "jacobi"], default="gauss_seidel", help="(default)"
+        "--step", type=float, metavar="S", help="communication step, instead of that of the file"
+    )
+    parser.add_argument(
+        "--variant", metavar="NAME", help="variant of the .ssp to export, if it has several"
+    )
+    parser.add_argument(
+        "--coupling",
+        choices=["gauss_seidel", "jacobi"],
+        default="gauss_seidel",
+        help="(default gauss_seidel)",
     )
     add_set_option(parser, "start values: component.variable=VALUE")
     for what, usual in (
@@ -34,7 +41,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
             f"--{what}",
             nargs="*",
             metavar="NAME",
-            help=f"names or patterns (drive.*) to show; {usual} by default",
+            help=f"names or patterns (drive.*) of the FMU's variables (default: {usual})",
         )
     add_platform_option(parser)
     parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")

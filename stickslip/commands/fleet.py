@@ -30,14 +30,19 @@ VISIBLE = ("well known", "weakly known", "not visible")
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = (
-        "Learn each drive of a table, side by side. TABLE is a CSV file with a row "
+        "Learn the drives of a table in parallel. TABLE is a CSV file with a row "
         "for each drive: its name, and either log, with config, a TOML file that describes the "
-        "log (both relative to the table), or set, parameters of a proxy drive that is then "
+        "log (both relative to the table), or set, parameters of a simulated drive that is then "
         "recorded, such as 'drive.m=10 drive.noise=on'."
     )
     parser.add_argument("table", type=Path, metavar="TABLE")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
-    parser.add_argument("--seed", type=int, default=0, help="of each drive's genetic algorithm")
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=0,
+        help="random seed of the genetic algorithm, the same for each drive",
+    )
     add_worker_options(parser, "drives")
     parser.add_argument(
         "--resume",
@@ -79,7 +84,7 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
     _print_parameters(table)
     if fleet.kept:
         print(f"{fleet.kept} of {len(drives)} drives were learned before and kept")
-    print(f"all results in {options.out}; begin with fleet.png")
+    print(f"all results are in {options.out}; open fleet.png first")
     if not fleet.reasons:
         return 0
     print(
@@ -110,7 +115,7 @@ def _print_parameters(table: pd.DataFrame) -> None:
     seen = table[table["parameter"].notna() & (table["visible"] != VISIBLE[-1])]
     if seen.empty:
         return
-    heads = ("least", "median", "greatest")
+    heads = ("minimum", "median", "maximum")
     print(f"\n{'':8} {'':9} {'drives':>6} " + " ".join(f"{head:>11}" for head in heads))
     for (name, unit), of in seen.groupby(["parameter", "unit"], sort=False):
         value = of["value"]

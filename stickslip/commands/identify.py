@@ -21,8 +21,8 @@ from stickslip.servo.systems import Changes
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write identified.json there")
-    add_set_option(parser, "change the simulated drive: drive.NAME=VALUE, or drive.law=NAME")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for identified.json")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 

@@ -18,16 +18,20 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
         "--isolate",
         action=argparse.BooleanOptionalAction,
         default=sys.platform == "linux",
-        help="run the FMUs in a process of their own, which they may crash; the default on Linux",
+        help="run the FMUs in a child process, so that a crash does not end the command (default "
+        "on Linux)",
     )
     parser.add_argument(
         "--timeout",
         type=float,
         metavar="S",
-        help="isolated, the run may take; 30 s for each step by default",
+        help="with isolation: time limit of the run (default: 30 s for each step)",
     )
     parser.add_argument(
-        "--memory", type=float, metavar="MB", help="isolated, 4096 by default (Linux)"
+        "--memory",
+        type=float,
+        metavar="MB",
+        help="with isolation: memory limit (Linux, default 4096)",
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from stickslip.catalog.parameters import unit_of
+from stickslip.commands import add_old_spelling
 from stickslip.commands.execution import (
     add_algorithm_option,
     add_execution_options,
@@ -57,30 +58,30 @@ FIGURES = {
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "--log", type=Path, required=True, metavar="FILE", help="CSV, Parquet or MAT"
+        "--log", type=Path, required=True, metavar="FILE", help="log in CSV, Parquet or MAT format"
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write results and report there")
-    parser.add_argument(
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for results and report")
+    criterion = parser.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
     )
-    parser.add_argument(  # the old spelling
-        "--judge",
-        dest="criterion",
-        choices=sorted(CRITERIA),
-        default=argparse.SUPPRESS,
-        help=argparse.SUPPRESS,
-    )
-    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm")
+    add_old_spelling(parser, "--judge", criterion)
+    parser.add_argument("--seed", type=int, default=0, help="random seed of the genetic algorithm")
     parser.add_argument(
-        "--seeds", type=int, default=1, metavar="N", help="searches, each with a seed of its own"
+        "--seeds",
+        type=int,
+        default=1,
+        metavar="N",
+        help="number of searches, each with its own seed",
     )
-    parser.add_argument("--check", action="store_true", help="check the log only, learn nothing")
+    parser.add_argument("--check", action="store_true", help="only check the log")
     parser.add_argument(
-        "--force", action="store_true", help="write a compensator even if it does harm"
+        "--force",
+        action="store_true",
+        help="write the whole force of the compensator even if it makes tracking worse",
     )
     add_algorithm_option(parser)
     add_execution_options(parser)
@@ -89,7 +90,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Say what the log can show, learn, print what is known, and write it."""
+    """Check the log, learn, print the parameters, and write the results."""
     if options.seed < 0 or options.seeds < 1:
         raise UsageError(
             f"--seed must be at least 0 and --seeds at least 1, "
@@ -141,7 +142,7 @@ def _print_written(learned: LogLearning, options: argparse.Namespace) -> None:
     elif worth and worth.share < 1.0:
         share = "1, as --force asks for" if options.force else f"{worth.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {worth.reason}")
-    print(f"all results in {options.out}; begin with report.html")
+    print(f"all results are in {options.out}; open report.html first")
 
 
 def _print_findings(findings: Iterable[Finding]) -> None:
@@ -155,7 +156,7 @@ def print_estimation(estimation: Estimation) -> None:
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
-        print(f"{fault}; no parameter is called well known")
+        print(f"{fault}; no parameter is reported as well known")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"
@@ -164,7 +165,7 @@ def print_estimation(estimation: Estimation) -> None:
     print(f"{'delta':8} {estimation.delta:12.6g} {'1':9} exponent of the Stribeck curve, 1 or 2")
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
-    print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} of the force, beyond the log's own")
+    print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
     if len(estimation.searches) > 1:
         said = ", ".join(
             f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()

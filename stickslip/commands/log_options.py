@@ -27,29 +27,37 @@ _PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """Declare what describes a log: a TOML file, or options that go before it."""
     group = parser.add_argument_group(
-        "the log", f"ROLE is one of {', '.join(ROLES)}. Options go before what the file says."
+        "the log",
+        f"ROLE is one of {', '.join(ROLES)}. Options override the file given by --config.",
     )
     group.add_argument("--config", type=Path, metavar="FILE.toml", help="describes the log")
     texts = {
         "column": ("ROLE=NAME", "name of a column, its number from 1, or none"),
         "unit": ("ROLE=UNIT", "such as position=mm or force=A"),
         "scale": ("ROLE=NUMBER", "SI units per unit, such as force=23 for N per A (also of mA)"),
-        "offset": ("ROLE=NUMBER", "added, in SI units"),
+        "offset": ("ROLE=NUMBER", "offset added to the value, in SI units"),
     }
     for name, (metavar, text) in texts.items():
         _add_several(group, f"--{name}", metavar, text)
     group.add_argument("--motion", choices=("linear", "rotary"), help="(default: from the units)")
     group.add_argument(
-        "--controller", choices=get_args(Kind), help="that was in use (default none: not known)"
+        "--controller",
+        choices=get_args(Kind),
+        help="controller of the drive (default none: not known)",
     )
-    _add_several(group, "--gain", "NAME=VALUE", f"of the controller: {', '.join(GAINS)}; in SI")
+    _add_several(
+        group, "--gain", "NAME=VALUE", f"gains of the controller: {', '.join(GAINS)}; SI units"
+    )
     for name, metavar, text in (
-        ("encoder-step", "M", "resolution of the position (default: looked for)"),
-        ("force-limit", "N", "of motor or amplifier"),
+        ("encoder-step", "M", "resolution of the position (default: detected)"),
+        ("force-limit", "N", "force limit of motor or amplifier"),
     ):
         group.add_argument(f"--{name}", metavar=metavar, help=text)
     group.add_argument(
-        "--sample-period", type=float, metavar="S", help="instead of the column of time"
+        "--sample-period",
+        type=float,
+        metavar="S",
+        help="sample period, in place of a column of time",
     )
     group.add_argument("--tau-i", type=float, metavar="S", help="time constant of the current loop")
     group.add_argument(
@@ -61,7 +69,7 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="FIGURE",
-        help=f"{', '.join(CONFIRMED)}: it is as extreme as it looks, and its units are right",
+        help=f"{', '.join(CONFIRMED)}: the extreme value and its units are correct",
     )
     group.add_argument("--delimiter", metavar="CHAR", help="of a text file (default: found out)")
     group.add_argument("--decimal", choices=(".", ","), help="of a text file (default: found out)")

@@ -1,4 +1,4 @@
-"""``stickslip plan``: a velocity command that shows a drive's parameters in one recording."""
+"""``stickslip plan``: a velocity command from which a drive's parameters can be learned."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from stickslip.planning import (
 )
 
 _OPTIONS = {
-    "stroke": ("M", "between the two farthest positions"),
+    "stroke": ("M", "distance between the two farthest positions"),
     "speed": ("M/S", "highest speed"),
     "acceleration": ("M/S2", "highest acceleration"),
-    "duration": ("S", "of the whole"),
+    "duration": ("S", "duration of the experiment"),
     "rate": ("HZ", "samples per second"),
 }
 
@@ -37,7 +37,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "drive, log time, force and position, and learn from the log."
     )
     parser.add_argument(
-        "--motion", choices=("linear", "rotary"), default="linear", help="rotary: read rad for m"
+        "--motion",
+        choices=("linear", "rotary"),
+        default="linear",
+        help="rotary: units with rad in place of m",
     )
     for name, (unit, text) in _OPTIONS.items():
         default = f"default {getattr(LINEAR, name):g}"
@@ -49,12 +52,16 @@ def declare(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="PARAMETER",
-        help=f"give more time to what shows these: {', '.join(PAPER)}",
+        help=f"give more time to these parameters: {', '.join(PAPER)}",
     )
     parser.add_argument(
-        "--out", type=Path, default=Path("plan.csv"), metavar="FILE.csv", help="(default plan.csv)"
+        "--out",
+        type=Path,
+        default=Path("plan.csv"),
+        metavar="FILE.csv",
+        help="file of the command (default plan.csv)",
     )
-    parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it, too")
+    parser.add_argument("--plot", type=Path, metavar="FILE.png", help="also draw the command")
     parser.set_defaults(run=run)
 
 
@@ -83,6 +90,6 @@ def _say(table: pd.DataFrame, stretches: tuple[Stretch, ...], unit: str) -> None
     for stretch in stretches:
         begin, end = time[stretch.begin], time[stretch.end]
         shows = " ".join(stretch.part.shows)
-        print(f"{begin:7.2f} .. {end:6.2f} s  {stretch.part.name:16} {shows}")
-    print(f"speed up to {abs(v).max():.3g} {unit}/s; ends where it begins")
-    print(f"needs {max(0.0, -x.min()):.3g} {unit} of room below the start, {x.max():.3g} above")
+        print(f"{begin:7.2f} to {end:6.2f} s  {stretch.part.name:16} {shows}")
+    print(f"speed up to {abs(v).max():.3g} {unit}/s; ends at its start position")
+    print(f"travel: {max(0.0, -x.min()):.3g} {unit} below the start, {x.max():.3g} {unit} above")

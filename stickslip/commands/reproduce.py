@@ -11,6 +11,7 @@ from pathlib import Path
 from stickslip.commands.assignments import (
     add_coarse_option,
     add_set_option,
+    add_source_option,
     coarse_factors,
     drive_changes,
 )
@@ -55,21 +56,22 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="DIR",
-        help="results/paper by default, with --as-published results/as_published",
+        help="folder of the results (default results/paper; with --as-published "
+        "results/as_published)",
     )
     parser.add_argument(
         "--mode",
         choices=["drive", "record"],
         default="drive",
-        help="drive: each candidate runs on the drive FMU, as in the paper; record: all is learned "
-        "from one recording of 20 s",
+        help="drive: each candidate runs on the drive FMU, as in the paper; record: learn "
+        "everything from one recording of 20 s",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the algorithm")
     parser.add_argument(
         "--as-published",
         action="store_true",
         help="only the paper's learning as published, from coarse starts over several seeds, and "
-        "under other readings of what the paper leaves open",
+        "under other interpretations of the paper",
     )
     parser.add_argument(
         "--complete",
@@ -83,19 +85,14 @@ def declare(parser: argparse.ArgumentParser) -> None:
         default=20,
         dest="published_seeds",
         metavar="N",
-        help="how many seeds learn as published, 20 by default; a quarter of them learn under each "
-        "other reading, too",
+        help="number of seeds that learn as published (default 20); a quarter of them also learn "
+        "under each other interpretation",
     )
     add_algorithm_option(parser, "--preset")
     add_coarse_option(parser)
     add_execution_options(parser)
-    parser.add_argument(
-        "--feed",
-        choices=FEEDS,
-        default="nominal",
-        help="what drives the compensator: the nominal loop's velocity, or the command",
-    )
-    add_set_option(parser, "change the simulated drive: drive.NAME=VALUE, or drive.law=NAME")
+    add_source_option(parser, FEEDS)
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 
@@ -116,7 +113,7 @@ def _drive(
 def _print_drive(reproduction: Reproduction) -> None:
     print_table4(reproduction.table4())
     if reproduction.learned.skipped:
-        print(f"nothing was searched: {reproduction.learned.skipped}")
+        print(f"no search was made: {reproduction.learned.skipped}")
 
 
 def _record(
@@ -200,7 +197,7 @@ def run(options: argparse.Namespace) -> None:
             show = compute(chosen, fmus, progress, execution, out)
             forget(execution, options)
     show()
-    print(f"all results in {out}; begin with report.html")
+    print(f"all results are in {out}; open report.html first")
 
 
 def _refuse(options: argparse.Namespace) -> None:

@@ -17,19 +17,23 @@ from stickslip.simulation import Model
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
-    parser.add_argument("--stop", type=float, metavar="S", help="instead of the file's own")
+    parser.add_argument(
+        "--stop", type=float, metavar="S", help="stop time, instead of that of the file"
+    )
     parser.add_argument(
         "--step",
         type=float,
         metavar="S",
-        help="communication step, likewise; 1/500 of the time of an FMU that proposes none",
+        help="communication step, instead of that of the file; 1/500 of the run for an FMU that "
+        "proposes none",
     )
-    add_set_option(parser, "start values: component.variable=VALUE, of arrays 'x=1 2 3'")
+    add_set_option(parser, "start values: component.variable=VALUE; arrays as 'x=1 2 3'")
     parser.add_argument(
         "--input",
         type=Path,
         metavar="FILE.csv|FILE.parquet",
-        help="a column time [s] and one per input, linear in between; a packed input otherwise",
+        help="table with a column time [s] and one per input, interpolated linearly (default: the "
+        "input in the package)",
     )
     parser.add_argument(
         "--hold",
@@ -37,33 +41,43 @@ def declare(parser: argparse.ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="COLUMN",
-        help="columns of --input whose values hold until the next time",
+        help="columns of --input that are held instead of interpolated",
     )
     parser.add_argument(
-        "--tolerance", type=float, metavar="REL", help="of solvers, instead of the FMUs' own"
+        "--tolerance",
+        type=float,
+        metavar="REL",
+        help="relative tolerance of the solvers, instead of that of the FMUs",
     )
     parser.add_argument(
-        "--allow-nan", action="store_true", help="go on where an output is NaN or infinite"
+        "--allow-nan", action="store_true", help="continue when an output is NaN or infinite"
     )
-    parser.add_argument("--variant", metavar="NAME", help="of an .ssp with several systems")
-    parser.add_argument("--until", type=float, metavar="S", help="halt there, before the stop")
-    parser.add_argument("--save", type=Path, metavar="FILE", help="the state at --until, to resume")
-    parser.add_argument("--resume", type=Path, metavar="FILE", help="go on from a saved state")
     parser.add_argument(
-        "--real-time", type=float, metavar="FACTOR", help="simulated s per s, instead of full speed"
+        "--variant", metavar="NAME", help="variant of the .ssp to load, if it has several"
+    )
+    parser.add_argument(
+        "--until", type=float, metavar="S", help="halt at this time, before the stop"
+    )
+    parser.add_argument("--save", type=Path, metavar="FILE", help="file for the state at --until")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="continue from a saved state")
+    parser.add_argument(
+        "--real-time",
+        type=float,
+        metavar="FACTOR",
+        help="simulated seconds per second (default: full speed)",
     )
     parser.add_argument(
         "--record",
         nargs="+",
         action="extend",
         metavar="NAME",
-        help="names or patterns (drive.*); all outputs and inputs by default",
+        help="names or patterns (drive.*) of signals (default: all outputs and inputs)",
     )
     points = parser.add_mutually_exclusive_group()
-    points.add_argument("--every", type=int, default=1, metavar="N", help="keep every N-th point")
-    points.add_argument("--last", action="store_true", help="keep the last point alone")
+    points.add_argument("--every", type=int, default=1, metavar="N", help="record every N-th point")
+    points.add_argument("--last", action="store_true", help="record only the last point")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="write what is kept there"
+        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="file for the recorded signals"
     )
     add_isolation(parser)
     parser.set_defaults(run=run)

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from stickslip.commands.assignments import add_set_option, drive_changes
+from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.table4 import print_table4
 from stickslip.evaluation.attribution import attribute
@@ -15,7 +15,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
-from stickslip.results.learned import read_learned
+from stickslip.results.learned import LearnedFile
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
@@ -25,19 +25,23 @@ from stickslip.servo.systems import FEEDS, Changes
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "--parameters", type=Path, required=True, metavar="FILE.json", help="a learned.json"
+        "--parameters",
+        type=Path,
+        required=True,
+        metavar="FILE.json",
+        help="parameters of the compensator: a learned.json",
     )
-    parser.add_argument("--feed", choices=FEEDS, default="nominal")
+    add_source_option(parser, FEEDS)
     parser.add_argument(
         "--velocity-filter",
         action="store_true",
         help="compensate with a Kalman filter for the velocity and feedforward of inertia, and "
-        "show what each of them adds",
+        "print the contribution of each",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="write table4.csv there, and attribution.csv"
+        "--out", type=Path, metavar="DIR", help="folder for table4.csv and attribution.csv"
     )
-    add_set_option(parser, "change the simulated drive: drive.NAME=VALUE, or drive.law=NAME")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 
@@ -45,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    compensator = read_learned(options.parameters)
+    compensator = LearnedFile(options.parameters).compensator
     with reserved(options.out, ["table4.csv", "attribution.csv"]):
         _validate(options, truth, compensator)
 

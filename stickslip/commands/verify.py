@@ -16,7 +16,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "each that is missing, changed or additional. New results that a killed process left "
         "complete but not all in place are moved in first."
     )
-    parser.epilog = "status 0: all is as it was written; 1: it is not; 2: usage"
+    parser.epilog = "status 0: all files are as written; 1: some are not; 2: usage"
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
     parser.add_argument(
         "--without",

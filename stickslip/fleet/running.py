@@ -75,7 +75,7 @@ def run_jobs(
                 on_done(drive, _alone(submit, drive))
         except CancelledError:
             raise StickslipError(
-                f"the workers at {where} are gone; go on with --resume when they are back"
+                f"the workers at {where} are gone; continue with --resume when they are back"
             ) from None
         finally:
             stop.set()

@@ -76,7 +76,7 @@ def learn_fleet(
     refuse_foreign(unfinished, [_learned(drive) for drive in drives])
     if not execution.resume and (unfinished / MANIFEST).exists():
         raise UsageError(
-            f"{unfinished}: an earlier study did not end; go on with --resume, delete it, "
+            f"{unfinished}: an earlier study did not end; continue with --resume, delete it, "
             "or choose another folder with --out"
         )
     origins = {drive.name: _origin(drive) for drive in drives}
@@ -106,7 +106,7 @@ def learn_fleet(
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; {len(learned)} of {len(drives)} drives are learned and kept in "
-            f"{folder}; go on with --resume"
+            f"{folder}; continue with --resume"
         ) from None
     return Fleet(drives, learned, reasons, kept)
 

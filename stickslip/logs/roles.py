@@ -58,7 +58,7 @@ _MEASURED = {"time": "time"} | {
 
 
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
-    """Return column names by role, and remarks on what was guessed.
+    """Return column names by role, and remarks on what was detected.
 
     Raises
     ------
@@ -81,8 +81,8 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
     if not guesses:
         return found, []
     figure = ", ".join(f"{role} = {name}" for role, name in guesses.items())
-    advice = "--column ROLE=NAME says otherwise, ROLE=none leaves one out"
-    remarks = [Finding("note", "columns guessed from their names", figure, advice)]
+    advice = "--column ROLE=NAME overrides one, --column ROLE=none omits it"
+    remarks = [Finding("note", "columns detected by their names", figure, advice)]
     used = {*found.values(), *guesses.values()}
     if rest := [name for name in table.names if name not in used]:
         shown = ", ".join(rest[:8]) + (", ..." if len(rest) > 8 else "")

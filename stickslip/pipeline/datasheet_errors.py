@@ -14,19 +14,11 @@ from pathlib import Path
 import pandas as pd
 
 from stickslip.catalog.parameters import LUGRE
-from stickslip.evaluation.validation import (
-    Validation,
-    run_command,
-    validate,
-)
+from stickslip.evaluation.validation import Validation, run_command, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed

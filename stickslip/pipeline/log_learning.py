@@ -9,18 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.catalog.parameters import LUGRE, at_share
+from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.fmi.files import atomic_write
-from stickslip.identification.estimation import (
-    Estimation,
-    JudgeName,
-    Search,
-    Task,
-    candidate_fmus,
-)
-from stickslip.identification.estimation import (
-    learn as estimate,
-)
+from stickslip.identification.estimation import Estimation, JudgeName, Search, Task, candidate_fmus
+from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import (
     Description,
@@ -36,7 +28,8 @@ from stickslip.logs import (
 )
 from stickslip.pipeline.log_trial import LogTrial, try_compensator
 from stickslip.report.learned import FILES as REPORT
-from stickslip.report.learned import section_worth, write_estimation_report
+from stickslip.report.learned import write_estimation_report
+from stickslip.report.learned.result import compensation
 from stickslip.results.folder import staged
 from stickslip.results.learned import estimation_document, trial_document
 
@@ -64,7 +57,7 @@ class LogLearning:
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
         share = self.trial.worth.share if self.trial else 1.0
-        return at_share(self.estimation.compensator, share)
+        return friction_law().share(self.estimation.compensator, share)
 
     def with_whole_force(self) -> LogLearning:
         """Return the same with the compensator at its whole force, whatever that does."""
@@ -185,7 +178,7 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         )
         if force or not learned.refusal:
             models.build_fmu("compensator", staging, start=learned.compensator)
-        further = [section_worth.write(learned.trial.worth)] if learned.trial else []
+        further = [compensation(learned.trial.worth)] if learned.trial else []
         write_estimation_report(learned.estimation, learned.findings, staging, further)
 
 

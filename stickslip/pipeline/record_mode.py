@@ -17,37 +17,15 @@ from stickslip import cosim
 from stickslip.catalog.parameters import PAPER, UNITS
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import Validation, validate
-from stickslip.identification.estimation import (
-    Estimation,
-    Search,
-    Task,
-    candidate_fmus,
-    learn,
-)
-from stickslip.logs import (
-    Finding,
-    Recording,
-    check_recording,
-)
-from stickslip.pipeline.reproduction import (
-    Options,
-    Progress,
-    drive_truth,
-)
+from stickslip.identification.estimation import Estimation, Search, Task, candidate_fmus, learn
+from stickslip.logs import Finding, Recording, check_recording
+from stickslip.pipeline.reproduction import Options, Progress, drive_truth
 from stickslip.planning import plan
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import build_fmus, paper_loop
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.tuning.execution import Execution
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)

@@ -19,41 +19,18 @@ from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
-from stickslip.identification.stages import (
-    Estimate,
-    Identification,
-    identify,
-)
+from stickslip.identification.stages import Estimate, Identification, identify
 from stickslip.pipeline.extras import Extras
 from stickslip.pipeline.steps import with_steps
 from stickslip.results.tables import table2
-from stickslip.servo.datasheet import (
-    LOOP,
-    TRAINING,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
 from stickslip.servo.rig import Rig
-from stickslip.servo.systems import (
-    Changes,
-    Feed,
-    build_fmus,
-    drive_law,
-    paper_loop,
-)
+from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
 from stickslip.tuning.coarse_start import coarsened
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import (
-    Study,
-    learn,
-    parameters,
-)
+from stickslip.tuning.learning import Study, learn, parameters
 from stickslip.tuning.published import WholeStudy
-from stickslip.tuning.refinement import (
-    Refinement,
-    refine,
-    without_search,
-)
+from stickslip.tuning.refinement import Refinement, refine, without_search
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,7 @@ import pandas as pd
 
 from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.comparison import Entry
-from stickslip.evaluation.motion_study import (
-    IDENTIFIED,
-    LEARNED,
-    UNCOMPENSATED,
-)
+from stickslip.evaluation.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.identification.stages import Identification
 from stickslip.servo.tuned_pi import tuned_pi

@@ -16,31 +16,13 @@ from stickslip.identification.stages import Identification
 from stickslip.pipeline.datasheet_errors import vary_datasheet
 from stickslip.pipeline.extras import Extras, all_effects
 from stickslip.pipeline.record_mode import learn_from_recording
-from stickslip.pipeline.reproduction import (
-    Options,
-    Progress,
-    Reproduction,
-    reproduce,
-)
-from stickslip.pipeline.steps import (
-    TRAPEZOID,
-    Recorded,
-    steps,
-    with_steps,
-)
-from stickslip.servo.datasheet import (
-    LOOP,
-    TRAINING,
-    Datasheet,
-)
+from stickslip.pipeline.reproduction import Options, Progress, Reproduction, reproduce
+from stickslip.pipeline.steps import TRAPEZOID, Recorded, steps, with_steps
+from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import (
-    Study,
-    learn,
-    parameters,
-)
+from stickslip.tuning.learning import Study, learn, parameters
 from stickslip.tuning.published import study_as_published
 from stickslip.tuning.published.study import OnGeneration, side_by_side
 from stickslip.tuning.refinement import refine, without_search

@@ -12,13 +12,7 @@ from matplotlib.ticker import MultipleLocator, StrMethodFormatter
 from numpy.typing import NDArray
 
 from stickslip.cosim.control import MeasuredResponse
-from stickslip.report.style import (
-    INK,
-    PAGE,
-    THICK,
-    house_style,
-    new_figure,
-)
+from stickslip.report.style import INK, PAGE, THICK, house_style, new_figure
 
 _COLOURS = ("#004f86", "#e07b00", "#3a8f5c", "#8c4a86", "#6f6f6f")
 _MARKS = "osD^v"

@@ -8,13 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
-from stickslip.report.style import (
-    GREY,
-    INK,
-    LINE,
-    PALE,
-    SMALL,
-)
+from stickslip.report.style import GREY, INK, LINE, PALE, SMALL
 
 Point = tuple[float, float]
 RADIUS = 2.4

@@ -1,9 +1,13 @@
-"""HTML in small pieces: what is not markup yet is escaped."""
+"""HTML from small parts: what is not markup yet is escaped."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from html import escape
+
+from stickslip.catalog.parameters import UNITS
+from stickslip.identification.stages import Estimate
+from stickslip.report.quantity import SCALES, SYMBOLS, number, unit, with_error
 
 
 class Html(str):
@@ -12,9 +16,9 @@ class Html(str):
     __slots__ = ()
 
 
-def text(said: str) -> Html:
+def text(content: str) -> Html:
     """Return a text as markup, escaped unless it is markup already."""
-    return said if isinstance(said, Html) else Html(escape(said))
+    return content if isinstance(content, Html) else Html(escape(content))
 
 
 def element(name: str, *content: str, **attributes: str) -> Html:
@@ -70,3 +74,31 @@ def table(
         element("tbody", join(body, "\n")),
     )
     return element("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
+
+
+METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}
+
+
+def parameter(name: str) -> Html:
+    """Return the symbol of a parameter of Table 2."""
+    return symbol(*SYMBOLS[name])
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit in which the page shows a parameter of Table 2."""
+    return SCALES[name][1] if name in SCALES else unit(UNITS[name])
+
+
+def parameter_value(name: str, value: float, digits: int = 5) -> str:
+    """Return a value, given in SI, in that unit."""
+    return number(value * _scale(name), digits)
+
+
+def parameter_estimate(name: str, estimate: Estimate) -> str:
+    """Return an estimate, given in SI, in that unit, with its standard error."""
+    scale = _scale(name)
+    return with_error(estimate.value * scale, estimate.standard_error * scale)
+
+
+def _scale(name: str) -> float:
+    return SCALES[name][0] if name in SCALES else 1.0

@@ -9,10 +9,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.style import RESOLUTION, house_style
-
-Drawing = Callable[[Reproduction], Figure]
 
 MILLIMETRES = 25.4
 """In an inch, matplotlib's unit."""

@@ -1,37 +1,63 @@
-"""learned.json: the tuned parameters with units, cost, seed and versions."""
+"""learned.json: the one module that writes and reads it.
+
+    "parameters": {"F_s": {"value": 8.98, "unit": "N", "low": 8.89, "high": 9.08, ...}, ...}
+    "loop": {"K_p": {"value": 4717.4, "unit": "N.s/m"}, ...}     absent in older files
+    "validation": {"height": {"value": 0.04, "unit": "m/s"}, ...}
+    "datasheet": {"encoder_step": {"value": 4e-7, "unit": "m"}, ...}
+
+Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and
+the gains L_x L_v L_d of a velocity filter. Only ``parameters`` is needed to read a file.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Mapping
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from stickslip.catalog.parameters import (
-    LUGRE,
-    UNITS,
-    at_share,
-    unit_of,
-)
+import numpy as np
+
+from stickslip.catalog.parameters import LUGRE, UNITS, friction_law, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.guards import Worth
+from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.identification.estimation import Estimation
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.results.learned_loop import (
-    datasheet_document,
-    loop_document,
-    read_document,
-    validation_document,
-)
+from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import VALIDATION, Datasheet
-from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.servo.systems import FEEDS, Feed
+from stickslip.servo.velocity_filter import VelocityFilter
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
+CERTAINTY = ("standard_error", "low", "high", "visible", "sentence")
+LOOP_UNITS = {
+    "m": "kg",
+    "b": "N.s/m",
+    "tau_i": "s",
+    "T_s": "s",
+    "tau_f": "s",
+    "K_p": "N.s/m",
+    "K_i": "N/m",
+    "m_ff": "kg",
+    "L_x": "1",
+    "L_v": "1/s",
+    "L_d": "N/m",
+}
+DATASHEET = {"peak_force": "N", "tau_i": "s", "encoder_step": "m"}
+TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
+_GAINS = ("L_x", "L_v", "L_d")
+_AXIS = ("m", "b", "tau_i")
+_LOOP = ("T_s", "tau_f", "K_p", "K_i")
 
 
-def learned_document(reproduction: Reproduction) -> dict[str, Any]:
+def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
     learned, options = reproduction.learned, reproduction.options
     return {
@@ -96,16 +122,9 @@ def estimation_document(
     rotary = estimation.recording.motion == "rotary"
     known = estimation.known
     parameters = {
-        name: {
-            "value": known[name].value,
-            "unit": unit_of(name, rotary=rotary),
-            "standard_error": known[name].standard_error,
-            "low": known[name].low,
-            "high": known[name].high,
-            "visible": known[name].visible,
-            "sentence": known[name].sentence,
-        }
-        for name in known
+        name: {"value": value.value, "unit": unit_of(name, rotary=rotary)}
+        | {key: getattr(value, key) for key in CERTAINTY}
+        for name, value in known.items()
     }
     document: dict[str, Any] = {
         "parameters": parameters,
@@ -162,53 +181,184 @@ def versions() -> dict[str, str]:
     return {package: version(package) for package in PACKAGES}
 
 
-def read_learned(path: Path) -> dict[str, float]:
-    """Return the compensator's parameters of a learned.json by name, in SI units.
+def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:
+    """Return a velocity loop as plain data, for the entry ``loop``."""
+    values = {name: getattr(loop.axis, name) for name in _AXIS}
+    values |= {name: getattr(loop, name) for name in (*_LOOP, "m_ff")}
+    if loop.velocity_filter is not None:
+        values |= {name: getattr(loop.velocity_filter, name) for name in _GAINS}
+    return {name: {"value": value, "unit": LOOP_UNITS[name]} for name, value in values.items()}
 
-    They are those of the friction, at the ``share`` of its force that the file names.
+
+def validation_document(command: Trapezoid) -> dict[str, dict[str, Any]]:
+    """Return a validation command as plain data, for the entry ``validation``."""
+    values = dataclasses.asdict(command)
+    return {name: {"value": values[name], "unit": unit} for name, unit in TRAPEZOID.items()}
+
+
+def datasheet_document(sheet: Datasheet) -> dict[str, dict[str, Any]]:
+    """Return what is known of motor and encoder as plain data, for the entry ``datasheet``."""
+    return {name: {"value": getattr(sheet, name), "unit": DATASHEET[name]} for name in DATASHEET}
+
+
+class LearnedFile:
+    """A learned.json, whose entries are checked when they are used.
 
     Raises
     ------
     UsageError
-        When the file is not one.
+        When the file, or the entry that is asked for, is not valid.
     OSError
-        When it cannot be read.
+        When the file cannot be read.
     """
-    friction, entry = read_friction(path), read_document(path).get("share", {"value": 1.0})
-    share = entry.get("value") if isinstance(entry, dict) else None
-    if not isinstance(share, (int, float)) or not 0.0 < share <= 1.0:
-        raise UsageError(f"{path}: share: expected a value above 0 and up to 1; got {entry!r:.80}")
-    return at_share(friction, share)
 
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            document = parse_json(read_limited(path, MOST_TEXT))
+        except ValueError as error:
+            raise UsageError(f"{path}: not a learned.json: {error}") from None
+        if not isinstance(document, dict):
+            raise self._invalid("it has another structure")
+        self._document: dict[str, Any] = document
 
-def read_friction(path: Path) -> dict[str, float]:
-    """Return the learned friction of a learned.json by name, in SI units.
+    @cached_property
+    def friction(self) -> dict[str, float]:
+        """The learned friction by name, in SI units: LuGre's five, and ``delta`` if it is there."""
+        document = self._document
+        try:
+            values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
+            if "delta" in document:
+                values["delta"] = float(document["delta"]["value"])
+        except KeyError as error:
+            raise self._invalid(f"{error} is missing") from None
+        except TypeError:
+            raise self._invalid("it has another structure") from None
+        except (ValueError, OverflowError) as error:
+            raise self._invalid(str(error)) from None
+        for name, value in values.items():
+            if not math.isfinite(value):
+                raise UsageError(f"{self.path}: {name} is {value}; expected a finite number")
+        return values
 
-    LuGre's five, and the exponent ``delta`` where the file has it.
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The compensator's parameters: the friction, at the ``share`` of its force in the file."""
+        friction, entry = self.friction, self._document.get("share", {"value": 1.0})
+        share = entry.get("value") if isinstance(entry, dict) else None
+        if not isinstance(share, (int, float)) or not 0.0 < share <= 1.0:
+            raise UsageError(
+                f"{self.path}: share: expected a value above 0 and up to 1; got {entry!r:.80}"
+            )
+        return friction_law().share(friction, share)
 
-    Raises
-    ------
-    UsageError
-        When the file is not one.
-    OSError
-        When it cannot be read.
-    """
-    document = read_document(path)
-    try:
-        values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
-        if "delta" in document:
-            values["delta"] = float(document["delta"]["value"])
-    except (ValueError, KeyError, TypeError) as error:
-        reason = str(error)
-        if isinstance(error, KeyError):
-            reason = f"{error} is missing"
-        elif isinstance(error, TypeError):
-            reason = "it has another structure"
-        raise UsageError(
-            f"{path}: not a learned.json: {reason}; expected parameters {', '.join(LUGRE)}, "
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard errors by parameter in SI units, where the file has them."""
+        _ = self.friction  # checks the structure
+        entries = {name: self._document["parameters"][name] for name in LUGRE}
+        found = {name: entry.get("standard_error") for name, entry in entries.items()}
+        return {
+            name: float(value)
+            for name, value in found.items()
+            if isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0
+        }
+
+    @property
+    def feed(self) -> Feed:
+        """The input of the compensator; the nominal loop by default."""
+        feed = self._document.get("feed", "nominal")
+        if feed not in FEEDS:
+            raise UsageError(f"{self.path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
+        return cast(Feed, feed)
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the drive is rotary."""
+        return self._document.get("motion") == "rotary"
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be exported; empty by default."""
+        return str(self._document.get("refusal") or "")
+
+    @property
+    def loop(self) -> VelocityLoop | None:
+        """The velocity loop; None in a file without it."""
+        entry = self._entry("loop")
+        if entry is None:
+            return None
+        try:
+            with np.errstate(all="ignore"):
+                return _loop_of(entry)
+        except KeyError as error:
+            raise UsageError(
+                f"{self.path}: loop: {error} is missing; expected {', '.join((*_AXIS, *_LOOP))}"
+            ) from None
+        except ControlError as error:
+            raise UsageError(f"{self.path}: loop: {error}") from None
+        except (ValueError, ArithmeticError) as error:  # numbers with which nothing can be computed
+            values = ", ".join(f"{name} = {value:g}" for name, value in entry.items())
+            raise UsageError(f"{self.path}: loop: {values} is not a loop ({error})") from None
+
+    @property
+    def validation(self) -> Trapezoid:
+        """The validation command; the paper's by default."""
+        entry = self._entry("validation")
+        if entry is None:
+            return VALIDATION
+        if set(entry) != set(TRAPEZOID) or not entry["slope"] > 0.0 or not entry["height"]:
+            raise UsageError(
+                f"{self.path}: validation: expected {', '.join(TRAPEZOID)}, slope above 0, "
+                f"height not 0; got {entry}"
+            )
+        return Trapezoid(**entry)
+
+    @property
+    def datasheet(self) -> Datasheet:
+        """Motor and encoder; the paper's by default."""
+        entry = self._entry("datasheet") or {}
+        if not set(entry) <= set(DATASHEET) or not all(
+            value > 0.0 or (name == "tau_i" and value == 0.0) for name, value in entry.items()
+        ):
+            raise UsageError(
+                f"{self.path}: datasheet: expected {', '.join(DATASHEET)}, each above 0; "
+                f"got {entry}"
+            )
+        return Datasheet(**entry)
+
+    def _entry(self, name: str) -> dict[str, float] | None:
+        """Return the values of an entry, None if it is absent."""
+        entry = self._document.get(name)
+        if entry is None:
+            return None
+        try:
+            values = {key: float(item["value"]) for key, item in entry.items()}
+        except (AttributeError, KeyError, TypeError, ValueError, OverflowError):
+            values = {"": math.nan}
+        if not all(map(math.isfinite, values.values())):
+            raise UsageError(
+                f"{self.path}: {name}: expected names, each with a finite value and a unit; "
+                f"got {entry!r:.80}"
+            )
+        return values
+
+    def _invalid(self, reason: str) -> UsageError:
+        return UsageError(
+            f"{self.path}: not a learned.json: {reason}; expected parameters {', '.join(LUGRE)}, "
             "each with a value"
-        ) from None
-    for name, value in values.items():
-        if not math.isfinite(value):
-            raise UsageError(f"{path}: {name} is {value}; expected a finite number")
-    return values
+        )
+
+
+def _loop_of(entry: Mapping[str, float]) -> VelocityLoop:
+    axis = Axis(**{name: entry[name] for name in _AXIS})
+    velocity_filter = None
+    if "L_x" in entry:
+        gains = {name: entry[name] for name in _GAINS}
+        velocity_filter = VelocityFilter(axis, entry["T_s"], **gains)
+    return close_velocity_loop(
+        axis,
+        **{name: entry[name] for name in _LOOP},
+        m_ff=entry.get("m_ff", 0.0),
+        velocity_filter=velocity_filter,
+    )

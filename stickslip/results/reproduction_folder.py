@@ -17,7 +17,7 @@ from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.reproduction import FILES as REPORT
 from stickslip.report.reproduction import write_report
 from stickslip.results.folder import staged
-from stickslip.results.learned import learned_document
+from stickslip.results.learned import reproduction_document
 from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published.whole import TABLES
@@ -59,7 +59,7 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         write_table(reproduction.algorithm.convergence(), staging / "fitness.csv")
         fmu = models.build_fmu("compensator", staging, start=reproduction.learned.values)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
-        write_json(learned_document(reproduction), staging / "learned.json")
+        write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")
         write_report(reproduction, staging)
 

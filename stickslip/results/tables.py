@@ -6,11 +6,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from stickslip.catalog.parameters import (
-    LUGRE,
-    PAPER,
-    UNITS,
-)
+from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.tuning.refinement import Refinement
 

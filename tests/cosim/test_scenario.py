@@ -149,7 +149,10 @@ def test_a_connection_is_named_by_its_input_in_the_unit_of_that(make):
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
-        (Scenario().set("one.u", 1.0, 0.5), r"sensor\.y, which feeds two\.u too.*name sensor\.y"),
+        (
+            Scenario().set("one.u", 1.0, 0.5),
+            r"sensor\.y, .*also connected to two\.u.*name sensor\.y",
+        ),
         (Scenario().set("sensor.u", 1.0, 0.5).set("x", 1.0, 0.5), "x, which occurs already"),
     ],
 )

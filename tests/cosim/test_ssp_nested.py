@@ -401,7 +401,7 @@ BOOLEAN = (
         ),
         (TWO + connections(("a.y", "b.y")), r"cannot connect a\.y to b\.y: both ends give"),
         (TWO + connections(("a.u", "b.u")), "both ends take"),
-        (TWO + connections(("a.y", "b.u"), ("a.sum", "b.u")), r"b\.u is fed already"),
+        (TWO + connections(("a.y", "b.u"), ("a.sum", "b.u")), r"b\.u is already connected"),
         (TWO + connections(("a.y", "b.k")), r"a\.y cannot feed b\.k: it is a parameter"),
         (TWO + connections(("a.y", "b.v")), "b has no connector 'v'"),
         (elements(component("a"), component("a")), "two elements 'a'"),

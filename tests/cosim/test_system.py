@@ -84,7 +84,7 @@ def test_a_component_with_a_wrong_parameter_is_not_added(system, make):
     [
         ("drive.q", 1.0, "no variable 'q'"),
         ("drove.k", 1.0, "did you mean 'drive'"),
-        ("drive.k", 1001.0, r"drive\.k = 1001\.0 is outside its range -1000\.0 \.\. 1000\.0"),
+        ("drive.k", 1001.0, r"drive\.k = 1001\.0 is outside its range -1000\.0 to 1000\.0"),
         ("drive.fault_time", math.inf, "outside its range"),
         ("drive.k", math.nan, "outside its range"),
         ("drive.k", "much", "expected a value of type Real, got 'much'"),

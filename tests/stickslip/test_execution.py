@@ -42,7 +42,7 @@ def test_an_unfinished_run_is_not_overwritten_unasked(tmp_path):
     path = tmp_path / "learning.checkpoint.json"
     algorithm = ga.GeneticAlgorithm([ga.Gene("a", 0.1, 2.0, 1.0)])
     checkpoint.write(path, algorithm.state(), "")
-    with pytest.raises(UsageError, match=r"an earlier run did not end; go on with --resume"):
+    with pytest.raises(UsageError, match=r"an earlier run did not end; continue with --resume"):
         execution_of(chosen(), path)
     assert execution_of(chosen("--resume"), path).resume
 
@@ -84,7 +84,7 @@ def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr("stickslip.commands.reproduce.reproduce", searched)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     kept = tmp_path / "learning.checkpoint.json"
-    said = f"interrupted; what the search found is kept in {kept}; go on with --resume"
+    said = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
     assert capsys.readouterr().err == f"stickslip: {said}\n"
 
 

@@ -49,7 +49,7 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
         patch.setattr("stickslip.commands.learn.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoint = tmp_path / "learning.checkpoint.json"
-    assert f"kept in {checkpoint}; go on with --resume" in capsys.readouterr().err
+    assert f"kept in {checkpoint}; continue with --resume" in capsys.readouterr().err
     assert main([*arguments, "--resume"]) == 0
     assert not checkpoint.exists()
     assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
@@ -72,7 +72,7 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
         patch.setattr("stickslip.commands.learn.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
-    assert f"kept in {checkpoints[0]}, {checkpoints[1]}; go on with" in capsys.readouterr().err
+    assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err
     checkpoints[0].unlink()
     assert main(arguments) == 1  # the checkpoint of the last seed is named before the first search
     assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err

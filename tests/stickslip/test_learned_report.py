@@ -10,22 +10,17 @@ import pandas as pd
 import pytest
 
 from stickslip import ga
-from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import Figures
-from stickslip.identification.criteria.unknowns import NAMES, Unknowns
 from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
-from stickslip.report.learned import (
-    PICTURES,
-    section_judge,
-    section_known,
-    write_estimation_report,
-)
+from stickslip.report.learned import FIGURES, method, result, sections, write_estimation_report
 from stickslip.report.learned.scales import Scale
-from stickslip.report.learned.thinning import thinned
+from stickslip.report.learned.signals import thinned
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style
@@ -70,11 +65,8 @@ def made(kind="loop", n=30_000):
         t, x, velocity_command=v, encoder_step=4e-7,
         motion="rotary" if kind == "rotary" else "linear", source="a & b.csv", **measured,
     )  # fmt: skip
-    free = np.full(len(NAMES), np.inf)
-    unknowns = Unknowns(100.0, 6.0, 5e-4, np.zeros(9), free, -free, free)
-    fit = Fit(
-        unknowns, unknowns.coordinates(VALUES), noise, np.zeros((n, 9)), 1e-4 * np.eye(9), 0.01
-    )
+    space = ParameterSpace.of(friction_law())
+    fit = Fit(space, space.encode(VALUES), noise, np.zeros((n, 9)), 1e-4 * np.eye(9), 0.01)
     simulated = None if kind == "friction" else x + 3e-7
     nan = float("nan")
     loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
@@ -85,7 +77,7 @@ def made(kind="loop", n=30_000):
         recording=recording,
         judge="inverse model" if kind == "friction" else "output error",
         reason="for a reason < others",
-        start=Start(VALUES, unknowns),
+        start=Start(VALUES, space),
         fit=fit,
         known=known,
         parameters=VALUES,
@@ -110,6 +102,12 @@ def written(request, tmp_path_factory):
     files = write_estimation_report(estimation, FINDINGS, folder)
     assert {path.name for path in folder.iterdir()} == {f.name for f in files} | {"learned.json"}
     return request.param, estimation, folder
+
+
+def drawing(name, estimation):
+    """Return what draws a figure of the page."""
+    found = [one for part in sections(estimation, (), ()) for one in part.illustrations()]
+    return next(one.draw for one in found if one.name == name)
 
 
 def words(folder):
@@ -144,7 +142,7 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
 def test_the_page_names_judge_reason_and_errors(written):
     kind, estimation, folder = written
     said = words(folder)
-    assert f"Judged by the {estimation.judge}: {estimation.reason}." in said
+    assert f"Criterion: {estimation.judge}, since {estimation.reason}." in said
     assert "12.3 %" in said
     assert ("0.015 %" in said) == (kind != "friction")
     assert "nan" not in said.lower()
@@ -179,7 +177,7 @@ def test_the_page_names_only_files_that_are_there(written):
 def test_the_page_holds_its_pictures_and_needs_nothing_else(written):
     page = (written[2] / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-    assert len(sources) == len(PICTURES)
+    assert len(sources) == len(FIGURES)
     assert all(source.startswith("data:image/svg+xml;base64,") for source in sources)
     assert len(page) < 1_500_000
 
@@ -187,14 +185,14 @@ def test_the_page_holds_its_pictures_and_needs_nothing_else(written):
 def test_pictures_show_units_of_the_drive(written):
     kind, _, folder = written
     force, length = ("N m", "mrad") if kind == "rotary" else ("N", "mm")
-    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in PICTURES}
+    texts = {name: drawn(folder, name).replace("\u00a0", " ") for name in FIGURES}
     assert f"[{length}]" in texts["recording"]
     assert f"[{force}]" in texts["recording"]
     assert f"[{force}]" in texts["force"]
     assert "relative error 12.3 %" in texts["force"].replace("\u00a0", " ")
     assert ("Hysteresis" in texts["force"]) == (kind == "friction")
     assert ("one step of the encoder" in texts["residual"]) == (kind != "friction")
-    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in PICTURES)
+    assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in FIGURES)
 
 
 def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
@@ -207,7 +205,7 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
 @pytest.mark.parametrize("name", ["force", "profiles"])
 def test_the_same_estimation_gives_the_same_bytes(written, name):
     kind, _, folder = written
-    again = Picture.of(PICTURES[name], made(kind))
+    again = Picture.of(drawing(name, made(kind)))
     assert (folder / f"{name}.svg").read_bytes() == again.svg
     assert (folder / f"{name}.png").read_bytes() == again.png
 
@@ -215,7 +213,7 @@ def test_the_same_estimation_gives_the_same_bytes(written, name):
 def test_searches_of_several_seeds_are_listed():
     estimation = made("friction", n=2000)
     rows = pd.concat([estimation.searches, estimation.searches.assign(seed=7, cost=0.0123)])
-    said = section_judge.write(replace(estimation, searches=rows))
+    said = method.criterion(replace(estimation, searches=rows)).markup({})
     assert "Spread over seeds" in said
     assert "0.0123" in said
     assert "504 candidates in 2 searches" in said
@@ -235,8 +233,8 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
     )  # fmt: skip
     with house_style():
         for name in ("force", "profiles"):
-            PICTURES[name](blind).draw_without_rendering()
-    assert "≈ 6" in section_known.write(blind)
+            drawing(name, blind)().draw_without_rendering()
+    assert "≈ 6" in result.head(blind).markup({})
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():

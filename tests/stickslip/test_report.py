@@ -17,16 +17,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import Evaluation
-from stickslip.evaluation.fmpy_check import (
-    Comparison,
-    FmuVariable,
-    SecondOpinion,
-)
-from stickslip.evaluation.motion_study import (
-    WEAK_ENTRIES,
-    MotionStudy,
-    weakened,
-)
+from stickslip.evaluation.fmpy_check import Comparison, FmuVariable, SecondOpinion
+from stickslip.evaluation.motion_study import WEAK_ENTRIES, MotionStudy, weakened
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.sensitivity import wrong_values
 from stickslip.evaluation.validation import Run, Validation
@@ -39,38 +31,22 @@ from stickslip.identification.stages import (
 )
 from stickslip.pipeline.datasheet_errors import FACTORS
 from stickslip.pipeline.extras import Extras
-from stickslip.pipeline.reproduction import (
-    Options,
-    Reproduction,
-    drive_truth,
-)
+from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth
 from stickslip.pipeline.steps import STEPS
+from stickslip.report.markup import parameter_estimate, parameter_value
+from stickslip.report.page import render
 from stickslip.report.picture import Picture
-from stickslip.report.quantity import (
-    number,
-    percent,
-    with_error,
-)
-from stickslip.report.reproduction import FIGURES, write_report
-from stickslip.report.reproduction.known_beforehand import KNOWN
-from stickslip.report.reproduction.page import page as render_page
-from stickslip.report.shown import parameter_estimate, parameter_value
+from stickslip.report.quantity import number, percent, with_error
+from stickslip.report.reproduction import FIGURES, TITLE, sections, write_report
+from stickslip.report.reproduction.identification import PRIOR
 from stickslip.report.style import house_style
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.rig import Log
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.published.readings import READINGS, learning_row
-from stickslip.tuning.published.study import (
-    Method,
-    Published,
-    SeedRun,
-)
+from stickslip.tuning.published.study import Method, Published, SeedRun
 from stickslip.tuning.published.whole import WholeStudy
 from stickslip.tuning.refinement import Refinement
 
@@ -218,8 +194,19 @@ def made(
 
 def rendered(reproduction):
     """Return the page with blank figures, its cells parted by bars."""
-    page = render_page(reproduction, dict.fromkeys(FIGURES, Picture(b"", b"", 89.0)))
+    page = render_page(reproduction)
     return re.sub(r"\s", " ", re.sub(r"\s*(<[^>]*>\s*)+", "|", page))  # no-break spaces, too
+
+
+def render_page(reproduction):
+    """Return the page with blank figures."""
+    return render(TITLE, sections(reproduction), dict.fromkeys(FIGURES, Picture(b"", b"", 89.0)))
+
+
+def drawing(name, reproduction):
+    """Return what draws a figure of the page."""
+    found = [one for section in sections(reproduction) for one in section.illustrations()]
+    return next(one.draw for one in found if one.name == name)
 
 
 @pytest.fixture(scope="module")
@@ -396,8 +383,7 @@ def test_page_says_where_compensation_does_not_help(reproduction, outline):
     }
     evaluation = replace(reproduction.motions.evaluation, runs=runs)
     worse = replace(reproduction, motions=replace(reproduction.motions, evaluation=evaluation))
-    blank = dict.fromkeys(FIGURES, Picture(b"", b"", 89.0))
-    text = Outline(render_page(worse, blank)).text
+    text = Outline(render_page(worse)).text
     assert "makes these errors larger: Slow reversals, 0.5 mm/s, Emax, measured (500\xa0%)" in text
 
 
@@ -474,7 +460,7 @@ def test_page_shows_table_1_with_its_use():
 
 
 def test_page_lists_all_of_the_data_sheet_and_what_it_does_when_it_is_wrong():
-    assert KNOWN.keys() == FACTORS.keys() == {field.name for field in fields(Datasheet)}
+    assert PRIOR.keys() == FACTORS.keys() == {field.name for field in fields(Datasheet)}
     right = {"m": 5.55, "b": 6.6, "F_c": 6.0, "start_E_max": 0.91, "filtered": 0.876}
     right |= {"start_E_rms": 0.92, "reverse_E_max": 0.93, "reverse_E_rms": 0.94, "error": ""}
     wrong = {"quantity": "tau_i", "factor": 3.0, "value": 3e-4, "error": "phase margin 50 " * 20}
@@ -487,7 +473,7 @@ def test_page_lists_all_of_the_data_sheet_and_what_it_does_when_it_is_wrong():
     assert error.endswith(" …")
     assert len(error) < 80
     assert rest[:6] == ["–"] * 6
-    assert "told something wrong" not in rendered(made())
+    assert "error in the prior knowledge" not in rendered(made())
 
 
 def test_page_tells_the_options(outline):
@@ -512,22 +498,21 @@ def test_page_says_why_nothing_was_searched_and_where_learning_began():
 @pytest.mark.parametrize("preset", ga.ALGORITHMS)
 @pytest.mark.parametrize("chosen", ["refined", "winner", "start"])
 def test_page_of_every_outcome_is_well_formed(preset, chosen):
-    blank = dict.fromkeys(FIGURES, Picture(b"", b"", 89.0))
-    outline = Outline(render_page(made(preset, chosen=chosen), blank))
+    outline = Outline(render_page(made(preset, chosen=chosen)))
     assert outline.open == []
     assert f"preset “{preset}”" in outline.text
 
 
 @pytest.mark.parametrize("name", ["fig2_loops", "fig3_scheme"])
 def test_the_loops_show_what_drives_the_compensator(name):
-    drawn = {Picture.of(FIGURES[name], made(feed=feed)).svg for feed in FEEDS}
+    drawn = {Picture.of(drawing(name, made(feed=feed))).svg for feed in FEEDS}
     assert len(drawn) == len(FEEDS)
 
 
 def words_of(name, reproduction):
     """Return the texts of a figure."""
     with house_style():
-        figure = FIGURES[name](reproduction)
+        figure = drawing(name, reproduction)()
     return [text.get_text() for axes in figure.axes for text in axes.texts]
 
 
@@ -565,7 +550,7 @@ def test_fig_4_has_the_numbers_of_the_run():
 @pytest.mark.parametrize("preset", ga.ALGORITHMS)
 def test_no_text_of_a_drawing_leaves_its_sheet_or_meets_another(name, preset):
     with house_style():
-        figure = FIGURES[name](made(preset))
+        figure = drawing(name, made(preset))()
         renderer = FigureCanvasAgg(figure).get_renderer()
         boxes = [t.get_window_extent(renderer) for axes in figure.axes for t in axes.texts]
     assert all(figure.bbox.x0 <= b.x0 and b.x1 <= figure.bbox.x1 for b in boxes)

@@ -21,7 +21,7 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
     if task.judge == loop and check is None:
         raise UsageError(
             "the output error needs the controller that made the log: give its gains, "
-            "or judge by the inverse model"
+            "or use the inverse model as the criterion"
         )
     if task.judge != "auto":
         return task.judge, "asked for"

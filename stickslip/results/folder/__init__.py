@@ -13,12 +13,7 @@
 from stickslip.results.folder.locking import locked, writable
 from stickslip.results.folder.manifest import MANIFEST, Manifest
 from stickslip.results.folder.ownership import refuse_foreign
-from stickslip.results.folder.publishing import (
-    complete,
-    remove_results,
-    reserved,
-    staged,
-)
+from stickslip.results.folder.publishing import complete, remove_results, reserved, staged
 from stickslip.results.folder.verification import Verdict, verify
 
 __all__ = [

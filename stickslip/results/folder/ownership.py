@@ -10,11 +10,7 @@ from pathlib import Path
 
 from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import require_regular_file
-from stickslip.results.folder.manifest import (
-    MANIFEST,
-    Manifest,
-    hash_of,
-)
+from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of
 
 
 def refuse_foreign(folder: Path, names: Collection[str]) -> None:

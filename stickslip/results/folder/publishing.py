@@ -28,16 +28,8 @@ from stickslip.errors import ResultsError
 from stickslip.fmi.files import atomic_write, sync_folder
 from stickslip.fmi.process import held
 from stickslip.results.folder.locking import OURS, WRITING, locked
-from stickslip.results.folder.manifest import (
-    MANIFEST,
-    Manifest,
-    hash_of,
-)
-from stickslip.results.folder.ownership import (
-    refuse_foreign,
-    refuse_places,
-    unchanged,
-)
+from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of
+from stickslip.results.folder.ownership import refuse_foreign, refuse_places, unchanged
 
 READY = f"{OURS}ready"
 REMOVED = "was removed while results were written; run again"

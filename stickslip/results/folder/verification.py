@@ -11,21 +11,13 @@ from pathlib import Path
 
 from stickslip.errors import ResultsError
 from stickslip.results.folder.locking import OURS
-from stickslip.results.folder.manifest import (
-    MANIFEST,
-    Manifest,
-    hash_of,
-)
+from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of
 from stickslip.results.folder.ownership import refuse_places
-from stickslip.results.folder.publishing import (
-    READY,
-    complete,
-    files_in,
-)
+from stickslip.results.folder.publishing import READY, complete, files_in
 
 NOTES = {
-    "learning.checkpoint*.json": "of a learning that did not end; go on with --resume",
-    "unfinished/*": "of a study that did not end; go on with --resume",
+    "learning.checkpoint*.json": "of a learning that did not end; continue with --resume",
+    "unfinished/*": "of a study that did not end; continue with --resume",
     f"{OURS}*": "of a process that writes, or was killed; the next that writes deletes it",
 }
 """Files that may be there beside results, by pattern."""

@@ -99,7 +99,7 @@ CONNECTIONS = [
           "the loop .*a.* was not solved",
           structure(A, [connection("a.y", "a.u")], before=binding("a.ssv")),
           {"a.ssv": values(("a.d", "1"))}),
-    _connected("two-sources", "two outputs to one input", r"b\.u is fed already", connection("a.y", "b.u"), connection("a.z", "b.u")),
+    _connected("two-sources", "two outputs to one input", r"b\.u is already connected", connection("a.y", "b.u"), connection("a.z", "b.u")),
     _connected("two-outputs", "an output led to an output", "both ends give a signal", connection("a.y", "b.y")),
     _connected("two-inputs", "an input led to an input", "both ends take a signal", connection("a.u", "b.u")),
     _connected("unknown-element", "a connection to nowhere", "there is no component 'c'", connection("a.y", "c.u")),

@@ -305,7 +305,7 @@ def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names
             two(
                 connection("a.y", "b.u"), connection("a.y", "b.u", startIndices="1", endIndices="2")
             ),
-            r"b\.u\[2\] is fed already",
+            r"b\.u\[2\] is already connected",
         ),
         (
             "state_space",

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from stickslip import cosim
 from stickslip.cli import main
-from stickslip.cosim.description import DescriptionFault, read_description
-from stickslip.cosim.document import Malformed, parse_xml
+from stickslip.fmi.description import DescriptionFault, read_description
+from stickslip.fmi.xml import Malformed, parse_xml
 from tests.corpus.defects import reference
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped
@@ -131,7 +131,7 @@ def test_strange_names_reach_the_table_unchanged(tmp_path, name):
 def test_a_start_outside_its_range_can_be_mended(tmp_path, capsys):
     path = written(tmp_path, (RATE, 'min="0" max="10" start="11"'))
     assert main(["simulate", str(path)]) == 1
-    assert "starts at '11.0' 1/s, outside its range 0.0 .. 10.0 1/s" in capsys.readouterr().err
+    assert "starts at '11.0' 1/s, outside its range 0.0 to 10.0 1/s" in capsys.readouterr().err
     assert main(["simulate", str(path), "--set", "k=10"]) == 0
     assert "reference.y" in capsys.readouterr().out
 

@@ -59,7 +59,7 @@ def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
     (folder / "unfinished" / "a" / "learned.json").touch()
     status, lines, _ = verify(capsys, folder)
     assert status == 0
-    assert sum("go on with --resume" in line for line in lines) == 2
+    assert sum("continue with --resume" in line for line in lines) == 2
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from random import Random
 
 from lxml import etree
 
-from stickslip.cosim.description import DescriptionFault, read_description
-from stickslip.cosim.document import Malformed, parse_xml
+from stickslip.fmi.description import DescriptionFault, read_description
+from stickslip.fmi.xml import Malformed, parse_xml
 from tests.corpus.defects.reference import HERE
 from tests.corpus.fuzz.mutation import NUMBERS
 

@@ -12,13 +12,7 @@ from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
 from stickslip.models.errors import LtiError
 from stickslip.models.lti.file import read_lti
-from stickslip.results.learned import read_learned
-from stickslip.results.learned_loop import (
-    read_feed,
-    read_loop,
-    read_standard_errors,
-    read_validation,
-)
+from stickslip.results.learned import LearnedFile
 from tests.corpus.fuzz.tokens import by_tokens
 
 EXPECTED = (UsageError, ga.StateError, LtiError)
@@ -68,8 +62,9 @@ def parse(data: bytes, folder: Path) -> None:
     if b"evaluations" in data and b"genes" in data:
         _algorithm().replay(checkpoint.read(file, ""))
     elif b"parameters" in data:
-        for read in (read_learned, read_standard_errors, read_feed, read_loop, read_validation):
-            read(file)
+        learned = LearnedFile(file)
+        for entry in ("compensator", "standard_errors", "feed", "loop", "validation", "datasheet"):
+            getattr(learned, entry)
     else:
         read_lti(file)
 

@@ -1,7 +1,0 @@
-"""modelDescription.xml of FMI 2.0 and 3.0: read, and checked as far as a run depends on it."""
-
-from stickslip.cosim.description.faults import DescriptionFault
-from stickslip.cosim.description.model import Description
-from stickslip.cosim.description.reading import read_description
-
-__all__ = ["Description", "DescriptionFault", "read_description"]

@@ -1,0 +1,7 @@
+"""modelDescription.xml of FMI 2.0 and 3.0: read, and checked as far as a run depends on it."""
+
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.model import Description
+from stickslip.fmi.description.reading import read_description
+
+__all__ = ["Description", "DescriptionFault", "read_description"]

@@ -1,0 +1,67 @@
+"""Attributes as values: a number that is none names its element and line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.messages import shown
+
+_WHOLE = re.compile(r"\s*[-+]?[0-9]{1,20}\s*")
+_NAMELESS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+WORDS = {"true": True, "1": True, "false": False, "0": False}
+
+
+def name_of(element: Any) -> str:
+    """Return an element's name, which it must have; without control characters."""
+    name: str = element.get("name") or ""
+    if not name or _NAMELESS.search(name):
+        what = f"is {shown(name)}: control characters are not taken" if name else "is missing"
+        raise DescriptionFault(element, f"the name of a {element.tag} {what}; export it again")
+    return name
+
+
+def real(text: str, what: str, element: Any) -> float:
+    """Return a number, which may be INF or NaN."""
+    try:
+        if "_" not in text:
+            return float(text)
+    except ValueError:
+        pass
+    raise DescriptionFault(element, f"{what} is {shown(text)}, expected a number")
+
+
+def finite(text: str, what: str, element: Any) -> float:
+    """Return a number that is neither INF nor NaN."""
+    number = real(text, what, element)
+    if not math.isfinite(number):
+        raise DescriptionFault(element, f"{what} is {number}, expected a finite number")
+    return number
+
+
+def whole(text: str, what: str, element: Any) -> int:
+    """Return an integer."""
+    if not _WHOLE.fullmatch(text):
+        raise DescriptionFault(element, f"{what} is {shown(text)}, expected an integer")
+    return int(text)
+
+
+def whole_of(element: Any, attribute: str, least: int, most: int) -> int:
+    """Return an attribute that must exist, an integer within a range."""
+    text = element.get(attribute)
+    if text is None:
+        raise DescriptionFault(element, f"{element.tag} has no {attribute}; export it again")
+    number = whole(text, attribute, element)
+    if not least <= number <= most:
+        raise DescriptionFault(
+            element, f"{attribute} is {number}, expected an integer from {least} to {most}"
+        )
+    return number
+
+
+def flag(attributes: Mapping[str, str], name: str) -> bool:
+    """Return an attribute that is true or false, false where it is missing."""
+    return WORDS.get(attributes.get(name, "false").strip(), False)

@@ -1,0 +1,250 @@
+"""Variables from their elements.
+
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from stickslip.fmi.description.attributes import WORDS, flag, name_of, real, whole, whole_of
+from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.types import TypeDefinition
+from stickslip.fmi.description.variables import (
+    FLOATS,
+    MAX_ELEMENTS,
+    NOT_NUMBERS,
+    SETTERS,
+    Scalar,
+    Value,
+    Variable,
+)
+from stickslip.fmi.messages import shown
+
+MAX_REFERENCE = 2**32 - 1
+
+_TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3]) | {"Clock"}}
+_PARAMETERS = {"parameter", "calculatedParameter", "structuralParameter"}
+_INITIALS = {None, "exact", "approx", "calculated"}
+# What ``initial`` is where it is not given; combinations that are not here are not lawful.
+_INITIAL = {
+    ("constant", "output"): "exact",
+    ("constant", "local"): "exact",
+    **{
+        (variability, causality): initial
+        for variability in ("fixed", "tunable")
+        for causality, initial in (
+            ("structuralParameter", "exact"),
+            ("parameter", "exact"),
+            ("calculatedParameter", "calculated"),
+            ("local", "calculated"),
+        )
+    },
+    **{
+        (variability, causality): initial
+        for variability in ("discrete", "continuous")
+        for causality, initial in (
+            ("input", "exact"),
+            ("output", "calculated"),
+            ("local", "calculated"),
+        )
+    },
+    ("continuous", "independent"): None,
+}
+_VARIABILITIES = {variability for variability, _ in _INITIAL}
+_CAUSALITIES = {causality for _, causality in _INITIAL}
+
+Lengths = Mapping[int, tuple[str, int]]
+"""Value reference of what can be a length -> its name and start value."""
+
+
+def read_variable(
+    element: Any,
+    typed: Any,
+    version: int,
+    types: Mapping[str, TypeDefinition],
+    lengths: Lengths,
+) -> Variable:
+    """Return a variable.
+
+    Parameters
+    ----------
+    typed : what ``typed_element`` returns
+
+    Raises
+    ------
+    DescriptionFault
+    """
+    name = name_of(element)
+    kind = typed.tag
+    if kind not in _TYPES[version]:
+        raise DescriptionFault(element, f"{shown(name)} is of the unknown type {shown(str(kind))}")
+    own = typed.attrib
+    declared = _declared(own.get("declaredType"), types, name, element)
+    given = declared.given if declared else own
+
+    def text(attribute: str) -> str | None:
+        found: str | None = own.get(attribute)
+        return given.get(attribute) if found is None else found
+
+    def number(attribute: str) -> float | None:
+        found = text(attribute)
+        return None if found is None else real(found, f"{attribute} of {shown(name)}", element)
+
+    dimensions, structure = (
+        _dimensions(element, name, lengths) if version == 3 and len(element) else ((), ())
+    )
+    causality, variability, initial = _roles(element, version, kind, name)
+    is_number = kind not in NOT_NUMBERS
+    return Variable(
+        name=name,
+        reference=whole_of(element, "valueReference", 0, MAX_REFERENCE),
+        type=kind,
+        causality=causality,
+        variability=variability,
+        initial=initial,
+        unit=text("unit") if kind in FLOATS else None,
+        start=_start(element, typed, kind, dimensions, name),
+        minimum=number("min") if is_number else None,
+        maximum=number("max") if is_number else None,
+        nominal=number("nominal") if kind in FLOATS else None,
+        description=element.get("description", ""),
+        dimensions=dimensions,
+        structure=structure,
+        enumeration=declared.name if declared and kind == "Enumeration" else None,
+        items=declared.items if declared and kind == "Enumeration" else (),
+        relative=kind in FLOATS and flag({**given, **own}, "relativeQuantity"),
+    )
+
+
+def typed_element(element: Any, version: int) -> Any:
+    """Return the element that has what belongs to the type: in FMI 2.0 the one inside."""
+    if version == 3:
+        return element
+    for child in element:
+        if child.tag in _TYPES[2]:
+            return child
+    raise DescriptionFault(element, f"{shown(name_of(element))} has no type; export it again")
+
+
+def _declared(
+    name: str | None, types: Mapping[str, TypeDefinition], variable: str, element: Any
+) -> TypeDefinition | None:
+    if name is not None and name not in types:
+        raise DescriptionFault(
+            element, f"declaredType of {shown(variable)} is {shown(name)}, which is not defined"
+        )
+    return types.get(name or "")
+
+
+def _roles(element: Any, version: int, kind: str, name: str) -> tuple[str, str, str | None]:
+    causality = element.get("causality", "local")
+    variability = element.get("variability") or _variability(version, kind, causality)
+    initial = element.get("initial")
+    known = causality in _CAUSALITIES and variability in _VARIABILITIES and initial in _INITIALS
+    if not known or (initial is None and (variability, causality) not in _INITIAL):
+        words = ", ".join(shown(word) for word in (causality, variability, initial) if word)
+        raise DescriptionFault(
+            element,
+            f"{shown(name)} has a combination of causality, variability and initial that the"
+            f" standard does not allow: {words}",
+        )
+    return causality, variability, initial or _INITIAL[variability, causality]
+
+
+def _variability(version: int, kind: str, causality: str) -> str:
+    if version == 3 and causality in _PARAMETERS:
+        return "fixed"
+    return "continuous" if version == 2 or kind in FLOATS else "discrete"
+
+
+def _dimensions(
+    element: Any, name: str, lengths: Lengths
+) -> tuple[tuple[int, ...], tuple[str | None, ...]]:
+    pairs = [_dimension(each, name, lengths) for each in element.iterfind("Dimension")]
+    dimensions = tuple(length for length, _ in pairs)
+    if len(dimensions) > 32 or math.prod(dimensions) > MAX_ELEMENTS:  # as many as numpy has
+        raise DescriptionFault(
+            element, f"array {shown(name)} is too large, at most {MAX_ELEMENTS} elements are read"
+        )
+    return dimensions, tuple(source for _, source in pairs)
+
+
+def _dimension(element: Any, name: str, lengths: Lengths) -> tuple[int, str | None]:
+    if (element.get("start") is None) == (element.get("valueReference") is None):
+        raise DescriptionFault(
+            element, f"a Dimension of {shown(name)} needs either start or valueReference"
+        )
+    if element.get("start") is not None:
+        return whole_of(element, "start", 1, MAX_ELEMENTS), None
+    reference = whole_of(element, "valueReference", 0, MAX_REFERENCE)
+    if reference not in lengths:
+        raise DescriptionFault(
+            element,
+            f"a Dimension of {shown(name)} refers to {reference}, expected the value reference of"
+            " a structural parameter or constant, an integer with a start value",
+        )
+    source, length = lengths[reference]
+    if not 0 < length <= MAX_ELEMENTS:
+        raise DescriptionFault(
+            element,
+            f"a Dimension of {shown(name)} has the length {shown(source)} = {length}, expected 1"
+            f" to {MAX_ELEMENTS}",
+        )
+    return length, source
+
+
+def _start(
+    element: Any, typed: Any, kind: str, dimensions: tuple[int, ...], name: str
+) -> Value | None:
+    if kind == "Clock":
+        return None
+    if typed is element and kind in ("String", "Binary"):
+        first = element.find("Start")
+        text = None if first is None else first.get("value", "")
+    else:
+        text = typed.get("start")
+    if text is None:
+        return None
+    read = _READERS.get(kind, whole)
+    what = f"start of {shown(name)}"
+    if not dimensions:
+        return read(text, what, element)
+    if kind in ("String", "Binary"):
+        return None
+    values = tuple(read(word, what, element) for word in text.split())
+    size = math.prod(dimensions)
+    if len(values) not in (1, size):
+        raise DescriptionFault(element, f"{what} has {len(values)} values, expected {size}")
+    return values * size if len(values) == 1 else values
+
+
+def _truth(text: str, what: str, element: Any) -> bool:
+    if text.strip() not in WORDS:
+        raise DescriptionFault(element, f"{what} is {shown(text)}, expected true or false")
+    return WORDS[text.strip()]
+
+
+def _bytes(text: str, what: str, element: Any) -> bytes:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        raise DescriptionFault(
+            element, f"{what} is {shown(text)}, expected hexadecimal digits"
+        ) from None
+
+
+def _text(text: str, what: str, element: Any) -> str:  # noqa: ARG001 - as the others
+    return text
+
+
+_READERS: Mapping[str, Callable[[str, str, Any], Scalar]] = {
+    "Real": real,
+    "Float64": real,
+    "Float32": real,
+    "Boolean": _truth,
+    "String": _text,
+    "Binary": _bytes,
+}

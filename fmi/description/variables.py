@@ -1,0 +1,182 @@
+"""One variable of an FMU.
+
+Source: FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from ctypes import (
+    c_bool,
+    c_char_p,
+    c_double,
+    c_float,
+    c_int8,
+    c_int16,
+    c_int32,
+    c_int64,
+    c_uint8,
+    c_uint16,
+    c_uint32,
+    c_uint64,
+)
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+Scalar = float | int | bool | str | bytes
+Value = Scalar | tuple[Scalar, ...]  # arrays row by row
+
+# Per FMI version and type: the function that sets it and the C type it takes.
+SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
+    2: {
+        "Real": ("fmi2SetReal", c_double),
+        "Integer": ("fmi2SetInteger", c_int32),
+        "Enumeration": ("fmi2SetInteger", c_int32),
+        "Boolean": ("fmi2SetBoolean", c_int32),
+        "String": ("fmi2SetString", c_char_p),
+    },
+    3: {
+        "Float32": ("fmi3SetFloat32", c_float),
+        "Float64": ("fmi3SetFloat64", c_double),
+        "Int8": ("fmi3SetInt8", c_int8),
+        "UInt8": ("fmi3SetUInt8", c_uint8),
+        "Int16": ("fmi3SetInt16", c_int16),
+        "UInt16": ("fmi3SetUInt16", c_uint16),
+        "Int32": ("fmi3SetInt32", c_int32),
+        "UInt32": ("fmi3SetUInt32", c_uint32),
+        "Int64": ("fmi3SetInt64", c_int64),
+        "UInt64": ("fmi3SetUInt64", c_uint64),
+        "Enumeration": ("fmi3SetInt64", c_int64),
+        "Boolean": ("fmi3SetBoolean", c_bool),
+        "String": ("fmi3SetString", c_char_p),
+        "Binary": ("fmi3SetBinary", c_char_p),
+    },
+}
+
+MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
+FLOATS = {"Real", "Float64", "Float32"}
+NOT_NUMBERS = {"String", "Binary", "Clock"}
+_ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
+# The same type under the name of FMI 2.0 and of FMI 3.0.
+_TWINS = {"Real": "Float64", "Integer": "Int32"}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable as the FMU describes it.
+
+    Attributes
+    ----------
+    type : Real, Integer, ... of FMI 2.0 or Float64, Int32, ... of FMI 3.0
+    unit : as the FMU writes it; None when it gives none
+    relative : whether it is a difference, to which no offset of units applies
+    start, minimum, maximum, nominal : in ``unit``; None when the FMU gives none
+    dimensions : length of each; empty for a scalar
+    structure : for each dimension the structural parameter that sets its length, None where fixed
+    array, element : of an element of an array, the array's name and the place in it, row by row
+    enumeration : name of its type, of an enumeration
+    items : (name, number) of that type
+    """
+
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    initial: str | None = None
+    unit: str | None = None
+    start: Value | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float | None = None
+    description: str = ""
+    dimensions: tuple[int, ...] = ()
+    structure: tuple[str | None, ...] = ()
+    array: str | None = None
+    element: int = 0
+    enumeration: str | None = None
+    items: tuple[tuple[str, int], ...] = ()
+    relative: bool = False
+
+    @property
+    def is_signal(self) -> bool:
+        """Whether it can be connected and recorded: a scalar that is a number or Boolean."""
+        return self.type not in NOT_NUMBERS and not self.dimensions
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the kernel's loop takes it as it is: a scalar of 64-bit floating point."""
+        return self.type in {"Real", "Float64"} and not self.dimensions and self.array is None
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether it jumps: its values are held, never interpolated."""
+        return self.type not in FLOATS or self.variability != "continuous"
+
+    @property
+    def is_mapped(self) -> bool:
+        """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
+        return self.type not in FLOATS | NOT_NUMBERS
+
+    @cached_property
+    def is_settable(self) -> bool:
+        """Whether a start value can be given to it."""
+        settable = {"parameter", "structuralParameter", "input"}
+        given = self.causality in settable or self.initial in {"exact", "approx"}
+        return given and self.variability != "constant"
+
+    @property
+    def kind(self) -> str:
+        """Its type under the name of FMI 3.0; only equal kinds can be connected."""
+        return _TWINS.get(self.type, self.type)
+
+    @property
+    def owner(self) -> str:
+        """The variable that the FMU knows: the array of an element, else the variable itself."""
+        return self.array or self.name
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return math.prod(self.dimensions)
+
+    def elements(self) -> Iterator[Variable]:
+        """Yield ``name[1,1]``, ``name[1,2]``, ...; of a scalar the variable itself."""
+        if not self.dimensions:
+            yield self
+            return
+        for place, indices in enumerate(np.ndindex(self.dimensions)):
+            yield self._element(place, [i + 1 for i in indices])
+
+    def at(self, indices: tuple[int, ...]) -> Variable | None:
+        """Return the element at these indices, which count from 1; None when there is none."""
+        if len(indices) != len(self.dimensions) or not all(
+            1 <= i <= length for i, length in zip(indices, self.dimensions, strict=True)
+        ):
+            return None
+        place = np.ravel_multi_index([i - 1 for i in indices], self.dimensions)
+        return self._element(int(place), indices)
+
+    def _element(self, place: int, indices: Sequence[int]) -> Variable:
+        return replace(
+            self,
+            name=f"{self.name}[{','.join(map(str, indices))}]",
+            dimensions=(),
+            structure=(),
+            array=self.name,
+            element=place,
+            start=self.start[place] if isinstance(self.start, tuple) else None,
+        )
+
+
+def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:
+    """Split ``name[i,j]`` into the array's name and the indices."""
+    match = _ELEMENT.fullmatch(name)
+    if match is None:
+        return None
+    return match["array"], tuple(int(i) for i in match["indices"].split(","))

@@ -1,0 +1,174 @@
+"""The page of a report: sections of text, figures and tables in one HTML file.
+
+    write_page(folder, "Friction of a drive", [Section("The fit", paragraph("..."), figure)])
+
+The page holds its figures and its style, and needs no script and no network. Each figure is also
+written as PNG and SVG. The same sections give the same bytes.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+from matplotlib.figure import Figure
+
+from stickslip.fmi.files import atomic_write
+from stickslip.report.markup import Html, element, join, paragraph, table, text
+from stickslip.report.picture import Picture
+from stickslip.report.style import COLUMN
+
+PACKAGES = ("stickslip", "numpy", "scipy", "control", "pandas", "fmpy", "ziglang", "matplotlib")
+_PAGE = Template("""\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>$title</title>
+<style>
+$style</style>
+</head>
+<body>
+<main>
+<h1>$title</h1>
+$sections
+</main>
+</body>
+</html>
+""")
+
+
+@dataclass(frozen=True)
+class Illustration:
+    """A figure of a section.
+
+    Attributes
+    ----------
+    name : of its files, without ``.png`` and ``.svg``
+    draw : draws it
+    alternative : text for readers who do not see the figure
+    """
+
+    name: str
+    draw: Callable[[], Figure]
+    alternative: str
+    caption: str
+
+
+class Section:
+    """A part of a page.
+
+    Parameters
+    ----------
+    title : its heading; empty for the head of the page
+    content : markup and illustrations in their order; a list of illustrations is one row
+    """
+
+    def __init__(self, title: str, *content: Html | Illustration | list[Illustration]) -> None:
+        self.title, self.content = title, content
+
+    def illustrations(self) -> list[Illustration]:
+        """Return its illustrations."""
+        parts = [part if isinstance(part, list) else [part] for part in self.content]
+        return [one for part in parts for one in part if isinstance(one, Illustration)]
+
+    def markup(self, pictures: Mapping[str, Picture]) -> Html:
+        """Return the section with its illustrations as drawn."""
+        parts = [_markup(part, pictures) for part in self.content]
+        if not self.title:
+            return join(parts, "\n")
+        return element("section", join([element("h2", self.title), *parts], "\n"))
+
+
+def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
+    """Return a page as HTML.
+
+    Parameters
+    ----------
+    pictures : the illustrations by name
+    """
+    return _PAGE.substitute(
+        title=text(title),
+        style=files(__package__).joinpath("page.css").read_text(encoding="utf-8"),
+        sections=join((section.markup(pictures) for section in sections), "\n"),
+    )
+
+
+def write_page(folder: Path, title: str, sections: Sequence[Section]) -> list[Path]:
+    """Write each illustration as PNG and SVG, and report.html.
+
+    Parameters
+    ----------
+    folder : is made if it is absent; each file of the same name is replaced atomically
+
+    Returns
+    -------
+    the files written, the page last
+
+    Raises
+    ------
+    OSError
+        When the folder cannot be written.
+    """
+    shown = [one for section in sections for one in section.illustrations()]
+    pictures = {one.name: Picture.of(one.draw) for one in shown}
+    written = []
+    for name, picture in pictures.items():
+        written.append(atomic_write(folder / f"{name}.png", picture.png))
+        written.append(atomic_write(folder / f"{name}.svg", picture.svg))
+    page = render(title, sections, pictures)
+    return [*written, atomic_write(folder / "report.html", page)]
+
+
+def file_list(items: Mapping[str, str]) -> Html:
+    """Return the files in the folder of the page, each with a description."""
+    rows = (element("li", element("code", name), ": ", what) for name, what in items.items())
+    listed = element("ul", join(rows, "\n"))
+    return join([paragraph("The folder of this page also contains:"), listed])
+
+
+def commands(*lines: str) -> Html:
+    """Return commands of a shell, a line each."""
+    return element("pre", element("code", "\n".join(lines)))
+
+
+def made_with() -> Html:
+    """Return a table of versions."""
+    versions = [(name, _version(name)) for name in PACKAGES]
+    rows = [("Python", platform.python_version()), *versions]
+    return table(("Package", "Version"), rows, "Made with", (0, 1))
+
+
+def _markup(
+    part: Html | Illustration | list[Illustration], pictures: Mapping[str, Picture]
+) -> Html:
+    if isinstance(part, list):
+        return element("div", join((_markup(one, pictures) for one in part), "\n"), class_="row")
+    if isinstance(part, Illustration):
+        return _figure(part, pictures[part.name])
+    return part
+
+
+def _figure(shown: Illustration, picture: Picture) -> Html:
+    """Return a picture on its white card with a caption."""
+    alternative = shown.alternative
+    image = Html(f'<img src="{picture.embedded()}" alt="{text(alternative)}">')
+    kind = "column" if picture.width <= COLUMN else "page"
+    card = element(
+        "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative
+    )
+    return element("figure", card, element("figcaption", shown.caption), class_=kind)
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

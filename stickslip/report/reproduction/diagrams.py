@@ -1,0 +1,343 @@
+"""Figs. 2 to 4: the loops, the learning scheme, and its flow chart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+from matplotlib.figure import Figure
+
+from stickslip import ga
+from stickslip.pipeline.reproduction import Reproduction
+from stickslip.report.diagram import RADIUS, Block, Sheet
+from stickslip.report.quantity import number
+from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
+from stickslip.servo.datasheet import TRAINING
+from stickslip.servo.systems import Feed
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.learning import BOUNDS
+
+LOOPS_HEIGHT = 127.0
+CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"
+ESTIMATE = r"difference, low-pass $\tau_f$"
+
+
+def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], feed: Feed) -> Figure:
+    """Draw a loop around a drive whose parameters are ``truth``."""
+    figure = new_figure(PAGE, LOOPS_HEIGHT, free=True)
+    sheet = Sheet(figure)
+    _compensated(sheet, truth, feed)
+    _nominal_loop(sheet, loop)
+    _step_response(figure, loop)
+    return figure
+
+
+def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
+    low, middle, high = 60.0, 78.0, 110.0
+    sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
+
+    # The drive, as the rig meets it.
+    sheet.group((79, middle - 9), 85, 33, "Simulated drive")
+    controller = sheet.block(Block(42, middle, 32), "PI controller", CONTROL)
+    current = sheet.block(
+        Block(96, middle, 26), "Current loop", rf"$\pm{number(truth['u_max'], 3)}$ N", "white"
+    )
+    plant = sheet.block(Block(138, middle, 18), r"$\dfrac{1}{m\,s + b}$")
+    friction = sheet.block(Block(138, middle + 15, 18, 9), "Friction")
+    error, force, net = (
+        sheet.sum((18, middle)), sheet.sum((69, middle)), sheet.sum((119, middle))
+    )  # fmt: skip
+    velocity = (155.0, middle)
+
+    sheet.arrow((3, middle), (error[0] - RADIUS, middle))
+    sheet.arrow((error[0] + RADIUS, middle), controller.left)
+    sheet.arrow(controller.right, (force[0] - RADIUS, middle))
+    sheet.arrow((force[0] + RADIUS, middle), current.left)
+    sheet.arrow(current.right, (net[0] - RADIUS, middle))
+    sheet.arrow((net[0] + RADIUS, middle), plant.left)
+    sheet.arrow(plant.right, (180, middle))
+    sheet.arrow(velocity, (velocity[0], friction.y), friction.right)
+    sheet.arrow(friction.left, (net[0], friction.y), (net[0], middle + RADIUS))
+
+    encoder = sheet.block(
+        Block(134, low, 32, 11),
+        "Encoder",
+        _encoder_note(truth),
+    )
+    estimate = sheet.block(Block(69, low, 36, 11), "Velocity estimate", ESTIMATE)
+    tap = (171.0, middle)
+    sheet.arrow(tap, (tap[0], low), encoder.right)
+    sheet.arrow(encoder.left, estimate.right)
+    sheet.arrow(estimate.left, (error[0], low), (error[0], middle - RADIUS))
+
+    # The command side: nominal loop and feedforward.
+    nominal = sheet.block(Block(30, high, 26), "Nominal loop", "of (b)", PALE)
+    compensator = sheet.block(
+        Block(78, high, 38), "Friction compensator", r"LuGre (2)–(4), learned", PALE
+    )
+    branch = (8.0, middle)
+    sheet.arrow(branch, (branch[0], high), nominal.left)
+    if feed == "nominal":
+        sheet.arrow(nominal.right, compensator.left)
+        sheet.text((51, high + 2.8), r"$v_r$")
+    else:
+        above = high + 8.8
+        sheet.node((branch[0], high))
+        sheet.arrow(
+            (branch[0], high), (branch[0], above), (compensator.x, above),
+            (compensator.x, compensator.top),
+        )  # fmt: skip
+        sheet.arrow(nominal.right, (54, high))
+        sheet.text((49, high + 2.8), r"$v_r$")
+        sheet.text((49, high - 2.8), "to (6)", small=True)
+    sheet.arrow((force[0], compensator.bottom), (force[0], middle + RADIUS))
+
+    for at in (branch, velocity, tap):
+        sheet.node(at)
+    for at, label in (
+        ((4, middle + 3.2), r"$v_{cmd}$"),
+        ((error[0] - 3.5, middle + 3.0), "+"),
+        ((error[0] + 2.4, middle - 4.2), "−"),
+        ((force[0] - 3.6, middle + 3.0), "+"),
+        ((force[0] + 2.6, middle + 4.2), "+"),
+        ((force[0] - 5.0, (middle + high) / 2), r"$F_{ff}$"),
+        ((76, middle + 2.6), r"$u$"),
+        ((net[0] - 3.6, middle + 3.0), "+"),
+        ((net[0] + 2.6, middle + 4.2), "−"),
+        ((net[0] - 3.2, friction.y - 5), r"$F_f$"),
+        ((178, middle + 2.8), r"$v$"),
+        ((106, low + 2.8), r"$x_{enc}$"),
+    ):
+        sheet.text(at, label)
+
+
+def _encoder_note(truth: Mapping[str, float]) -> str:
+    if not truth["encoder"]:
+        return r"$\int v\,\mathrm{d}t$, no steps"
+    step = number(1e6 * truth["encoder_step"], 2)
+    return rf"$\int v\,\mathrm{{d}}t$ in steps of {step} µm"
+
+
+def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
+    low, middle = 21.0, 36.0
+    sheet.text((3, 48.5), "(b) Nominal velocity loop", align="left")
+    controller = sheet.block(Block(37, middle, 32), "PI controller", CONTROL)
+    current = sheet.block(Block(71, middle, 20), "Current loop", r"$1/(\tau_i s + 1)$")
+    plant = sheet.block(Block(100, middle, 18), r"$\dfrac{1}{m\,s + b}$")
+    estimate = sheet.block(Block(60, low, 36, 11), "Velocity estimate", ESTIMATE)
+    error = sheet.sum((14, middle))
+    tap = (114.0, middle)
+    sheet.arrow((3, middle), (error[0] - RADIUS, middle))
+    sheet.arrow((error[0] + RADIUS, middle), controller.left)
+    sheet.arrow(controller.right, current.left)
+    sheet.arrow(current.right, plant.left)
+    sheet.arrow(plant.right, (121, middle))
+    sheet.arrow(tap, (tap[0], low), estimate.right)
+    sheet.arrow(estimate.left, (error[0], low), (error[0], middle - RADIUS))
+    sheet.node(tap)
+    for at, label in (
+        ((4, middle + 3.2), r"$v_{cmd}$"),
+        ((error[0] - 3.5, middle + 3.0), "+"),
+        ((error[0] + 2.4, middle - 4.2), "−"),
+        ((57, middle + 2.8), r"$u$"),
+        ((119, middle + 2.8), r"$v_r$"),
+    ):
+        sheet.text(at, label)
+    margins = loop.margins()
+    gains = (
+        rf"$K_p$ = {number(loop.K_p)} N s/m,  $K_i$ = {number(loop.K_i)} N/m,  "
+        rf"$T_s$ = {number(1e3 * loop.T_s)} ms,  $\tau_f$ = {number(1e3 * loop.tau_f)} ms,  "
+        rf"$\tau_i$ = {number(1e3 * loop.axis.tau_i)} ms"
+    )
+    reached = (
+        f"crossover {number(margins['crossover_Hz'], 3)} Hz,  "
+        f"phase margin {number(margins['phase_margin_deg'], 3)}°,  "
+        f"gain margin {number(margins['gain_margin_dB'], 3)} dB,  "
+        f"bandwidth (−3 dB) {number(margins['bandwidth_Hz'], 3)} Hz"
+    )
+    sheet.text((3, 10.0), gains, small=True, align="left")
+    sheet.text((3, 5.5), reached, small=True, align="left")
+
+
+def _step_response(figure: Figure, loop: VelocityLoop) -> None:
+    left, bottom, width, height = 136.0, 12.5, 43.0, 33.0
+    axes = figure.add_axes(
+        (left / PAGE, bottom / LOOPS_HEIGHT, width / PAGE, height / LOOPS_HEIGHT)
+    )
+    t, response = loop.step_response(0.025)
+    axes.axhspan(0.98, 1.02, color=SHADE, lw=0)
+    axes.axhline(1.0, color=FAINT, lw=0.6)
+    axes.text(24.5, 0.955, "±2 %", ha="right", va="top", fontsize=SMALL)
+    axes.plot(1e3 * t, response.ravel(), color=WITH)
+    axes.set(xlim=(0, 25), ylim=(0, None), xlabel="Time [ms]")
+    axes.set_ylabel(r"$v_r / v_{cmd}$ [1]")
+    name_panel(axes, "c", "Its step response")
+
+
+SCHEME_HEIGHT = 80.0
+
+
+def draw_scheme(reproduction: Reproduction) -> Figure:
+    """Draw the scheme with the algorithm of this run, and what its compensator is driven by."""
+    figure = new_figure(PAGE, SCHEME_HEIGHT, free=True)
+    sheet = Sheet(figure)
+    low, middle, high = 15.0, 40.0, 69.0
+    sheet.group((37, 2), 52, 50, "")
+    sheet.text((63, 5.2), "Velocity loop with compensator, Fig. 2(a)", small=True)
+    nominal = sheet.block(
+        Block(36, high, 42), "Nominal velocity loop", "without friction, Fig. 2(b)", PALE
+    )
+    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", "LuGre (2)–(4)", PALE)
+    drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
+    title = reproduction.algorithm.title.removeprefix("a ")
+    learner = sheet.block(
+        Block(122, middle, 32, 14), title[0].upper() + title[1:], "Steps 1 to 4, Fig. 4", PALE
+    )
+    cost = sheet.block(Block(157, middle, 23, 14), "Cost (6)", r"$1/J = \sum (v - v_r)^2$")
+    gap = sheet.sum((177, middle))
+
+    branch = (9.0, high)
+    sheet.arrow((3, high), nominal.left)
+    sheet.arrow(branch, (branch[0], low), drive.left)
+    sheet.arrow(nominal.right, (gap[0], high), (gap[0], middle + RADIUS))
+    sheet.arrow(drive.right, (gap[0], low), (gap[0], middle - RADIUS))
+    if reproduction.options.feed == "nominal":
+        tap = (compensator.x, high)
+        sheet.arrow(tap, (compensator.x, compensator.top))
+    else:
+        tap = (branch[0], middle)
+        sheet.arrow(tap, compensator.left)
+    sheet.arrow((compensator.x, compensator.bottom), (drive.x, drive.top))
+    sheet.arrow((gap[0] - RADIUS, middle), cost.right)
+    sheet.arrow(cost.left, learner.right)
+    sheet.arrow(learner.left, compensator.right)
+
+    for at in (branch, tap):
+        sheet.node(at)
+    for at, label in (
+        ((4.5, high + 3.0), r"$v_{cmd}$"),
+        ((130, high + 3.0), r"$v_r$"),
+        ((130, low + 3.0), r"$v$"),
+        ((compensator.x + 4.5, (compensator.bottom + drive.top) / 2), r"$F_{ff}$"),
+        ((gap[0] - 3.6, middle + 4.4), "−"),
+        ((gap[0] - 3.6, middle - 4.4), "+"),
+        ((97.5, middle + 3.2), r"$F_s,\,F_c,\,v_s$"),
+        ((97.5, middle - 3.4), r"$\sigma_0,\,\sigma_1$"),
+    ):
+        sheet.text(at, label)
+    return figure
+
+
+FLOW_HEIGHT = 112.0
+
+Operation = tuple[str, str]
+
+
+def draw_flow(reproduction: Reproduction) -> Figure:
+    """Draw the flow chart."""
+    algorithm = reproduction.algorithm
+    figure = new_figure(PAGE, FLOW_HEIGHT, free=True)
+    sheet = Sheet(figure)
+    first = sheet.block(Block(46, 101, 76, 16), "Step 1. Initialization", _initial(algorithm))
+    fitness = sheet.block(
+        Block(46, 77, 76, 16),
+        "Step 2. Fitness calculation",
+        f"each candidate runs for {number(TRAINING.duration)} s: $v$; the nominal loop: $v_r$\n"
+        r"cost $1/J = \sum (v - v_r)^2$, equation (6)",
+    )
+    ended = sheet.decision(Block(46, 46, 80, 30), "Step 3. Evaluation", _end(algorithm.limits))
+    learned = sheet.block(Block(46, 14, 76, 16), "Learned parameters", _learned(reproduction), PALE)
+    operations = _operations(algorithm)
+    lowest = _heights(len(operations), fitness.y)[0] - 11.0
+    sheet.group((100, lowest), 80, 93 - lowest, "Step 4. New generation")
+    blocks = [
+        sheet.block(Block(140, y, 70, 14.5), *operation)
+        for y, operation in zip(_heights(len(operations), fitness.y), operations, strict=True)
+    ]
+
+    for upper, lower in ((first, fitness), (fitness, ended), (ended, learned)):
+        sheet.arrow((upper.x, upper.bottom), (lower.x, lower.top))
+    for lower, upper in pairwise(blocks):
+        sheet.arrow((lower.x, lower.top), (upper.x, upper.bottom))
+    bend = 94.0
+    sheet.arrow(ended.right, (bend, ended.y), (bend, blocks[0].y), blocks[0].left)
+    sheet.arrow(blocks[-1].left, fitness.right)
+    sheet.text((90, ended.y + 2.6), "no", small=True)
+    sheet.text((50.5, (ended.bottom + learned.top) / 2), "yes", small=True)
+    return figure
+
+
+def _heights(n: int, top: float) -> list[float]:
+    """Return the heights of n blocks, the last at the top."""
+    return [top - 17.5 * (n - 1 - k) for k in range(n)]
+
+
+def _initial(algorithm: ga.Optimiser) -> str:
+    size = algorithm.history["generation"].eq(algorithm.history["generation"].iloc[0]).sum()
+    low, high = (number(bound) for bound in BOUNDS)
+    return (
+        f"{size} candidates, the identified parameters among them;\n"
+        f"each gene from {low} to {high} times its identified value"
+    )
+
+
+def _end(limits: ga.Limits) -> str:
+    """Return the question of Step 3."""
+    counts = {"generations": limits.generations, "evaluations": limits.evaluations}
+    parts = [f"{count} {name} done" for name, count in counts.items() if count is not None]
+    if limits.target is None:
+        parts.append("cost at most ε (not set)?")
+    else:
+        parts.append(f"cost at most ε = {number(limits.target)} m²/s²?")
+    return ",\nor ".join(parts)
+
+
+def _learned(reproduction: Reproduction) -> str:
+    algorithm = reproduction.algorithm
+    best = (
+        f"the best of {number(algorithm.evaluations, 6)} candidates "
+        f"in {number(algorithm.generation, 6)} generations"
+    )
+    if reproduction.learned.skipped:
+        return "what it began with: a search would gain\nnothing after one generation"
+    if reproduction.options.refined and reproduction.learned.accepted:
+        return f"{best},\nrefined by least squares"
+    return best
+
+
+def _operations(algorithm: ga.Optimiser) -> list[Operation]:
+    """Return what makes a new generation, in its order."""
+    if not isinstance(algorithm, ga.GeneticAlgorithm):
+        evaluated = "Evaluated candidates", "all so far, with their costs"
+        return [
+            evaluated,
+            (algorithm.title[0].upper() + algorithm.title[1:], f"{algorithm.batch} new candidates"),
+        ]
+    settings = algorithm.settings
+    children = settings.population - settings.elites
+    keeps = (
+        "generational" if settings.survival == "generational" else "a child must beat its parent"
+    )
+    crossover = f"{settings.crossover}, rate {number(settings.crossover_rate)}"
+    if settings.crossover == "arithmetic":
+        crossover = (
+            rf"arithmetic, adaptive probability (7), $k_1$ = {number(settings.k1)}, "
+            rf"$k_2$ = {number(settings.k2)}"
+        )
+    rate = f"rate {number(settings.mutation_rate)}{' at first, adaptive' * settings.adaptive}"
+    return [
+        ("Selection", f"elite of {settings.elites} in {settings.population}, {keeps}"),
+        ("Crossover", crossover),
+        ("Mutation", f"{settings.mutation}, {rate}"),
+        ("Next generation", f"the elite and {children} new candidates{_beyond(settings)}"),
+    ]
+
+
+def _beyond(settings: ga.Settings) -> str:
+    """Return what the paper's algorithm does not have."""
+    parts = []
+    if settings.surrogates:
+        parts.append("some from models of the cost")
+    if settings.patience is not None:
+        parts.append(f"restart after {settings.patience} without progress")
+    return "".join(f"\n{part}" if k == 0 else f", {part}" for k, part in enumerate(parts))

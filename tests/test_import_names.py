@@ -1,0 +1,177 @@
+"""Installed is one name: a user's own modules are not in the way, nor ours in theirs.
+
+All is tried beside modules of the user that have the names of our folders, from the editable
+install of these tests and from a wheel.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import site
+import subprocess
+import sys
+import venv
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from stickslip.cli import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ("models", "cosim", "ga", "fmi", "fmucheck")
+THEIRS = [f"{name}.py" for name in (*FOLDERS[1:], "toolchain", "commands", "results", "report")]
+Run = Callable[..., str]
+SOURCES = {".py", ".pyi", ".c", ".h", ".toml", ".csv", ".css", ".st", ".typed"}
+
+SCRIPT = """
+import stickslip as ss
+from stickslip import ga, models
+
+def cost(values):
+    return (values[0] - 2.0) ** 2
+
+if __name__ == "__main__":
+    stage = models.build_fmu("stage", ".")
+    loop = ss.System("loop")
+    loop.add("stage", stage)
+    loop.expose("u", "stage.u")
+    force = ss.SineSweep(frequency=(0.5, 5.0), amplitude=(12.0, 20.0), duration=2.0)
+    with loop.prepare(step=1e-3, stop=2.0, isolation="process") as simulation:
+        result = simulation.run(inputs={"u": force})
+    rows = zip(result.time, result["stage.x"], result["u"])
+    lines = ["time,position,force", *(f"{t:.6f},{x:.9f},{u:.6f}" for t, x, u in rows)]
+    open("log.csv", "w").write("\\n".join(lines))
+    problem = ga.Problem([ga.Gene("a", 0.1, 10.0, 1.0)])
+    optimiser = ga.optimiser("default", problem, ga.Limits(generations=2))
+    with ga.executor("processes", 2) as executor:
+        ga.learn(optimiser, cost, executor)
+    assert optimiser.best.cost <= 1.0
+    assert sorted(ss.__all__) == sorted(name for name in ss.__all__ if getattr(ss, name))
+    print(ss.__version__, ss.__file__)
+"""
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the wheel from a copy, as building leaves folders in its source."""
+    folder = tmp_path_factory.mktemp("wheel")
+    for name in (*FOLDERS, "stickslip"):
+        skipped = shutil.ignore_patterns("__pycache__", "*.egg-info")
+        shutil.copytree(ROOT / name, folder / "source" / name, ignore=skipped)
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, folder / "source")
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
+    how = ["--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
+    subprocess.run([*pip, "wheel", *how, str(folder / "source")], check=True)
+    return next(folder.glob("*.whl"))
+
+
+@pytest.fixture(scope="session")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Install the wheel where our editable install is not seen; return the interpreter."""
+    folder = tmp_path_factory.mktemp("installed")
+    venv.create(folder, with_pip=False, symlinks=os.name != "nt")
+    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    where = "import sysconfig; print(sysconfig.get_path('purelib'))"
+    target = Path(subprocess.check_output([python, "-c", where], text=True).strip())
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(target)
+    # A folder that a .pth file names has its packages seen, but not its own .pth files.
+    (target / "dependencies.pth").write_text("\n".join(site.getsitepackages()))
+    return python
+
+
+@pytest.fixture(scope="session", params=["editable", "wheel"])
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """Run Python with arguments in the folder of a user, and return what it printed."""
+    python = sys.executable
+    if request.param == "wheel":
+        python = request.getfixturevalue("installed")
+    folder = tmp_path_factory.mktemp("user")
+    for name in (*THEIRS, "models/__init__.py"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("raise ImportError('this is a module of the user')")
+    (folder / "script.py").write_text(SCRIPT)
+
+    def run(*arguments: str) -> str:
+        done = subprocess.run(
+            [python, *arguments], cwd=folder, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    place = Path(run("script.py").split()[-1])
+    assert place.is_relative_to(ROOT) == (request.param == "editable")
+    return run
+
+
+HELP = """
+import sys
+from contextlib import suppress
+from stickslip.cli import COMMANDS, main
+
+for command in COMMANDS:
+    with suppress(SystemExit):
+        main([command, "--help"])
+"""
+
+
+def test_every_command_is_found(run):
+    shown = run("-c", HELP)
+    for command in COMMANDS:
+        assert f"stickslip {command} [-h]" in shown
+    assert all(command in run("-m", "stickslip", "--help") for command in ("build", "learn"))
+
+
+@pytest.mark.slow
+def test_commands_do_their_work(run):
+    """In this process, in children that isolate FMUs, and in a pool of processes."""
+
+    def stickslip(*arguments: str) -> str:
+        return run("-m", "stickslip", *arguments)
+
+    stickslip("build", "compensator", "--out", "built")
+    stickslip("check", "built/fmi3/compensator.fmu")
+    stickslip("simulate", "stage.fmu", "--stop", "0.1", "--isolate", "--out", "stage.csv")
+    assert "F_c" in stickslip(
+        *("learn", "--log", "log.csv", "--criterion", "inverse", "--out", "learned"),
+        *("--pool", "processes", "--workers", "2", "--force"),
+    )
+    stickslip("verify", "learned")
+    stickslip("validate", "--parameters", "learned/learned.json", "--out", "validated")
+    stickslip("design")
+
+
+def test_the_wheel_holds_one_name_and_all_files(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = {name for name in archive.namelist() if not name.endswith("/")}
+    assert {name.partition("/")[0].partition("-")[0] for name in names} == {"stickslip"}
+    expected = set()
+    for folder in (*FOLDERS, "stickslip"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix in SOURCES and "egg-info" not in str(path):
+                below = "" if folder == "stickslip" else "stickslip/"
+                expected.add(below + path.relative_to(ROOT).as_posix())
+    assert expected - names == set()
+    assert "stickslip/py.typed" in names
+
+
+@pytest.mark.slow
+def test_a_type_checker_follows_the_wheel(installed, tmp_path):
+    pytest.importorskip("mypy")
+    script = tmp_path / "script.py"
+    script.write_text('import stickslip as ss\nloop = ss.System("loop")\nloop.expose(3, "a.u")\n')
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--python-executable", installed, script],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.splitlines()[:-1] == [
+        'script.py:3: error: Argument 1 to "expose" of "System" has incompatible type "int";'
+        ' expected "str"  [arg-type]'
+    ]
