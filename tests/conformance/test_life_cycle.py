@@ -77,6 +77,7 @@ print(slave.run(30, 60).tobytes().hex())
 """
 
 
+@pytest.mark.slow
 def test_a_serialised_state_goes_on_in_another_process(fmu, slave):
     instance = slave(fmu).initialize(fmu.settings())
     instance.run(0, 30)

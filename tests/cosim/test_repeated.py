@@ -11,6 +11,8 @@ from stickslip import cosim, ga
 from stickslip.cosim.run import resets
 from tests.corpus import fmu
 
+pytestmark = pytest.mark.slow
+
 STEP, STOP = 0.05, 0.5  # 10 steps; see unreset.c
 SOUND = "*m = fresh();"
 RESETS = {

@@ -111,6 +111,7 @@ def test_the_same_weak_loop_is_not_warned_of_where_its_command_is_fast(make_tria
     assert stribeck(trial) == []
 
 
+@pytest.mark.slow
 def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     """Each error is that of a trial of its own; half the friction asks for less of the force."""
     trial = make_trial(PAPER, VALIDATION)
@@ -161,6 +162,7 @@ def test_a_share_is_of_the_force_alone(fmus):
     np.testing.assert_allclose(part, 0.7 * whole, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_that_is_not_there_is_refused_or_reduced(make_trial):
     """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
     worth = try_out(make_trial(PAPER, VALIDATION, F_s=20.0 * TABLE_2["F_c"], v_s=8e-5))

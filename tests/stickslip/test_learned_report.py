@@ -25,6 +25,8 @@ from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style
 
+pytestmark = pytest.mark.slow
+
 FINDINGS = (
     Finding("note", "it moves", "84 % of the time"),
     Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),

@@ -16,6 +16,8 @@ from stickslip.logs import (
 )
 from stickslip.planning import plan
 
+pytestmark = pytest.mark.slow
+
 N = 16000
 """Samples of the planned experiment that are enough here: 8 s."""
 LOST = Finding("warning", "rows are lost", "2 %", spoils="values")

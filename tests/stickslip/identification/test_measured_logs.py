@@ -13,6 +13,8 @@ from stickslip.logs import Finding, load_description
 from stickslip.pipeline.log_learning import learn, write_learned
 from stickslip.results.learned import LearnedFile
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT.parent / "shared" / "data"
 EXAMPLES = ROOT / "examples" / "logs"

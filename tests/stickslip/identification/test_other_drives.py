@@ -12,6 +12,8 @@ import pytest
 from stickslip.identification.estimation import Task, learn
 from stickslip.logs import Recording
 
+pytestmark = pytest.mark.slow
+
 T_S, SUB = 1e-3, 100
 DRIVE = {"m": 12.5, "b": 40.0, "F_c": 17.0, "F_s": 24.0, "v_s": 2e-3, "sigma_0": 7e5}
 DRIVE["sigma_1"] = 0.8 * math.sqrt(DRIVE["sigma_0"] * DRIVE["m"])

@@ -7,6 +7,8 @@ from stickslip.identification.estimation.learn import MODEL_ERROR
 from stickslip.identification.fitting.bootstrap import correct
 from stickslip.identification.fitting.fit import linearised
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("pole", [0.9, -0.5])
 def test_the_whitening_of_an_autoregression_is_its_polynomial(pole):

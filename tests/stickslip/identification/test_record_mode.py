@@ -11,6 +11,8 @@ from stickslip.logs import load_description, read_recording
 from stickslip.pipeline.record_mode import record_drive
 from stickslip.results.record_folder import FILES, write_record_results
 
+pytestmark = pytest.mark.slow
+
 LIMITS = {"F_c": 0.005, "sigma_0": 0.05, "sigma_1": 0.05, "m": 0.005, "F_s": 0.05, "v_s": 0.1}
 
 

@@ -9,6 +9,8 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.fitting.fit import linearised
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(params=["inverse model", "output error"])
 def judge_of(request, recorded, candidates):

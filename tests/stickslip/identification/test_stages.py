@@ -18,6 +18,7 @@ DRIVES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", DRIVES, ids=str)
 def test_values_lie_near_the_drives(make_rig, truth):
     found = identify(make_rig(**truth), LOOP).estimates
@@ -35,6 +36,7 @@ UNLIKE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", UNLIKE.values(), ids=UNLIKE)
 def test_what_depends_on_position_does_not_pass_for_friction_over_velocity(make_rig, truth):
     """Ripple cancels between the directions; friction varies alike at all speeds."""
@@ -45,6 +47,7 @@ def test_what_depends_on_position_does_not_pass_for_friction_over_velocity(make_
         assert found[name].value == pytest.approx(drive[name], rel=tolerance), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise_x", [0.0, 1e-7, 2e-7])
 def test_the_static_friction_does_not_depend_on_the_noise_of_the_encoder(make_rig, noise_x):
     """In the loop noise makes a slow velocity fluctuate, and the mean force of bristles fall."""
@@ -67,6 +70,7 @@ def test_break_away_does_not_send_the_stage_along_metres(make_rig):
     assert max(pushed) < 0.5
 
 
+@pytest.mark.slow
 def test_a_stage_that_does_not_move_is_told(make_rig):
     with pytest.raises(IdentificationError, match=r"inertia: .* N"):
         identify(make_rig(F_c=500.0, F_s=500.0), LOOP)

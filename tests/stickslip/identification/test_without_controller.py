@@ -11,6 +11,8 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.surrogate_controller import coarse
 from stickslip.identification.estimation import Task, learn
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def told(recorded, candidates):

@@ -96,6 +96,7 @@ def run(rig, v) -> Recording:
     return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
 
 
+@pytest.mark.slow
 def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(rig):
     planned = run(rig, plan()["velocity_command"].to_numpy())
     assert not findings(planned, "warning")

@@ -110,6 +110,7 @@ def test_a_gear_is_a_warning_that_names_its_factor(check, factor):
     assert "differ in scale" not in said[1]
 
 
+@pytest.mark.slow
 def test_a_bad_controller_is_not_accused(tmp_path, capsys):
     """Second-order loops that lag, overshoot and lose half of their command."""
     t = np.arange(8000) * 1e-3

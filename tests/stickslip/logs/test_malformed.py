@@ -194,6 +194,7 @@ edits = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(st.one_of(st.binary(max_size=300), soup, edits.map(mutated)))
 @example(b"1,2\n" * 50)
 @example(b'"' * 200_000)
@@ -216,6 +217,7 @@ def test_any_bytes_become_a_recording_or_one_line(tmp_path_factory, data):
 MAT = mat({"t": T, "x": X, "kp": 3.0, "s": {"a": T}, "c": np.array(["a", 1], dtype=object)})
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, len(MAT) - 1), st.integers(0, 255)), max_size=6))
 @settings(max_examples=150)
 def test_any_damage_to_a_mat_file(tmp_path_factory, changes):

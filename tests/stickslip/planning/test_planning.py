@@ -126,6 +126,7 @@ def uncertainties(v) -> dict[str, float]:
     return dict(zip(columns, map(float, errors), strict=True))
 
 
+@pytest.mark.slow
 def test_the_plan_shows_more_than_the_papers_sweep_and_most_of_what_is_asked(drive, driven):
     t = np.arange(40_001) * LOOP.T_s
     sweep = uncertainties(drive(TRAINING.sample(t % 10.0))[1])
