@@ -8,6 +8,7 @@
 >>> result["drive.v"]
 """
 
+from stickslip.cosim.component import Component
 from stickslip.cosim.container import write_fmu
 from stickslip.cosim.errors import (
     ConnectionFault,
@@ -22,6 +23,7 @@ from stickslip.cosim.errors import (
     SspError,
 )
 from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.function import Function
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.scenario import Scenario
@@ -52,6 +54,7 @@ from stickslip.fmi.description.variables import Variable
 
 __all__ = [
     "Adaptive",
+    "Component",
     "ConnectionFault",
     "CosimError",
     "Coupling",
@@ -61,6 +64,7 @@ __all__ = [
     "Fmu",
     "FmuCrashed",
     "FmuError",
+    "Function",
     "Isolation",
     "Link",
     "ParameterError",

@@ -1,4 +1,4 @@
-"""XML from strangers: UTF-8, no DTD and so no entities, nothing fetched, bounded in depth."""
+"""Untrusted XML: UTF-8, no DTD and so no entities, nothing fetched, bounded in depth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from lxml import etree
 
 from stickslip.fmi.messages import printable, shown
 
-MAX_BYTES = 512 * 1024**2
+MAX_BYTES = 2**27
+"""Of a document, which takes 25 times as much memory; a million variables have 100 MB."""
 
 _WIDE = (b"\xff\xfe", b"\xfe\xff", b"<\0", b"\0<")
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([^"'>]*)["']""")
@@ -22,22 +23,27 @@ class Malformed(ValueError):
     """Text that is not read as XML; the message lacks the file's name."""
 
 
-def parse_xml(data: bytes, name: str | None = None, *, remarks: bool = False) -> Any:
-    """Return the root element.
+def parse_xml(
+    data: bytes, name: str | None = None, *, remarks: bool = False, lenient: bool = False
+) -> Any:
+    """Return the root element. No entity is resolved and nothing is fetched.
 
     Parameters
     ----------
     name : of the file, to be found in ``docinfo.URL``
     remarks : whether comments and processing instructions stay in
+    lenient : whether a DOCTYPE and other encodings are accepted, for a checker that reports them
 
     Raises
     ------
     Malformed
     """
-    if doubt := _fault(data):
-        raise Malformed(doubt)
+    if len(data) > MAX_BYTES:
+        raise Malformed(f"{len(data)} bytes, expected at most {MAX_BYTES}")
+    if not lenient and (fault := _fault(data)):
+        raise Malformed(fault)
     parser = etree.XMLParser(
-        encoding="utf-8",
+        encoding=None if lenient else "utf-8",
         resolve_entities=False,
         no_network=True,
         load_dtd=False,
@@ -48,14 +54,12 @@ def parse_xml(data: bytes, name: str | None = None, *, remarks: bool = False) ->
     )
     try:
         return etree.fromstring(data, parser, base_url=name)
-    except etree.XMLSyntaxError as fault:
-        said = " ".join(str(fault).split())
-        raise Malformed(f"{printable(said)}; export it again") from fault
+    except (etree.XMLSyntaxError, ValueError, LookupError) as error:
+        message = " ".join(str(error).split())
+        raise Malformed(f"{printable(message)}; export it again") from error
 
 
 def _fault(data: bytes) -> str | None:
-    if len(data) > MAX_BYTES:
-        return f"{len(data)} bytes, expected at most {MAX_BYTES}"
     if data.startswith(_WIDE):
         return "text in UTF-16, expected UTF-8; save it so"
     data = data.removeprefix(b"\xef\xbb\xbf")

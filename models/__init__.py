@@ -11,7 +11,7 @@ from stickslip.models.errors import (
     UnknownLaw,
     UnknownModel,
 )
-from stickslip.models.export.description import Model
+from stickslip.models.export.description import Model, Ports
 from stickslip.models.export.law import Law, LawParameter
 from stickslip.models.export.package import (
     build_fmu,
@@ -36,6 +36,7 @@ __all__ = [
     "LtiFile",
     "Model",
     "ModelError",
+    "Ports",
     "StartValueError",
     "UnknownLaw",
     "UnknownModel",

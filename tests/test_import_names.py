@@ -20,6 +20,8 @@ import pytest
 
 from stickslip.cli import COMMANDS
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("models", "cosim", "ga", "fmi", "fmucheck")
 THEIRS = [f"{name}.py" for name in (*FOLDERS[1:], "toolchain", "commands", "results", "report")]
@@ -126,7 +128,6 @@ def test_every_command_is_found(run):
     assert all(command in run("-m", "stickslip", "--help") for command in ("build", "learn"))
 
 
-@pytest.mark.slow
 def test_commands_do_their_work(run):
     """In this process, in children that isolate FMUs, and in a pool of processes."""
 
@@ -159,7 +160,6 @@ def test_the_wheel_holds_one_name_and_all_files(wheel):
     assert "stickslip/py.typed" in names
 
 
-@pytest.mark.slow
 def test_a_type_checker_follows_the_wheel(installed, tmp_path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"

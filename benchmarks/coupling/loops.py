@@ -7,6 +7,7 @@ import numpy as np
 
 from benchmarks.coupling import ring
 from stickslip.fmi import toolchain
+from tests.corpus.fmu import headers
 
 _CALLS = ("DoStep", "Reset", "EnterInitializationMode", "ExitInitializationMode")
 
@@ -42,7 +43,7 @@ class Loops:
 
 def sources() -> dict[str, str]:
     files = {file: (ring.HERE / file).read_text() for file in ("ring.h", "loops.c")}
-    return ring.headers() | files
+    return headers() | files
 
 
 def compiled(version: int) -> Path:

@@ -1,13 +1,9 @@
 """The ring: three FMUs of a few operations each, or three times as many."""
 
-import re
-import zipfile
 from pathlib import Path
 
-import fmpy
-
 from stickslip import cosim
-from stickslip.fmi import toolchain
+from tests.corpus import fmu
 
 HERE = Path(__file__).parent
 STEP = 1e-4
@@ -45,29 +41,15 @@ def build(folder: Path, name: str, version: int, extra: int = 0) -> Path:
     """Write one FMU of FMI 2.0 or 3.0."""
     path = folder / f"fmi{version}-{extra}" / f"{name}.fmu"
     if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        platform = toolchain.host_platform()
-        place = platform.fmi2 if version == 2 else platform.tuple
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("modelDescription.xml", _description(name, version, extra))
-            archive.write(library(name), f"binaries/{place}/{name}{platform.suffix}")
+        binary = library(name).read_bytes()
+        fmu.pack(path, _description(name, version, extra), {fmu.place(name, version): binary})
     return path
 
 
 def library(name: str) -> Path:
     """Compile one model."""
-    files = headers() | {file: (HERE / file).read_text() for file in ("ring.h", "ring.c")}
-    declared = re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", "".join(files.values()))
-    unused = sorted({call for call in declared if f"{call}(" not in files["ring.c"]})
-    export = '__attribute__((visibility("default"))) int'
-    files["unused.c"] = "".join(f"{export} {call}(void) {{ return 3; }}\n" for call in unused)
     flags = (f"-DSTART={name.upper()}_START", f"-DSTEP=step_{name}")
-    return toolchain.shared_library(name, files, flags=flags)
-
-
-def headers() -> dict[str, str]:
-    folder = Path(fmpy.__file__).parent / "c-code"
-    return {f"system/{file.name}": file.read_text() for file in folder.glob("fmi[23]*.h")}
+    return fmu.library(name, HERE / "ring.h", HERE / "ring.c", flags=flags)
 
 
 def _component(name: str, i: int, variable: str | None = None) -> str:
@@ -78,34 +60,22 @@ def _component(name: str, i: int, variable: str | None = None) -> str:
 def _description(name: str, version: int, extra: int) -> str:
     listed = [line.split() for line in MODELS[name]]
     source = next(i for i, (_, kind, _) in enumerate(listed) if kind == "output")
-    variables, outputs = [], []
     entries = [(i, *entry) for i, entry in enumerate(listed)]
     entries += [
-        (source if version == 2 else len(listed) + i, f"copy[{i}]", "output", "0")
+        (source if version == 2 else fmu.TIME + 1 + i, f"copy[{i}]", "output", "0")
         for i in range(extra)
     ]
-    for place, (reference, variable, kind, start) in enumerate(entries, 1):
-        changes = "tunable" if kind == "parameter" else "continuous"
-        exact = "" if kind == "input" else ' initial="exact"'
-        common = (
-            f'name="{variable}" valueReference="{reference}" causality="{kind}"'
-            f' variability="{changes}"{exact}'
+    variables = [
+        fmu.Variable(
+            variable,
+            kind,
+            start,
+            variability="tunable" if kind == "parameter" else "continuous",
+            initial=None if kind == "input" else "exact",
+            reference=reference,
+            depends=() if kind == "output" else None,
         )
-        if version == 2:
-            variables.append(f'<ScalarVariable {common}><Real start="{start}"/></ScalarVariable>')
-        else:
-            variables.append(f'<Float64 {common} start="{start}"/>')
-        if kind == "output" and version == 2:
-            outputs.append(f'<Unknown index="{place}" dependencies=""/>')
-        elif kind == "output":
-            outputs.append(f'<Output valueReference="{reference}" dependencies=""/>')
-    token = "guid" if version == 2 else "instantiationToken"
-    structure = f"<Outputs>{''.join(outputs)}</Outputs>" if version == 2 else "".join(outputs)
-    ability = "canHandleVariableCommunicationStepSize"
-    return (
-        '<?xml version="1.0" encoding="UTF-8"?>'
-        f'<fmiModelDescription fmiVersion="{version}.0" modelName="{name}" {token}="{name}">'
-        f'<CoSimulation modelIdentifier="{name}" {ability}="true"/>'
-        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
-        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
-    )
+        for reference, variable, kind, start in entries
+    ]
+    ability = 'canHandleVariableCommunicationStepSize="true"'
+    return fmu.describe(name, version, variables, {"CoSimulation": ability})

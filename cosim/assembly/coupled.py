@@ -162,7 +162,7 @@ class Coupled:
                 missing = "GetAndSetFMUstate" if not fmu.restores_state else ""
                 missing = missing or "HandleVariableCommunicationStepSize"
                 raise ConnectionFault(
-                    f"{name} ({fmu.path.name}) cannot take part in an adaptive step: it does not"
+                    f"{name} ({fmu.label}) cannot take part in an adaptive step: it does not"
                     f" declare can{missing}; export it with that, or leave the step constant"
                 )
 

@@ -126,7 +126,7 @@ def check_start_values(system: System) -> None:
         Where an FMU contradicts itself and the system gives no other start value.
     """
     for component, fmu in system.components.items():
-        for variable in fmu.description.outside:
+        for variable in fmu.outside:
             name = f"{component}.{variable.name}"
             set_ = (n == name or n.startswith(f"{name}[") for n in system.parameters)
             if variable.is_settable and not any(set_):
@@ -136,6 +136,6 @@ def check_start_values(system: System) -> None:
                 if low is None is high:
                     wrong = "no finite number"
                 raise ParameterError(
-                    f"{fmu.path}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
+                    f"{fmu.label}: {shown(name)} starts at {shown(str(variable.start))}{unit},"
                     f" {wrong}; give it another start value"
                 )

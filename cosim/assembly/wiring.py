@@ -10,8 +10,11 @@ from functools import lru_cache
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import Facade, wants_facade
 from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.component import Component
+from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.function import Function, FunctionLibrary
 from stickslip.cosim.system.scaling import (
     IDENTITY,
     Scaling,
@@ -23,6 +26,20 @@ from stickslip.cosim.system.system import System
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.
 _BLOCK_STEPS = 256
 _BLOCK_VALUES = 2**14
+
+
+def library_of(component: Component) -> Library:
+    """Return the table of functions of a component, loaded.
+
+    Raises
+    ------
+    FmuError
+    """
+    if isinstance(component, Fmu):
+        return Library(component)
+    if isinstance(component, Function):
+        return FunctionLibrary(component)
+    raise TypeError(f"{component!r} is neither an Fmu nor a Function")
 
 
 def wire(
@@ -123,7 +140,7 @@ def _facade(
     fmu = system.components[name]
     read = [system.variable(output) for output in outputs]
     fed = [system.variable(target) for target, _ in targets]
-    if not (careful or wants_facade(fmu, [*read, *fed])):
+    if not (isinstance(fmu, Fmu) and (careful or wants_facade(fmu, [*read, *fed]))):
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
     arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}

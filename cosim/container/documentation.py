@@ -36,7 +36,7 @@ itself: <a href="licenses/license.txt">licenses/license.txt</a>.</p>
 
 def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) -> str:
     """Return the page."""
-    fmus = [(name, system.components[name]) for name in order]
+    fmus = [(name, system.fmus("a container")[name]) for name in order]
     components = [(name, fmu.name, f"FMI {fmu.version}.0", fmu.token) for name, fmu in fmus]
     feeds = [(source, target) for target, source in system.sources().items()]
     return _PAGE.format(
@@ -51,7 +51,7 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
 def licences(system: System) -> str:
     """Return what the components say of their licences, a line each."""
     lines = ["The FMUs in resources/ stay under their own licences:", ""]
-    for name, fmu in system.components.items():
+    for name, fmu in system.fmus("a container").items():
         lines.append(f"{name} ({fmu.name}): {fmu.description.licence or 'not stated'}")
     return "\n".join([*lines, ""])
 

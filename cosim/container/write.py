@@ -77,6 +77,7 @@ def write_fmu(
     """
     if not step > 0:
         raise ExperimentError(f"step is {step} s, expected a positive number")
+    components = system.fmus("a container")
     targets = list(platforms or [toolchain.host_platform()])
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(
@@ -87,7 +88,7 @@ def write_fmu(
     order = [name for g in groups for name in g.components]
     shown = shown_variables(system, outputs, parameters)
     layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
-    libraries = {name: UnloadedLibrary(fmu) for name, fmu in system.components.items()}
+    libraries = {name: UnloadedLibrary(fmu) for name, fmu in components.items()}
     jacobi = coupling == "jacobi"
     run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
     if facades:
@@ -100,7 +101,7 @@ def write_fmu(
     identifier = re.sub(r"\W", "_", system.name, flags=re.ASCII)
     identifier = identifier if re.match(r"[A-Za-z_]", identifier) else f"_{identifier}"
     times = experiment or DefaultExperiment()
-    fmus = system.components.values()
+    fmus = components.values()
     for fmu in fmus:
         fmu.restore()
 
@@ -148,17 +149,17 @@ def _binaries(
 def _folders(system: System) -> dict[str, str]:
     """Return component -> folder in the resources, one for each FMU."""
     names: dict[Path, str] = {}
-    for fmu in system.components.values():
+    for fmu in system.fmus("a container").values():
         plain = re.sub(r"\W", "_", fmu.path.stem, flags=re.ASCII)
         names.setdefault(fmu.folder, f"{len(names)}_{plain}")
-    return {name: names[fmu.folder] for name, fmu in system.components.items()}
+    return {name: names[fmu.folder] for name, fmu in system.fmus("a container").items()}
 
 
 def _component(
     system: System, name: str, folder: str, targets: Sequence[toolchain.Platform]
 ) -> dict[str, bytes]:
     """Return the files of an FMU that a container needs."""
-    fmu = system.components[name]
+    fmu = system.fmus("a container")[name]
     kept = ["modelDescription.xml", "resources/**/*", "documentation/licenses/**/*"]
     for target in targets:
         place = target.fmi2 if fmu.version == 2 else target.tuple

@@ -49,7 +49,7 @@ class StepMap:
         self.inputs, self.outputs = tuple(system.inputs), tuple(outputs)
         variables = {
             f"{name}.{v.name}": v
-            for name, fmu in system.components.items()
+            for name, fmu in system.fmus("linearisation").items()
             for v in _states(name, fmu)
         }
         self.states = tuple(variables)

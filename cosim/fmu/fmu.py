@@ -6,25 +6,20 @@ import logging
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
+from stickslip.cosim.component import Component, Interface
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.collection import paused_collection
-from stickslip.cosim.fmu.values import resized
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
 from stickslip.fmi.archive.names import is_device
 from stickslip.fmi.description import Description, DescriptionFault, read_description
 from stickslip.fmi.description.attributes import flag
 from stickslip.fmi.description.clocks import Clock
-from stickslip.fmi.description.units import Unit
-from stickslip.fmi.description.variables import Variable, parse_element
 from stickslip.fmi.messages import shown
 from stickslip.fmi.xml import Malformed, parse_xml
-
-Interface = Literal["co_simulation", "model_exchange"]
 
 _log = logging.getLogger(__name__)
 _DESCRIPTION = "modelDescription.xml"
@@ -35,7 +30,7 @@ _TAGS: Mapping[Interface, str] = {
 _C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
 
 
-class Fmu:
+class Fmu(Component):
     """An FMU that this machine can run, by one of its interfaces.
 
     Pickles as its path and interface.
@@ -76,6 +71,7 @@ class Fmu:
     @paused_collection()
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
+        self.label = self.path.name
         self.folder = unpack(self.path, "fmus", FmuError)
         description = self._read_description()
         self.description = description
@@ -102,6 +98,8 @@ class Fmu:
             chosen, "canHandleVariableCommunicationStepSize"
         )
         self.binary = self._find_binary()
+        self.outside = description.outside
+        self.identity = f"{self.interface} of the file with SHA-256 {self.folder.name[:16]}..."
         self.units = description.units
         self.variables = description.variables
         self.aliases = description.aliases
@@ -133,29 +131,6 @@ class Fmu:
             When the file is not there any more, or another one.
         """
         restore(self.folder, self.path, FmuError)
-
-    def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
-        """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.
-
-        Parameters
-        ----------
-        lengths : structural parameter -> value, where it is not its start value
-        """
-        variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
-        if variable is not None:
-            variable = resized(variable, lengths) if lengths else variable
-            return variable if variable.name == name else replace(variable, name=name)
-        if element := parse_element(name):
-            array = self.find(element[0], lengths)
-            return array.at(element[1]) if array is not None else None
-        return None
-
-    def unit(self, variable: Variable) -> Unit | None:
-        """Return the unit of one of this FMU's variables, None when it has none."""
-        if variable.unit is None:
-            return None
-        unit = self.units.get(variable.unit, Unit(variable.unit))
-        return replace(unit, relative=True) if variable.relative else unit
 
     def _choose(
         self, description: Description, wanted: Interface | None

@@ -27,6 +27,7 @@ class Library:
 
     Attributes
     ----------
+    fault : what a Python function in place of a binary raised last
     calls : addresses in the order of the kernel's table; none for Model Exchange
     lacks_reset : the name of the function, where the binary does not have it
     resources : where the FMU finds its resources: a URI in FMI 2.0, a path in FMI 3.0
@@ -37,10 +38,12 @@ class Library:
         When the binary cannot be loaded or lacks a function.
     """
 
+    fault: BaseException | None = None
+
     def __init__(self, fmu: Fmu) -> None:
-        self._fmu = fmu
+        self._fmu, self._version = fmu, fmu.version
         marks.note(fmu.path.name, "loading its binary")
-        self._library = _load(str(fmu.binary))
+        self._library: Any = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
         self.calls: list[int] = []
         self.lacks_reset = self._missing_reset()
@@ -53,13 +56,13 @@ class Library:
 
         ``verb`` is Set or Get.
         """
-        setter, c_type = SETTERS[self._fmu.version][type_name]
+        setter, c_type = SETTERS[self._version][type_name]
         name = setter.replace("Set", verb)
         return name, self.address(name), c_type
 
     def state_calls(self) -> tuple[int, int, int]:
         """Return the addresses of the functions that save, restore and free a state."""
-        word = "fmi2{}FMUstate" if self._fmu.version == 2 else "fmi3{}FMUState"
+        word = "fmi2{}FMUstate" if self._version == 2 else "fmi3{}FMUState"
         save, restore, free = (self.address(word.format(s)) for s in ("Get", "Set", "Free"))
         return save, restore, free
 
@@ -87,7 +90,7 @@ class Library:
         return ctypes.cast(function, ctypes.c_void_p).value or 0
 
     def _missing_reset(self) -> str:
-        name = f"fmi{self._fmu.version}Reset"
+        name = f"fmi{self._version}Reset"
         try:
             self.address(name)
         except FmuError:
@@ -98,7 +101,7 @@ class Library:
         """Return what the kernel needs; without a reset an FMU can be run, too."""
         return [
             0 if name == self.lacks_reset else self.address(name)
-            for name in kernel.calls(self._fmu.version)
+            for name in kernel.calls(self._version)
         ]
 
     def _lacks(self, name: str) -> FmuError:
@@ -118,7 +121,7 @@ class UnloadedLibrary(Library):
     """
 
     def __init__(self, fmu: Fmu) -> None:
-        self._fmu = fmu
+        self._fmu, self._version = fmu, fmu.version
         self.resources = ""
         try:
             self._names = read_library(fmu.binary.read_bytes()).exports

@@ -6,15 +6,15 @@ import threading
 from pathlib import Path
 from weakref import ref
 
+from stickslip.cosim.component import Component
 from stickslip.cosim.errors import SimulationError
-from stickslip.cosim.fmu.fmu import Fmu
 
 # Anywhere here a simulation may be collected, which then gives up what it has, in this very thread.
 _lock = threading.RLock()
 _holders: dict[tuple[Path, str], tuple[ref[object], str]] = {}
 
 
-def claim(fmu: Fmu, component: str, simulation: object, system: str) -> None:
+def claim(fmu: Component, component: str, simulation: object, system: str) -> None:
     """Reserve the only instance of an FMU that allows one per process.
 
     Parameters
@@ -33,7 +33,7 @@ def claim(fmu: Fmu, component: str, simulation: object, system: str) -> None:
         for (binary, name), holder, owner in _present():
             if binary == fmu.binary and (name, holder) != (component, simulation):
                 raise SimulationError(
-                    f"{component}: {fmu.path.name} can be instantiated only once per process, and"
+                    f"{component}: {fmu.label} can be instantiated only once per process, and"
                     f" {name} of {owner} has it; close that simulation first"
                 )
         _holders[fmu.binary, component] = ref(simulation), system

@@ -55,8 +55,8 @@ def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> F
     call = mark.call.decode(errors="replace") or "its process"
     name = called(mark, order) or mark.name.decode(errors="replace")
     if name in system.components:
-        name = f"{name} ({system.components[name].path.name})"
-    name = name or ", ".join(sorted({fmu.path.name for fmu in system.components.values()}))
+        name = f"{name} ({system.components[name].label})"
+    name = name or ", ".join(sorted({fmu.label for fmu in system.components.values()}))
     when = ""
     if not any(word in call for word in _UNTIMED):
         when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"

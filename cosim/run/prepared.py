@@ -16,10 +16,9 @@ from stickslip.cosim.assembly.general_path import Facade
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.settings import Settings, check_start_values
-from stickslip.cosim.assembly.wiring import wire
+from stickslip.cosim.assembly.wiring import library_of, wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
-from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.single_instance import claim, give_up
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
@@ -76,9 +75,9 @@ class Prepared:
         check_start_values(system)
         check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
-        for fmu in {fmu.folder: fmu for fmu in system.components.values()}.values():
+        for fmu in {fmu.binary: fmu for fmu in system.components.values()}.values():
             fmu.restore()
-        self._libraries = {name: Library(fmu) for name, fmu in system.components.items()}
+        self._libraries = {name: library_of(fmu) for name, fmu in system.components.items()}
         for name, library in self._libraries.items():
             if library.lacks_reset:
                 self._declare_unresettable([name], f"it has no function {library.lacks_reset}")
@@ -189,12 +188,12 @@ class Prepared:
                 if not slot.instance:
                     tool = "; it needs the tool that made it" if fmu.needs_tool else ""
                     raise SimulationError(
-                        f"{name}: {fmu.path.name} cannot be instantiated{_said(slot)}{tool}"
+                        f"{name}: {fmu.label} cannot be instantiated{_said(slot)}{tool}"
                     )
                 if slot.instance in given:
                     slot.instance = None
                     raise SimulationError(
-                        f"{name}: {fmu.path.name} gives an instance that it has given before;"
+                        f"{name}: {fmu.label} gives an instance that it has given before;"
                         " it can serve one component only"
                     )
                 given.add(slot.instance)
@@ -219,7 +218,7 @@ class Prepared:
 
     def _declare(self, names: Sequence[str], fault: str, what: str, consequence: str) -> None:
         fmus = [self.spec.system.components[name] for name in names]
-        each = [f"{name} ({fmu.path.name})" for name, fmu in zip(names, fmus, strict=True)]
+        each = [f"{name} ({fmu.label})" for name, fmu in zip(names, fmus, strict=True)]
         who = each[0] if len(each) == 1 else f"one of {', '.join(each)}"
         line = f"{who} {fault}: {what}; {consequence}"
         resets.declare([fmu.binary for fmu in fmus], line)
@@ -291,6 +290,16 @@ class Prepared:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
         message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
+        if fault := self._libraries[name].fault:
+            self._libraries[name].fault = None
+            if not isinstance(fault, Exception):
+                raise fault
+            label = self.spec.system.components[name].label
+            error = SimulationError(
+                f"{name}: {label} raised {type(fault).__name__}: {fault} {when}"
+            )
+            error.__cause__ = fault
+            return error
         if run.status == kernel.NOT_SOLVED:
             return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
         if run.status == kernel.FATAL:

@@ -226,12 +226,7 @@ class Simulation(Repeated):
             "signals": ", ".join(self._layout.columns),
             "sums of squares": self._layout.summed,
         }
-        fmus = {
-            f"component {name}": (
-                f"{fmu.interface} of the file with SHA-256 {fmu.folder.name[:16]}..."
-            )
-            for name, fmu in system.components.items()
-        }
+        fmus = {f"component {name}": fmu.identity for name, fmu in system.components.items()}
         fed = {
             f"input {target}": f"{source}, {system.scaling(source, target)}"
             for target, source in system.sources().items()

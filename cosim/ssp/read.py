@@ -70,7 +70,7 @@ def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
         if node.fmu is not None:
             with _blaming(node.element):
                 system.add(component(node.path), node.fmu)
-            fmus[node.path] = system.components[component(node.path)]
+            fmus[node.path] = system.fmus("an SSP")[component(node.path)]
     graph = Graph(top, fmus)
     for name, (value, element) in _structure_first(read_parameters(graph), system):
         with _blaming(element):

@@ -132,8 +132,8 @@ def _nothing(system: System, version: str) -> tuple[System, Graph, Members]:
 def _edit_components(editor: Editor, before: System, system: System, members: Members) -> None:
     for name in before.components.keys() - system.components.keys():
         editor.remove(path_of(name))
-    for i, (name, fmu) in enumerate(system.components.items()):
-        known = before.components.get(name)
+    for i, (name, fmu) in enumerate(system.fmus("an SSP").items()):
+        known = before.fmus("an SSP").get(name)
         if known and known.path == fmu.path:
             continue
         source = free_name(f"resources/{file_name(i, name)}", ".fmu", members)

@@ -57,7 +57,7 @@ def _can_iterate(system: System, members: Sequence[str], *, implicit: bool) -> b
     if not stuck:
         return True
     loop = algebraic_loop(system, members)
-    who = ", ".join(f"{name} ({system.components[name].path.name})" for name in stuck)
+    who = ", ".join(f"{name} ({system.components[name].label})" for name in stuck)
     remedy = (
         f"which {who} cannot: canGetAndSetFMUstate is not declared. Export it with that, or choose"
     )

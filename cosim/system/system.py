@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from stickslip.cosim.component import Component, Interface
 from stickslip.cosim.errors import (
     ConnectionFault,
     CosimError,
     ParameterError,
 )
-from stickslip.cosim.fmu.fmu import Fmu, Interface
+from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
@@ -56,7 +57,7 @@ class System:
 
     Attributes
     ----------
-    components : name -> Fmu, in the order added
+    components : name -> Component, an Fmu or a Function, in the order added
     connections : "component.input" -> "component.output"
     links : "component.input" -> how its source is scaled, where that is not the default
     inputs : name of an exposed input -> the component inputs it is connected to
@@ -68,7 +69,7 @@ class System:
 
     def __init__(self, name: str = "system") -> None:
         self.name = name
-        self.components: dict[str, Fmu] = {}
+        self.components: dict[str, Component] = {}
         self.connections: dict[str, str] = {}
         self.links: dict[str, Link] = {}
         self.inputs: dict[str, tuple[str, ...]] = {}
@@ -80,7 +81,7 @@ class System:
     def add(
         self,
         name: str,
-        fmu: Fmu | str | os.PathLike[str],
+        fmu: Component | str | os.PathLike[str],
         parameters: Mapping[str, object] | None = None,
         *,
         interface: Interface | None = None,
@@ -89,7 +90,8 @@ class System:
 
         Parameters
         ----------
-        interface : by which it is run: ``co_simulation``, the default where it has one, or
+        fmu : an FMU or its path, or a Function
+        interface : by which an FMU is run: ``co_simulation``, the default where it has one, or
             ``model_exchange``
 
         Raises
@@ -102,9 +104,9 @@ class System:
             raise ConnectionFault(
                 f"{self.name} already has a component {name!r}; choose another name"
             )
-        if not isinstance(fmu, Fmu):
+        if not isinstance(fmu, Component):
             fmu = Fmu(fmu, interface=interface)
-        elif interface not in (None, fmu.interface):
+        elif isinstance(fmu, Fmu) and interface not in (None, fmu.interface):
             fmu = Fmu(fmu.path, interface=interface)
         self.components[name] = fmu
         try:
@@ -238,7 +240,7 @@ class System:
         if found is None:
             near = suggestion(variable, fmu.variables)
             raise error(
-                f"{self.name}: component {component!r} ({fmu.path.name}) has no variable"
+                f"{self.name}: component {component!r} ({fmu.label}) has no variable"
                 f" {variable!r}{near}"
             )
         return found
@@ -258,7 +260,7 @@ class System:
         """Return what an exposed input or ``component.variable`` is measured in."""
         if name in self.inputs:
             return self.input_units.get(name) or self.unit_of(self.inputs[name][0])
-        return self._fmu(name).unit(self.variable(name))
+        return self._component(name).unit(self.variable(name))
 
     def scaling(self, source: str, target: str) -> Transform:
         """Return the transform of a number from the source of an input to this input."""
@@ -272,12 +274,28 @@ class System:
         exposed = {target: name for name, targets in self.inputs.items() for target in targets}
         return self.connections | exposed
 
+    def fmus(self, purpose: str) -> dict[str, Fmu]:
+        """Return the components for a purpose that only FMUs serve.
+
+        Raises
+        ------
+        ConnectionFault
+            When a component is a Python function.
+        """
+        for name, component in self.components.items():
+            if not isinstance(component, Fmu):
+                raise ConnectionFault(
+                    f"{self.name}: {purpose} needs FMUs, but {name} is the Python"
+                    f" {component.label}; replace it by an FMU"
+                )
+        return {n: c for n, c in self.components.items() if isinstance(c, Fmu)}
+
     def feedthrough(self) -> list[tuple[str, str]]:
         """Return the connections (source, target) whose source has direct feedthrough."""
         return [
             (source, target)
             for target, source in self.connections.items()
-            if self._fmu(source).feedthrough[self.variable(source).owner]
+            if self._component(source).feedthrough[self.variable(source).owner]
         ]
 
     def prepare(
@@ -359,7 +377,7 @@ class System:
         if present := self.sources().get(name):
             raise ConnectionFault(f"{purpose}: {name} is already connected to {present}")
 
-    def _fmu(self, name: str) -> Fmu:
+    def _component(self, name: str) -> Component:
         return self.components[component_of(name)]
 
     def _set_link(self, target: str, link: Link) -> None:
@@ -395,4 +413,5 @@ class Specification:
             return Simulation(self)
         from stickslip.cosim.isolation.simulation import IsolatedSimulation
 
+        self.system.fmus("isolation")
         return IsolatedSimulation(self, limits)

@@ -1,4 +1,4 @@
-"""What an archive says of itself, checked before anything is unpacked."""
+"""The directory of an archive, checked before anything is unpacked."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 500  # of what is large when unpacked; deflate itself ends at 1032
 LARGE = 64 * 1024**2
 _LOCAL = 30  # bytes of a member's own header, without its name
-_METHODS = {zipfile.ZIP_STORED: "stored", zipfile.ZIP_DEFLATED: "deflate"}
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _REGULAR = (0, stat.S_IFREG, stat.S_IFDIR)
 
 
@@ -53,19 +53,40 @@ def is_folder(member: zipfile.ZipInfo) -> bool:
     return member.orig_filename.endswith("/")
 
 
+def is_link(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is a symbolic link."""
+    return stat.S_ISLNK(member.external_attr >> 16)
+
+
+def is_special(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is a pipe, a device or another file without content."""
+    kind = stat.S_IFMT(member.external_attr >> 16)
+    return member.create_system == 3 and kind not in (*_REGULAR, stat.S_IFLNK)
+
+
+def is_encrypted(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is read with a password only."""
+    return bool(member.flag_bits & 0x41)
+
+
+def is_inflated(size: int, packed: int) -> bool:
+    """Tell whether bytes are many and packed far tighter than data ever is."""
+    return size > max(LARGE, MAX_RATIO * packed)
+
+
 def _packed(members: Sequence[zipfile.ZipInfo]) -> int:
     return sum(member.compress_size for member in members)
 
 
 def _fault(member: zipfile.ZipInfo) -> str | None:
-    mode = member.external_attr >> 16
-    if stat.S_ISLNK(mode):
+    if is_link(member):
         return "is a symbolic link; only files are unpacked: pack the file itself"
-    if member.create_system == 3 and stat.S_IFMT(mode) not in _REGULAR:
+    if is_special(member):
+        mode = member.external_attr >> 16
         return f"is a special file (mode {mode:o}); only files and folders are unpacked"
-    if member.flag_bits & 0x41:
+    if is_encrypted(member):
         return "is encrypted; pack it without a password"
-    if member.compress_type not in _METHODS:
+    if member.compress_type not in METHODS:
         return (
             f"is compressed by method {member.compress_type}, expected deflate or stored;"
             " pack the archive again"
@@ -79,7 +100,7 @@ def _fault(member: zipfile.ZipInfo) -> str | None:
 def _check_size(what: str, size: int, packed: int) -> None:
     if size > MAX_BYTES:
         raise Refused(f"{what} has {size} bytes when unpacked; at most {MAX_BYTES} are")
-    if size > max(LARGE, MAX_RATIO * packed):
+    if is_inflated(size, packed):
         raise Refused(
             f"{what} grows from {packed} to {size} bytes when unpacked, expected at most"
             f" {MAX_RATIO} times as much: a zip bomb; ask where it came from"

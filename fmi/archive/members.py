@@ -1,4 +1,4 @@
-"""Members onto the disk: what really comes out counts, whatever the headers say."""
+"""Extraction of members; the bytes that come out are counted, whatever the headers say."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CHUNK = 1024**2
 
 # All that zipfile and zlib raise for what is in a file: RuntimeError for encrypted members,
 # NotImplementedError for methods, ValueError for impossible offsets and names.
-_FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OverflowError)
+FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, OverflowError)
 
 
 def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
@@ -48,7 +48,7 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
                 target.mkdir(parents=True, exist_ok=True)
             else:
                 target.parent.mkdir(parents=True, exist_ok=True)
-                _extract_file(archive, member, target)
+                extract_file(archive, member, target)
                 checks[str(path)] = member.CRC
         return checks
 
@@ -60,8 +60,14 @@ def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
         raise Refused(f"{total} bytes when unpacked, but only {free} are free in {folder}")
 
 
-def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:
-    """Write one file, not a byte more than was declared."""
+def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:
+    """Write one file, not a byte more than its header declares.
+
+    Raises
+    ------
+    Refused
+    OSError
+    """
     what, size = f"member {shown(member.orig_filename)} is damaged", 0
     with _blaming(what), archive.open(member) as source, target.open("xb") as copy:
         while chunk := source.read(_CHUNK):
@@ -80,5 +86,5 @@ def _extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Pat
 def _blaming(what: str) -> Iterator[None]:
     try:
         yield
-    except _FAULTS as fault:
+    except FAULTS as fault:
         raise Refused(f"{what}: {printable(str(fault))}; copy or export it again") from fault

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections import Counter
 
-from stickslip.fmi.archive.frame import MAX_MEMBERS
-from stickslip.fmucheck.archive.reading import (
+from stickslip.fmi.archive.directory import (
     MAX_BYTES,
-    Archive,
+    METHODS,
+    is_encrypted,
     is_inflated,
     is_link,
     is_special,
-    is_unsafe,
 )
+from stickslip.fmi.archive.frame import MAX_MEMBERS
+from stickslip.fmi.archive.names import is_device
+from stickslip.fmucheck.archive.reading import Archive, is_unsafe
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule
 
 _METHODS = {0: "stored", 8: "deflate", 12: "bzip2", 14: "lzma", 93: "zstandard"}
 _DESCRIPTION = "modelDescription.xml"
-_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9]) *(\.|$)", re.IGNORECASE)
 _LONGEST = 200  # characters of a path
 
 
@@ -99,7 +99,7 @@ def unportable_path(archive: Archive) -> Claims:
             yield name, "has an empty part"
         if any(part.endswith((".", " ")) and part != "." for part in parts):
             yield name, "has a dot or blank at the end of a part, which Windows drops"
-        if any(map(_DEVICE.match, parts)):
+        if any(map(is_device, parts)):
             yield name, "has the name of a device of Windows"
         if len(name) > _LONGEST:
             yield name, f"has {len(name)} characters; with its folder, Windows takes 260"
@@ -119,7 +119,7 @@ def link_in_archive(archive: Archive) -> Claims:
 def encrypted_member(archive: Archive) -> Claims:
     """A member is encrypted."""
     for member in archive.members:
-        if member.flag_bits & 1:
+        if is_encrypted(member):
             yield member.orig_filename, "is encrypted"
 
 
@@ -127,7 +127,7 @@ def encrypted_member(archive: Archive) -> Claims:
 def compression_method(archive: Archive) -> Claims:
     """A member is packed with something other than deflate."""
     for member in archive.members:
-        if member.compress_type not in (0, 8):
+        if member.compress_type not in METHODS:
             method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
             yield member.orig_filename, f"is packed with {method}; expected deflate or stored"
 
@@ -136,7 +136,7 @@ def compression_method(archive: Archive) -> Claims:
 def zip_version(archive: Archive) -> Claims:
     """A member needs a newer zip than version 2.0 to unpack."""
     for member in archive.members:
-        if member.extract_version > 20 and member.compress_type in (0, 8):
+        if member.extract_version > 20 and member.compress_type in METHODS:
             version = f"{member.extract_version / 10:.1f}"
             yield (
                 member.orig_filename,

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import re
-import shutil
-import stat
 import zipfile
-import zlib
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from stickslip.fmi.archive.directory import (
+    MAX_BYTES,
+    METHODS,
+    is_encrypted,
+    is_inflated,
+    is_link,
+    is_special,
+)
+from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
+from stickslip.fmi.archive.members import FAULTS, extract_file
 from stickslip.fmi.files import open_regular_file
 
-MAX_BYTES = 2 * 1024**3  # unpacked
-MAX_RATIO = 500  # of a member that is large when unpacked
-LARGE = 64 * 1024**2
-
 _MAGIC = b"PK"
-_FAULTS = (zipfile.BadZipFile, OSError, EOFError, ValueError, NotImplementedError)
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_PLAIN = (0, stat.S_IFREG, stat.S_IFDIR)
 _UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
 
 
@@ -68,30 +68,14 @@ class Archive:
         )
 
 
-def is_inflated(size: int, packed: int) -> bool:
-    """Tell whether bytes are many and packed far tighter than data ever is."""
-    return size > max(LARGE, MAX_RATIO * packed)
-
-
 def is_unsafe(name: str) -> bool:
     """Tell whether a member's name could leave the folder it is unpacked to."""
     return bool(_UNSAFE.search(name))
 
 
-def is_link(member: zipfile.ZipInfo) -> bool:
-    """Tell whether a member is a symbolic link."""
-    return stat.S_ISLNK(member.external_attr >> 16)
-
-
-def is_special(member: zipfile.ZipInfo) -> bool:
-    """Tell whether a member is a pipe, a device or another file that is no data."""
-    kind = stat.S_IFMT(member.external_attr >> 16)
-    return member.create_system == 3 and kind not in (*_PLAIN, stat.S_IFLNK)
-
-
 def is_readable(member: zipfile.ZipInfo) -> bool:
     """Tell whether a member's content can be read without a password or other methods."""
-    return member.compress_type in _METHODS and not member.flag_bits & 1
+    return member.compress_type in METHODS and not is_encrypted(member)
 
 
 def read_archive(path: Path) -> Archive:
@@ -105,7 +89,7 @@ def read_archive(path: Path) -> Archive:
                 archive.members = content.infolist()
             if len(archive.members) != stated:
                 archive.fault = f"{len(archive.members)} members listed, {stated} stated at its end"
-    except _FAULTS as fault:
+    except (*FAULTS, OSError) as fault:
         said = getattr(fault, "strerror", None) or str(fault)
         archive.fault = said.partition(";")[0]  # the advice of a rule follows
     return archive
@@ -129,14 +113,10 @@ def unpack(archive: Archive, folder: Path) -> frozenset[str]:
                 continue
             seen.add(name)
             try:
-                target = folder / name
-                target.parent.mkdir(parents=True, exist_ok=True)
-                with file.open(member) as source, target.open("wb") as copy:
-                    shutil.copyfileobj(source, copy)
-                if (size := target.stat().st_size) != member.file_size:
-                    raise ValueError(f"{size} bytes, though its header says {member.file_size}")
-            except (*_FAULTS, zlib.error, RuntimeError) as fault:
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                extract_file(file, member, folder / name)
+            except (Refused, OSError, ValueError) as fault:
                 archive.damaged[name] = str(fault)
                 with suppress(OSError):  # its name may be too long to be asked for
-                    target.unlink()
+                    (folder / name).unlink()
     return frozenset(seen - archive.damaged.keys())

@@ -32,6 +32,11 @@ _SECTIONS: dict[str, Role] = {
     "memory": "memory",
     "parameters": "parameter",
 }
+ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
+"""Signals of a loop: reference velocity, encoder position, velocity that the controller estimates,
+motor force, force of the compensator before this one in a chain."""
+AXIS = {"T_s", "m", "b", "tau_i"}
+"""Sample period of the loop; mass, viscous friction and current-loop lag of its axis."""
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
@@ -78,12 +83,31 @@ class Terminal:
 
 
 @dataclass(frozen=True)
+class Ports:
+    """How a compensator is connected in a loop: ``[loop]`` of model.toml.
+
+    Attributes
+    ----------
+    inputs : input -> role of the signal that it takes, one of ``ROLES``
+    output : the force that is added to the controller's
+    tuned : parameters that are tuned; a compensator that runs a law tunes the law's as well
+    axis : parameter -> what it is set to: a number, or one of ``AXIS`` of the drive
+    """
+
+    inputs: Mapping[str, str]
+    output: str
+    tuned: tuple[str, ...]
+    axis: Mapping[str, str | float]
+
+
+@dataclass(frozen=True)
 class Model:
     """What model.toml says, and the C files that go with it.
 
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
     ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
-    polylines on a tile of 100 by 100. ``law`` is the friction law that it contains.
+    polylines on a tile of 100 by 100. ``law`` is the friction law that it
+    contains, ``ports`` how a compensator is connected.
     """
 
     name: str
@@ -99,6 +123,7 @@ class Model:
     terminals: Mapping[str, Terminal] = field(default_factory=dict)
     icon: tuple[tuple[float, ...], ...] = ()
     law: Law | None = None
+    ports: Ports | None = None
 
     @property
     def is_continuous(self) -> bool:
@@ -173,9 +198,22 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
             icon=tuple(map(tuple, content["icon"])),
             folder=folder,
             law=law,
+            ports=_ports(content.get("loop"), law),
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None
+
+
+def _ports(table: dict[str, Any] | None, law: Law | None) -> Ports | None:
+    if table is None:
+        return None
+    if unknown := sorted({*table["inputs"].values()} - ROLES):
+        raise DescriptionError(f"[loop]: unknown role {unknown[0]}; known are {sorted(ROLES)}")
+    named = {value for value in table["axis"].values() if isinstance(value, str)}
+    if unknown := sorted(named - AXIS):
+        raise DescriptionError(f"[loop]: unknown quantity {unknown[0]}; known are {sorted(AXIS)}")
+    tuned = (*table["tuned"], *(law.parameters if law else ()))
+    return Ports(table["inputs"], table["output"], tuned, table["axis"])
 
 
 def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:

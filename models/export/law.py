@@ -13,7 +13,7 @@ from stickslip.models.export.units import force_and_length
 
 Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]
-_KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by")
+_KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by", "requires", "choices")
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,9 @@ class LawParameter:
     spread : standard deviation of its natural logarithm when a data sheet or a single slow run is
         all that is known, None where nothing is known
     shown_by : the experiment that shows it, None for a parameter that is chosen and not estimated
+    requires : name of a parameter with ``at_least``; only while that one is above its bound does
+        this one have an effect. None for no such parameter
+    choices : values to choose from, the preferred one first; empty for ``start`` alone
     force, length : powers of the units of force and length in its unit. The parameters with
         ``force == 1`` are those to multiply for a share of the force at the same motion
     """
@@ -46,6 +49,8 @@ class LawParameter:
     at_least: str | None
     spread: float | None
     shown_by: str | None
+    requires: str | None
+    choices: tuple[float, ...]
     force: int
     length: int
 
@@ -130,11 +135,12 @@ def read_law(folder: Path) -> Law:
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/law.toml: key {missing} is missing") from None
     for parameter in law.parameters.values():
-        if parameter.at_least not in (None, *law.parameters):
-            raise DescriptionError(
-                f"{folder.name}/law.toml, parameter {parameter.name}: at_least names "
-                f"{parameter.at_least}, which is not a parameter; there are {list(tables)}"
-            )
+        for key in ("at_least", "requires"):
+            if getattr(parameter, key) not in (None, *law.parameters):
+                raise DescriptionError(
+                    f"{folder.name}/law.toml, parameter {parameter.name}: {key} names "
+                    f"{getattr(parameter, key)}, which is not a parameter; there are {list(tables)}"
+                )
     return law
 
 
@@ -154,6 +160,8 @@ def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
         at_least=table.get("at_least"),
         spread=table.get("spread"),
         shown_by=table.get("shown_by"),
+        requires=table.get("requires"),
+        choices=tuple(map(float, table.get("choices", ()))),
         force=force,
         length=length,
     )

@@ -1,1 +1,1 @@
-"""Parameters: names, units and the values of the paper."""
+"""Parameters: names, units, the values of the paper, and the coordinates of an estimation."""

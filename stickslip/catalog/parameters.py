@@ -1,18 +1,46 @@
-"""The parameters of Table 2 and what they are called."""
+"""The parameters of a drive: those of its friction law, from ``law.toml``, and its own."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import cache
 
-UNITS = {
-    "m": "kg",
-    "b": "N.s/m",
-    "F_s": "N",
-    "F_c": "N",
-    "v_s": "m/s",
-    "sigma_0": "N/m",
-    "sigma_1": "N.s/m",
+from stickslip import models
+from stickslip.models import Law, LawParameter
+from stickslip.models.export.units import force_and_length
+
+
+def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None) -> LawParameter:
+    force, length = force_and_length(unit)
+    return LawParameter(
+        name=name,
+        unit=unit,
+        description=meaning,
+        start=(0.0,),
+        low=float("-inf"),
+        high=float("inf"),
+        display=None,
+        symbol=symbol,
+        coordinate="log" if name == "m" else "linear",
+        at_least=None,
+        spread=None,
+        shown_by=shown_by,
+        requires=None,
+        choices=(),
+        force=force,
+        length=length,
+    )
+
+
+DRIVE = {
+    parameter.name: parameter
+    for parameter in (
+        _drive("m", "kg", "$m$", "Inertia", "quick ramps of velocity"),
+        _drive("b", "N.s/m", "$b$", "Viscous friction", "constant speeds over the whole range"),
+        _drive("F_0", "N", "$F_0$", "Constant force against the motor", None),
+        _drive("delay", "s", "$t_d$", "Delay of the force against its log or command", None),
+    )
 }
+"""The parameters that every drive has, whatever its friction law."""
 
 _ROTARY = {
     "kg": "kg.m2",
@@ -20,14 +48,8 @@ _ROTARY = {
     "N": "N.m",
     "m/s": "rad/s",
     "N/m": "N.m/rad",
+    "N/s": "N.m/s",
 }
-
-
-def unit_of(name: str, *, rotary: bool = False) -> str:
-    """Return the unit of a parameter, for a linear or a rotary drive."""
-    unit = UNITS[name]
-    return _ROTARY[unit] if rotary else unit
-
 
 PAPER = {
     "m": 5.557,
@@ -40,12 +62,63 @@ PAPER = {
 }
 """Table 2 of the paper. It prints b in Nm/sec, which must read N s/m."""
 
-LUGRE = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1")
-"""The five that the genetic algorithm learns."""
 
-_FORCES = ("F_s", "F_c", "sigma_0", "sigma_1")
+@cache
+def friction_law(name: str = "lugre") -> Law:
+    """Return a friction law of ``models/laws``, LuGre by default.
+
+    Raises
+    ------
+    models.UnknownLaw
+        When there is no such law.
+    """
+    return models.load_law(name)
 
 
-def at_share(friction: Mapping[str, float], share: float) -> dict[str, float]:
-    """Return LuGre parameters whose force is a share of that of others at the same motion."""
-    return {**friction, **{name: share * friction[name] for name in _FORCES}}
+def estimated(law: Law) -> tuple[str, ...]:
+    """Return the names of a law's parameters that an experiment shows, in the order of law.toml."""
+    return tuple(name for name, parameter in law.parameters.items() if parameter.shown_by)
+
+
+@cache
+def parameter(name: str) -> LawParameter:
+    """Return a parameter of a drive or of any friction law.
+
+    Raises
+    ------
+    KeyError
+        When there is none of this name.
+    """
+    if name in DRIVE:
+        return DRIVE[name]
+    for law in map(friction_law, ("lugre", *models.law_names())):
+        if name in law.parameters:
+            return law.parameters[name]
+    raise KeyError(name)
+
+
+def unit_of(name: str, *, rotary: bool = False) -> str:
+    """Return the unit of a parameter, for a linear or a rotary drive."""
+    unit = parameter(name).unit
+    return _ROTARY.get(unit, unit) if rotary else unit
+
+
+@cache
+def force_and_length_of(name: str) -> tuple[int, int]:
+    """Return the powers of the units of force and length in a parameter or controller gain.
+
+    The unit of a gain is the one that the controller's model.toml gives; a value that is not known
+    has neither.
+    """
+    gains = {v.name: v.unit for v in models.load_model("velocity_controller").variables}
+    try:
+        return parameter(name).force, parameter(name).length
+    except KeyError:
+        return force_and_length(gains.get(name) or "1")
+
+
+LUGRE = estimated(friction_law())
+"""The parameters that the paper's genetic algorithm learns."""
+
+UNITS = {name: unit_of(name) for name in PAPER}
+"""Units of Table 2."""

@@ -93,16 +93,21 @@ def split_assignments(
     return values
 
 
-def drive_changes(texts: Iterable[str]) -> dict[str, float]:
+def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
     """Return the assignments to ``drive.NAME`` without their prefix.
+
+    All are numbers but ``law``, the name of the drive's friction law.
 
     Raises
     ------
     UsageError
         When another component is named, or a value is no number.
     """
-    changes: dict[str, float] = {}
+    changes: dict[str, float | str] = {}
     for name, value in split_assignments(texts).items():
+        if name == "drive.law":
+            changes["law"] = value
+            continue
         if not name.startswith("drive."):
             raise UsageError(f"--set {name}: only the drive's parameters can be set, as drive.NAME")
         try:

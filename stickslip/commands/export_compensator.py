@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import models
-from stickslip.catalog.parameters import at_share
+from stickslip.catalog.parameters import friction_law
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.commands.worth import print_worth
 from stickslip.errors import HarmfulError, UsageError
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
     try:
         models.load_model("compensator").with_start(start)
         share = _guarded_share(learned, start, force=options.force)
-        start = at_share(start, share)
+        start = friction_law().share(start, share)
         paths = _write(options, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
@@ -102,7 +102,9 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
             folder, loop, learned.friction, compensator, v_cmd, learned.feed, learned.datasheet
         )
         worth = try_out(trial, rotary=learned.rotary)
-        written = replace(trial, compensator=at_share(compensator, 1.0 if force else worth.share))
+        written = replace(
+            trial, compensator=friction_law().share(compensator, 1.0 if force else worth.share)
+        )
         for finding in inspect(written, learned.standard_errors):
             _warn(str(finding))
     if not worth.harmless:

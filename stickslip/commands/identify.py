@@ -16,12 +16,13 @@ from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.rig import rig_of
+from stickslip.servo.systems import Changes
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder for identified.json")
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 
@@ -33,7 +34,7 @@ def run(options: argparse.Namespace) -> None:
         _identify(options, truth)
 
 
-def _identify(options: argparse.Namespace, truth: dict[str, float]) -> None:
+def _identify(options: argparse.Namespace, truth: Changes) -> None:
     with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
         estimates = identify(rig, LOOP, progress.stage).estimates
     for name, estimate in estimates.items():

@@ -92,7 +92,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_coarse_option(parser)
     add_execution_options(parser)
     add_source_option(parser, FEEDS)
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 

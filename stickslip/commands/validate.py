@@ -19,7 +19,7 @@ from stickslip.results.learned import LearnedFile
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
-from stickslip.servo.systems import FEEDS
+from stickslip.servo.systems import FEEDS, Changes
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +41,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder for table4.csv and attribution.csv"
     )
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE")
+    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
     parser.set_defaults(run=run)
 
 
@@ -54,9 +54,7 @@ def run(options: argparse.Namespace) -> None:
         _validate(options, truth, compensator)
 
 
-def _validate(
-    options: argparse.Namespace, truth: dict[str, float], compensator: dict[str, float]
-) -> None:
+def _validate(options: argparse.Namespace, truth: Changes, compensator: dict[str, float]) -> None:
     with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
         loop = plain = identify(rig, LOOP, progress.stage).loop
         if options.velocity_filter:

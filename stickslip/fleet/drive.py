@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from stickslip.servo.systems import Changes
+
 
 @dataclass(frozen=True)
 class LogSource:
@@ -30,7 +32,7 @@ class Variant:
     changes : parameters that differ from Table 2, in the units of the drive's model.toml
     """
 
-    changes: Mapping[str, float]
+    changes: Changes
 
 
 @dataclass(frozen=True)

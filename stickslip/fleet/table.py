@@ -101,7 +101,7 @@ class _Row:
         folder = self.path.parent
         return Drive(name, LogSource(folder / log, folder / config if config else None), row)
 
-    def _changes(self, text: str) -> dict[str, float]:
+    def _changes(self, text: str) -> dict[str, float | str]:
         try:
             changes = drive_changes(shlex.split(text))
             drive_truth(changes)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.catalog.parameters import LUGRE, at_share
+from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation, JudgeName, Search, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
@@ -57,7 +57,7 @@ class LogLearning:
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
         share = self.trial.worth.share if self.trial else 1.0
-        return at_share(self.estimation.compensator, share)
+        return friction_law().share(self.estimation.compensator, share)
 
     def with_whole_force(self) -> LogLearning:
         """Return the same with the compensator at its whole force, whatever that does."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import LUGRE, at_share
+from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.guards import Trial, Worth, inspect, try_out
 from stickslip.fmi.process import temporary_folder
@@ -71,7 +71,7 @@ def try_compensator(reading: Reading, estimation: Estimation) -> LogTrial | None
         build_fmus(folder, {})
         trial = Trial(folder, loop, learned, learned, v_cmd, datasheet=sheet)
         worth = try_out(trial, rotary=reading.recording.motion == "rotary")
-        written = replace(trial, compensator=at_share(learned, worth.share))
+        written = replace(trial, compensator=friction_law().share(learned, worth.share))
         found = tuple(str(finding) for finding in inspect(written, errors))
     return LogTrial(loop, controlled is not None, command, sheet, worth, found)
 

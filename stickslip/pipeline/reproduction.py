@@ -6,6 +6,7 @@ between sees a ``Rig``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,7 +25,7 @@ from stickslip.pipeline.steps import with_steps
 from stickslip.results.tables import table2
 from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
 from stickslip.servo.rig import Rig
-from stickslip.servo.systems import Feed, build_fmus, paper_loop
+from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
 from stickslip.tuning.coarse_start import coarsened
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn, parameters
@@ -38,7 +39,8 @@ class Options:
 
     Attributes
     ----------
-    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml
+    truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml,
+        and its friction law as ``law``
     preset : how to learn, a name in ``ga.ALGORITHMS``
     feed : what drives the compensator
     published_seeds : how many seeds learn as published
@@ -47,7 +49,7 @@ class Options:
         ``stickslip/tuning/coarse_start.py``
     """
 
-    truth: Mapping[str, float] = field(default_factory=dict)
+    truth: Changes = field(default_factory=dict)
     seed: int = 0
     preset: str = "default"
     feed: Feed = "nominal"
@@ -130,16 +132,20 @@ class Reproduction:
         return with_steps(table, self.motions.evaluation.table()) if self.motions else table
 
 
-def drive_truth(changes: Mapping[str, float]) -> dict[str, float]:
-    """Return every parameter of the drive FMU.
+def drive_truth(changes: Changes) -> dict[str, float]:
+    """Return every parameter of the drive FMU; those of LuGre that its law lacks are NaN.
 
     Raises
     ------
     models.StartValueError
         When a change names no parameter or lies outside its range.
+    models.UnknownLaw
+        When there is no such friction law.
     """
-    model = models.load_model("drive").with_start(changes)
-    return {v.name: v.start for v in model.variables if v.role == "parameter"}
+    start, law = drive_law(changes)
+    model = models.load_model("drive", law).with_start(start)
+    known = {v.name: v.start for v in model.variables if v.role == "parameter"}
+    return dict.fromkeys(LUGRE, math.nan) | known
 
 
 def reproduce(

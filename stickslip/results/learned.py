@@ -21,7 +21,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from stickslip.catalog.parameters import LUGRE, UNITS, at_share, unit_of
+from stickslip.catalog.parameters import LUGRE, UNITS, friction_law, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
@@ -250,7 +250,7 @@ class LearnedFile:
             raise UsageError(
                 f"{self.path}: share: expected a value above 0 and up to 1; got {entry!r:.80}"
             )
-        return at_share(friction, share)
+        return friction_law().share(friction, share)
 
     @property
     def standard_errors(self) -> dict[str, float]:

@@ -19,6 +19,7 @@ from stickslip.ga import SimulatedCost
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import (
+    Changes,
     Feed,
     build_fmus,
     paper_loop,
@@ -111,7 +112,7 @@ class Rig:
 
 
 @contextmanager
-def rig_of(truth: Mapping[str, float]) -> Iterator[Rig]:
+def rig_of(truth: Changes) -> Iterator[Rig]:
     """Build a drive with these parameters on its test bench; its files go with the block."""
     with temporary_folder() as fmus:
         build_fmus(fmus, truth)

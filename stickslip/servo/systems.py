@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -17,10 +18,43 @@ NOMINAL_ORDER = 8
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 
 
-def build_fmus(folder: Path, truth: Mapping[str, float]) -> None:
-    """Build the FMUs of the loop into a folder; ``truth`` goes into the drive as start values."""
+_MEASURED = {"x_enc": "drive.x_enc", "F_motor": "drive.F_m", "v_est": "controller.v_est"}
+
+
+@dataclass(frozen=True)
+class Compensator:
+    """A compensator in a loop.
+
+    Attributes
+    ----------
+    name : of its component
+    model : of ``models.model_names()``, in the folder of the FMUs
+    values : parameters by name; the rest follow from the axis, or are start values
+    """
+
+    name: str
+    model: str
+    values: Mapping[str, float] = field(default_factory=dict)
+
+
+Changes = Mapping[str, float | str]
+"""Start values of the drive FMU by name, and ``law``, the name of its friction law."""
+
+
+def drive_law(changes: Changes) -> tuple[dict[str, float], str | None]:
+    """Return the start values of the drive, and its friction law, None for LuGre."""
+    values = {name: float(value) for name, value in changes.items() if name != "law"}
+    return values, str(changes["law"]) if "law" in changes else None
+
+
+def build_fmus(folder: Path, truth: Changes) -> None:
+    """Build the FMUs of the loop into a folder; ``truth`` goes into the drive."""
+    start, law = drive_law(truth)
     for name in models.model_names():
-        models.build_fmu(name, folder, start=truth if name == "drive" else None)
+        if name == "drive":
+            models.build_fmu(name, folder, start=start, law=law)
+        else:
+            models.build_fmu(name, folder)
 
 
 def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:
@@ -44,8 +78,9 @@ def feedforward(
     feed : what drives the compensator, the nominal loop's response or the command
     """
     system = cosim.System("feedforward")
-    _add_feedforward(system, fmus, loop, compensator, feed)
-    _expose(system, loop, ["nominal"], feed)
+    chain = [Compensator("compensator", "compensator", compensator)]
+    _, referenced = _add_feedforward(system, fmus, loop, chain, feed)
+    _expose(system, loop, ["nominal"], referenced if feed == "command" else [])
     return system
 
 
@@ -60,37 +95,92 @@ def paper_loop(
     Parameters are those of ``feedforward``; a compensator of None runs beside the loop only. A
     velocity filter takes the compensator's force for known friction.
     """
+    chain = [Compensator("compensator", "compensator", compensator or {})]
+    return build_loop(fmus, loop, chain, feed, connected=compensator is not None)
+
+
+def build_loop(
+    fmus: Path,
+    loop: VelocityLoop,
+    compensators: Sequence[Compensator],
+    feed: Feed = "nominal",
+    *,
+    connected: bool = True,
+) -> cosim.System:
+    """Return a servo loop with any chain of compensators, connected by the roles of their ports.
+
+    Each one adds its force to that of the one before it, if it has an input for it. The last one's
+    force goes to the controller and, as known friction, to a velocity filter.
+
+    Parameters
+    ----------
+    fmus : folder of the FMUs
+    loop : controller, nominal loop and axis
+    compensators : in the order in which their forces are added; none for a loop without
+    feed : what gives the reference velocity, the nominal loop's response or the command
+    connected : whether the last one's force goes to the loop, or runs beside it only
+
+    Raises
+    ------
+    ValueError
+        When a model is not a compensator, or cannot take the force of the one before it.
+    """
     system = cosim.System("loop")
-    _add_feedforward(system, fmus, loop, compensator or {}, feed)
+    force, referenced = _add_feedforward(system, fmus, loop, compensators, feed)
     _add_servo(system, fmus, loop)
-    _expose(system, loop, ["controller", "nominal"], feed)
-    if compensator is not None:
-        system.connect("compensator.F_mean", "controller.F_ff")
+    _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
+    for compensator in compensators:
+        for variable, role in _ports(compensator).inputs.items():
+            if role in _MEASURED:
+                system.connect(_MEASURED[role], f"{compensator.name}.{variable}")
+    if force is not None and connected:
+        system.connect(force, "controller.F_ff")
         if loop.velocity_filter is not None:
-            system.connect("compensator.F_mean", "filter.F_ff")
+            system.connect(force, "filter.F_ff")
     return system
+
+
+def _ports(compensator: Compensator) -> models.Ports:
+    ports = models.load_model(compensator.model).ports
+    if ports is None:
+        raise ValueError(f"model '{compensator.model}' is not a compensator")
+    return ports
 
 
 def _add_feedforward(
     system: cosim.System,
     fmus: Path,
     loop: VelocityLoop,
-    compensator: Mapping[str, float],
+    compensators: Sequence[Compensator],
     feed: Feed,
-) -> None:
+) -> tuple[str | None, list[str]]:
+    """Add nominal loop and compensators; return the last force and the reference inputs."""
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    timing = {"hold": False, "lead": loop.axis.tau_i}
-    system.add("compensator", fmus / "compensator.fmu", {**timing, **compensator})
+    axis = {"T_s": loop.T_s, "m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
+    force, referenced = None, []
+    for compensator in compensators:
+        ports, name = _ports(compensator), compensator.name
+        values = {p: axis[v] if isinstance(v, str) else v for p, v in ports.axis.items()}
+        system.add(name, fmus / f"{compensator.model}.fmu", {**values, **compensator.values})
+        roles = {role: f"{name}.{variable}" for variable, role in ports.inputs.items()}
+        if "v_ref" in roles:
+            referenced.append(roles["v_ref"])
+        if force is not None and "F_added" not in roles:
+            raise ValueError(f"compensator '{name}' cannot add its force to {force}; put it first")
+        if force is not None:
+            system.connect(force, roles["F_added"])
+        force = f"{name}.{ports.output}"
     if feed == "nominal":
-        system.connect("nominal.v_r", "compensator.v")
+        for place in referenced:
+            system.connect("nominal.v_r", place)
+    return force, referenced
 
 
 def _expose(
-    system: cosim.System, loop: VelocityLoop, commanded: list[str], feed: Feed = "nominal"
+    system: cosim.System, loop: VelocityLoop, commanded: list[str], referenced: Sequence[str] = ()
 ) -> None:
     """Expose what ``loop.commands`` gives to the components that take it."""
-    fed = ["compensator.v"] if feed == "command" else []
-    system.expose("v_cmd", *(f"{name}.v_cmd" for name in commanded), *fed)
+    system.expose("v_cmd", *(f"{name}.v_cmd" for name in commanded), *referenced)
     if loop.m_ff:
         system.expose("a_cmd", *(f"{name}.a_cmd" for name in commanded))
 

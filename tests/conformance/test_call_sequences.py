@@ -11,6 +11,8 @@ import pytest
 
 from tests.corpus.fuzz_calls import Fuzzer
 
+pytestmark = pytest.mark.slow
+
 SEQUENCES = 5000
 
 

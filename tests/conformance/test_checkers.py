@@ -3,9 +3,12 @@
 import subprocess
 import sys
 
+import pytest
+
 CALL = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
 
 
+@pytest.mark.slow
 def test_fmu_manipulation_toolbox_finds_nothing(fmu):
     done = subprocess.run(
         [sys.executable, "-c", CALL, "-input", str(fmu.path), "-check"],

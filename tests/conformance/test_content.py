@@ -64,6 +64,7 @@ def test_every_source_is_listed(fmu):
         assert described.sourceFileSets[0].sourceFiles == listed
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="cmake, which FMPy calls, is missing")
 @pytest.mark.parametrize(("name", "version"), [("stage", 2), ("compensator", 3), ("drive", 3)])
 def test_another_tool_compiles_the_sources_to_the_same_results(build, name, version, tmp_path):

@@ -161,6 +161,7 @@ def test_a_binary_exports_functions_of_its_standard_only(fmu):
     assert f"fmi{fmu.version}DoStep" in exported
 
 
+@pytest.mark.slow
 def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
     tmp_path_factory, monkeypatch, build
 ):

@@ -28,6 +28,8 @@ TOLERANCE = {
     "velocity_controller": {"u": 1e-11, "v_est": 1e-14},
     "velocity_filter": {"v_hat": 1e-13, "d_hat": 1e-8},
     "nominal_loop": {"v_r": 1e-15},
+    "static_feedforward": {"F": 1e-12},
+    "dob": {"F": 1e-8, "d_hat": 1e-8},
 }
 
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from stickslip.models.export.sources import fmi_headers
 from tests.corpus.fuzz_calls import SANITIZE
+
+pytestmark = pytest.mark.slow
 
 
 def test_a_whole_life_is_clean(fmu, compiler, tmp_path):

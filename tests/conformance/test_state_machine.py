@@ -22,6 +22,8 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
+pytestmark = pytest.mark.slow
+
 STEP = 5e-4  # s
 CREATED, STARTING, STEPPING, ENDED = "created", "starting", "stepping", "ended"
 LEADS = {

@@ -53,6 +53,7 @@ def transfer_function(axis: Axis, K_p: float, K_i: float, tau_f: float) -> contr
     return controller * way * estimate
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(axes, specifications)
 def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
@@ -76,6 +77,7 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     assert loop.nominal.dcgain() == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     st.builds(Axis, m=log_uniform(2.0, 50.0), b=st.just(6.6), tau_i=st.just(1e-4)),

@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import os
-import re
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-import fmpy
 import pytest
 
-from stickslip.fmi import toolchain
+from tests.corpus import fmu
+from tests.corpus.fmu import Variable
 
-# name, type, causality, unit, further attributes; the value reference is the place in the list
+# name, type, causality, unit, start, further attributes; the value reference is the place
 VARIABLES = [
-    ("u", "Real", "input", "N", 'start="0"'),
-    ("y", "Real", "output", "N", ""),
-    ("k", "Real", "parameter", None, 'start="1" min="-1000" max="1000"'),
-    ("fault_time", "Real", "parameter", "s", 'start="1e9"'),
-    ("sum", "Real", "output", None, ""),
-    ("fault", "Integer", "parameter", None, 'start="0"'),
-    ("n", "Integer", "parameter", None, 'start="0" min="0" max="9"'),
-    ("flag", "Boolean", "parameter", None, 'start="false"'),
-    ("text", "String", "parameter", None, 'start=""'),
+    ("u", "Float64", "input", "N", 0, ""),
+    ("y", "Float64", "output", "N", None, ""),
+    ("k", "Float64", "parameter", None, 1, 'min="-1000" max="1000"'),
+    ("fault_time", "Float64", "parameter", "s", 1e9, ""),
+    ("sum", "Float64", "output", None, None, ""),
+    ("fault", "Int32", "parameter", None, 0, ""),
+    ("n", "Int32", "parameter", None, 0, 'min="0" max="9"'),
+    ("flag", "Boolean", "parameter", None, "false", ""),
+    ("text", "String", "parameter", None, "", ""),
 ]
-FMI3_TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 UNITS = {
     "N": 'kg="1" m="1" s="-2"',
     "kg.m/s2": 'kg="1" m="1" s="-2"',
@@ -49,70 +46,47 @@ TYPES = {
 
 def describe(kind: str, version: int, units: dict[str, str]) -> str:
     """Return modelDescription.xml."""
-    depends = {"y": {2: "1", 3: "0"}[version] if kind == "gain" else "", "sum": ""}
-    base = "".join(f'<Unit name="{n}"><BaseUnit {b}/></Unit>' for n, b in UNITS.items())
-    variables, outputs = [], []
-    for reference, (name, kind_, causality, unit, rest) in enumerate(VARIABLES):
-        unit = units.get(name, unit)
-        variability = "continuous"
-        if causality == "parameter":
-            variability = "tunable" if name in {"k", "n", "flag"} else "fixed"
-        common = (
-            f'name="{name}" valueReference="{reference}" causality="{causality}"'
-            f' variability="{variability}"'
-        )
-        typed = f'{rest} unit="{unit.removesuffix(RELATIVE)}"' if unit else rest
+    variables = []
+    for name, type_, causality, usual, start, attributes in VARIABLES:
+        unit = units.get(name, usual)
+        if unit:
+            attributes += f' unit="{unit.removesuffix(RELATIVE)}"'
         if unit and unit.endswith(RELATIVE):  # said by the variable, or in FMI 3.0 by its type
-            typed += ' relativeQuantity="true"' if version == 2 else ' declaredType="Difference"'
-        if version == 2:
-            variables.append(f"<ScalarVariable {common}><{kind_} {typed}/></ScalarVariable>")
-        elif kind_ == "String":
-            variables.append(f'<String {common}><Start value=""/></String>')
-        else:
-            variables.append(f"<{FMI3_TYPES[kind_]} {common} {typed}/>")
-        if causality == "output":
-            where = f'index="{reference + 1}"' if version == 2 else f'valueReference="{reference}"'
-            outputs.append(f'{where} dependencies="{depends[name]}"')
-    if version == 3:
+            attributes += (
+                ' relativeQuantity="true"' if version == 2 else ' declaredType="Difference"'
+            )
         variables.append(
-            '<Float64 name="time" valueReference="99" causality="independent"'
-            ' variability="continuous"/>'
+            Variable(
+                name,
+                causality,
+                start,
+                type_,
+                variability=(
+                    None
+                    if causality == "parameter" and name not in {"k", "n", "flag"}
+                    else "tunable"
+                    if causality == "parameter"
+                    else "continuous"
+                ),
+                depends=["u"] if name == "y" and kind == "gain" else (),
+                attributes=attributes,
+            )
         )
-    if version == 2:
-        structure = f"<Outputs>{''.join(f'<Unknown {o}/>' for o in outputs)}</Outputs>"
-        root = 'fmiVersion="2.0" guid="' + kind + '"'
-    else:
-        structure = "".join(f"<Output {o}/>" for o in outputs)
-        root = 'fmiVersion="3.0" instantiationToken="' + kind + '"'
-    return (
-        f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {root} modelName="{kind}">'
-        f'<CoSimulation modelIdentifier="{kind}" canHandleVariableCommunicationStepSize="true"/>'
-        f"<UnitDefinitions>{base}</UnitDefinitions>{TYPES[version]}"
-        '<DefaultExperiment startTime="0" stopTime="1" stepSize="0.01"/>'
-        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
-        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    base = "".join(f'<Unit name="{n}"><BaseUnit {b}/></Unit>' for n, b in UNITS.items())
+    return fmu.describe(
+        kind,
+        version,
+        variables,
+        {"CoSimulation": 'canHandleVariableCommunicationStepSize="true"'},
+        types=f"<UnitDefinitions>{base}</UnitDefinitions>{TYPES[version]}",
+        experiment='startTime="0" stopTime="1" stepSize="0.01"',
     )
-
-
-def absent(headers: str, model: str) -> str:
-    """Return stubs for the functions that are never called but that the standard requires."""
-    names = set(re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", headers))
-    export = (
-        "__declspec(dllexport)" if os.name == "nt" else '__attribute__((visibility("default")))'
-    )
-    missing = sorted(name for name in names if f"{name}(" not in model)
-    return "\n".join(f"{export} int {name}(void) {{ return 3; }}" for name in missing)
 
 
 def library(kind: str) -> Path:
     """Return the compiled model."""
-    headers = Path(fmpy.__file__).parent / "c-code"
-    files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
-    model = Path(__file__).with_name("model.c").read_text()
-    files["model.c"] = model
-    files["absent.c"] = absent("".join(files.values()), model)
     number = ["gain", "integrator"].index(kind)
-    return toolchain.shared_library(kind, files, flags=(f"-DKIND={number}",))
+    return fmu.library(kind, Path(__file__).with_name("model.c"), flags=(f"-DKIND={number}",))
 
 
 Make = Callable[..., Path]
@@ -127,15 +101,9 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
     def make(kind: str, version: int = 2, **units: str) -> Path:
         key = (kind, version, *units.items())
         if key not in made:
-            platform = toolchain.host_platform()
-            place = platform.fmi2 if version == 2 else platform.tuple
             path = folder / str(len(made)) / f"{kind}.fmu"
-            path.parent.mkdir()
-            with zipfile.ZipFile(path, "w") as archive:
-                archive.writestr("modelDescription.xml", describe(kind, version, units))
-                binary = library(kind)
-                archive.write(binary, f"binaries/{place}/{binary.name}")
-            made[key] = path
+            files = {fmu.place(kind, version): library(kind).read_bytes()}
+            made[key] = fmu.pack(path, describe(kind, version, units), files)
         return made[key]
 
     return make

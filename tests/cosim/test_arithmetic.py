@@ -62,6 +62,7 @@ def pair(changer, sound):
     return system
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("change", CHANGES)
 def test_the_others_compute_as_if_they_were_alone(tmp_path, sound, expected, call, change):

@@ -74,6 +74,7 @@ def test_while_it_runs_it_is_not_closed_or_saved(system, tmp_path, isolation):
             assert result["b.y"][-1] == pytest.approx(2.0 * (1.0 + STOP))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("isolation", [None, "process"])
 def test_simulations_of_their_own_run_side_by_side(system, isolation):
     specification = cosim.Specification(system, STEP, STOP, isolation=isolation)

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 # A process that a shell started in the background inherits that SIGINT is ignored.
 LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 RUN = """

@@ -12,6 +12,8 @@ import pytest
 from stickslip import cosim
 from tests.corpus.hostile import faults
 
+pytestmark = pytest.mark.slow
+
 FOREIGN = ["(void*)1", "NULL"]
 ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]
 

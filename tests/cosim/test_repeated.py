@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim, ga
 from stickslip.cosim.run import resets
-from stickslip.fmi import toolchain
+from tests.corpus import fmu
+
+pytestmark = pytest.mark.slow
 
 STEP, STOP = 0.05, 0.5  # 10 steps; see unreset.c
 SOUND = "*m = fresh();"
@@ -52,9 +52,6 @@ def write(tmp_path_factory):
         key = (name, version, reset, noise, flags)
         if key in made:
             return made[key]
-        headers = Path(fmpy.__file__).parent / "c-code"
-        files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
-        files["unreset.c"] = Path(__file__).with_name("unreset.c").read_text()
         options = [
             "-DRESET=" + reset.replace("missing", ""),
             f"-DNOISE={noise}",
@@ -62,46 +59,24 @@ def write(tmp_path_factory):
             "-Wno-variadic-macro-arguments-omitted",
         ]
         options += ["-DWITHOUT_RESET", "-Wno-unused-function"] if reset == "missing" else []
-        binary = toolchain.shared_library("unreset", files, flags=tuple(options))
-        platform = toolchain.host_platform()
-        place = platform.fmi2 if version == 2 else platform.tuple
+        binary = fmu.library(
+            "unreset", Path(__file__).with_name("unreset.c"), flags=options, complete=False
+        ).read_bytes()
+        description = fmu.describe(
+            "unreset",
+            version,
+            [
+                fmu.Variable("u", "input", 1),
+                fmu.Variable("y", "output", depends=()),
+                fmu.Variable("k", "parameter", 0.1, variability="tunable"),
+            ],
+            {"CoSimulation": f'{flags} canHandleVariableCommunicationStepSize="true"'},
+        )
         path = folder / str(len(made)) / f"{name}.fmu"
-        path.parent.mkdir()
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("modelDescription.xml", describe(version, flags))
-            archive.write(binary, f"binaries/{place}/{binary.name}")
-        made[key] = path
+        made[key] = fmu.pack(path, description, {fmu.place("unreset", version): binary})
         return path
 
     return write
-
-
-def describe(version, flags):
-    rows = [("u", "input", "continuous", 'start="1"'), ("y", "output", "continuous", "")]
-    rows.append(("k", "parameter", "tunable", 'start="0.1"'))
-    variables = ""
-    for i, (name, causality, variability, start) in enumerate(rows):
-        head = f'name="{name}" valueReference="{i}" causality="{causality}"'
-        head += f' variability="{variability}"'
-        variables += (
-            f"<ScalarVariable {head}><Real {start}/></ScalarVariable>"
-            if version == 2
-            else f"<Float64 {head} {start}/>"
-        )
-    if version == 3:
-        variables += '<Float64 name="time" valueReference="9" causality="independent"/>'
-    token, output = (
-        ("guid", '<Outputs><Unknown index="2" dependencies=""/></Outputs>')
-        if version == 2
-        else ("instantiationToken", '<Output valueReference="1" dependencies=""/>')
-    )
-    return (
-        f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" {token}="x"'
-        f' modelName="unreset"><CoSimulation modelIdentifier="unreset" {flags}'
-        f' canHandleVariableCommunicationStepSize="true"/>'
-        f"<ModelVariables>{variables}</ModelVariables>"
-        f"<ModelStructure>{output}</ModelStructure></fmiModelDescription>"
-    )
 
 
 def alone(fmu, *, exposed=True):

@@ -11,7 +11,10 @@ import pytest
 from stickslip import cosim
 from tests.corpus.hostile import fmus
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux"),
+]
 
 
 @pytest.fixture

@@ -20,6 +20,8 @@ from lxml import etree
 from stickslip import cosim
 from stickslip.cosim.system.scaling import Link, Scaling
 
+pytestmark = pytest.mark.slow
+
 STEP = 0.25
 EXPERIMENT = cosim.DefaultExperiment(start=0.0, stop=2.0, step=STEP)
 

@@ -19,6 +19,8 @@ import pytest
 
 from stickslip import cosim
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 NUMBER = r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?"
 NAMES = ["closed_loop", "learn_parameters", "use_compensator"]

@@ -16,6 +16,7 @@ KERNEL = "this-interpreter"
 
 # Jupyter's own, on some of its versions and systems: old calls into asyncio and zmq.
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.filterwarnings("ignore::DeprecationWarning:jupyter_client"),
     pytest.mark.filterwarnings("ignore::RuntimeWarning:zmq"),
 ]

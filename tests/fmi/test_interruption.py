@@ -11,7 +11,7 @@ import pytest
 
 from stickslip.fmi.process import Threads, check_interruption, held, interrupted_by, interruptible
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")]
 ROOT = Path(__file__).parents[2]
 
 NATIVE = """

@@ -68,6 +68,7 @@ def test_every_thread_has_its_own(simulated):
     assert CALLS["close"] == CALLS["prepare"]
 
 
+@pytest.mark.slow
 def test_processes_agree(simulated):
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as executor:
         assert history(simulated, executor) == history(simulated)

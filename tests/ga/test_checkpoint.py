@@ -68,6 +68,7 @@ def test_a_restarted_and_a_noisy_search_resume_as_well(tmp_path):
     assert resumed.history.to_csv() == whole.history.to_csv()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="has no SIGKILL")
 def test_killed_at_any_moment_it_goes_on(tmp_path):
     rng = np.random.default_rng(0)
@@ -113,6 +114,7 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(keep, tmp_path):
         assert resumed.generation == 3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="has another Ctrl-C")
 def test_ctrl_c_ends_processes_quietly(capfd):
     """A terminal sends it to the workers as well."""

@@ -64,6 +64,7 @@ def test_a_worker_that_dies_takes_no_result_with_it(apart, tmp_path):
     assert died.to_csv() == history(quadratic).to_csv()
 
 
+@pytest.mark.slow
 def test_a_candidate_that_kills_its_worker_costs_infinity(apart):
     costs = history(quadratic)["a"]
     limit = float(np.sort(costs)[-2])  # one candidate is above, in one of the generations

@@ -11,7 +11,10 @@ import pytest
 from stickslip import cosim, ga
 from tests.corpus.hostile import fmus
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the FMU is for Linux")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="the FMU is for Linux"),
+]
 
 GENES = [ga.Gene("plant.k", 0.05, 3.0, 0.8, "1")]
 SETTINGS = replace(ga.DEFAULT, generations=4)

@@ -111,12 +111,14 @@ GENERATIONS = 50
 BUDGET = 402  # evaluations of 50 generations; far beyond, all medians are below any drive's noise
 
 
+@pytest.mark.slow
 def test_on_friction_it_learns_at_least_as_well_as_differential_evolution():
     ours, theirs = [np.median([run(s) for s in SEEDS]) for run in (_learn, _evolve)]
     assert ours <= theirs
     assert ours < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ga.PRESETS)
 def test_on_friction_it_learns_better_than_random_search(preset):
     encoding = ga.PRESETS[preset].encoding

@@ -57,6 +57,7 @@ def test_a_gene_may_be_negative(algorithm):
     np.testing.assert_allclose(found.values, [-2.0, *TARGET[:2]], rtol=1e-2)
 
 
+@pytest.mark.slow
 def test_restarts_leave_a_trap():
     """A wide basin at the start that costs 1, and a narrow one far away that costs nothing."""
 
@@ -76,6 +77,7 @@ def test_restarts_leave_a_trap():
     assert median(patience=10, restarts=10) < 1e-6
 
 
+@pytest.mark.slow
 def test_where_each_run_differs_repeating_the_elite_finds_the_better_candidate():
     """Noise of 30 % of the cost: the luckiest run is not the best candidate."""
 

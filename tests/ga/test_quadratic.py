@@ -120,6 +120,7 @@ def test_there_is_no_bowl_where_the_cost_bends_down():
     assert bowl(*ranked(points, 5 - np.sum((points - 0.5) ** 2, axis=1))) is None
 
 
+@pytest.mark.slow
 def test_the_work_of_a_fit_is_bounded_in_many_dimensions(monkeypatch):
     """Rows times the square of columns, which the time of least squares follows."""
     work = []

@@ -6,6 +6,8 @@ from scipy.optimize import differential_evolution
 
 from stickslip import ga
 
+pytestmark = pytest.mark.slow
+
 BUDGET, SEEDS, GENES = 600, 7, 5
 
 

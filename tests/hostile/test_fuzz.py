@@ -9,6 +9,8 @@ import pytest
 from tests.corpus.fuzz import campaign
 from tests.corpus.fuzz.parsers import NAMES, load
 
+pytestmark = pytest.mark.slow
+
 N = {"archive": 2000, "description": 2000, "library": 2000}
 N |= dict.fromkeys(("csv", "json", "mat", "state", "toml"), 1000)
 REFUSED = {"parquet": 1, "log_csv": 1}

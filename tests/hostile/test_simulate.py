@@ -10,7 +10,10 @@ from stickslip.cli import main
 from stickslip.fmi import toolchain
 from tests.corpus.hostile import fmus
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="apart by default on Linux only")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="apart by default on Linux only"),
+]
 
 
 def test_an_fmu_that_ends_its_process_does_not_end_the_command(tmp_path, capfd):

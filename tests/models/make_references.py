@@ -157,6 +157,14 @@ def gms(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
+def coulomb_stribeck(p: Parameters) -> Columns:
+    """Follow the same velocity along the curve."""
+    t, v = through_zero()
+    force = np.sign(v) * stribeck(v, p)
+    now = np.append(force[0], force[:-1])  # of the velocity that was held over the step
+    return {"time": t, "v": v, "F_f": now, "F_mean": np.append(0.0, force[:-1])}
+
+
 def velocity_controller(p: Parameters) -> Columns:
     """Follow a sine with an encoder that lags behind it; the force runs into its limit."""
     t = np.arange(201) * STEP
@@ -221,6 +229,25 @@ def velocity_filter(p: Parameters) -> Columns:
     return {"time": t, **inputs, "v_hat": v_hat, "d_hat": d_hat}
 
 
+def static_feedforward(p: Parameters) -> Columns:
+    """Follow a velocity through zero, with another compensator's force beside it."""
+    t, v = through_zero()
+    F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    early = (v[1:-1] + v[:-2]) / 2 + p["lead"] * np.diff(v[:-1]) / STEP
+    early = np.concatenate([v[:1], early])
+    force = p["F_c"] * np.clip(early / p["v_t"], -1.0, 1.0)
+    return {"time": t, "v": v, "F_in": F_in, "F": np.append(0.0, F_in[:-1] + force)}
+
+
+def dob(p: Parameters) -> Columns:
+    """Observe what velocity_filter does, with its known friction as another compensator's."""
+    table = velocity_filter(p)
+    known = table.pop("F_ff")
+    table.pop("v_hat")
+    last = np.append(0.0, known[:-1])
+    return {**table, "F_in": known, "F": last - p["share"] * table["d_hat"]}
+
+
 def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
@@ -244,8 +271,11 @@ def main(folder: Path) -> None:
         lugre,
         dahl,
         gms,
+        coulomb_stribeck,
         velocity_controller,
         velocity_filter,
+        static_feedforward,
+        dob,
         nominal_loop,
     ):
         name = calculate.__name__

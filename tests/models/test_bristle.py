@@ -68,6 +68,7 @@ def test_slope_is_the_derivative_times_speed(g, delta):
     assert g(v, delta)[1] == pytest.approx(numeric, rel=1e-5)
 
 
+@pytest.mark.slow
 @EVERYWHERE
 @given(p=contacts, v=velocities, h=steps, start=st.floats(-2.0, 2.0))
 def test_step_is_the_closed_form(lugre, p, v, h, start):

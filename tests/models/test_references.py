@@ -12,11 +12,11 @@ import pytest
 from stickslip import models
 from stickslip.models.export.reference import reference_file
 
+CALCULATED = ("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob")
+
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.
-@pytest.mark.parametrize(
-    "name", [*models.law_names(), "velocity_controller", "velocity_filter", "nominal_loop"]
-)
+@pytest.mark.parametrize("name", [*models.law_names(), *CALCULATED])
 def test_reference_is_up_to_date(name):
     script = runpy.run_path(str(Path(__file__).with_name("make_references.py")))
     fresh = pd.DataFrame(script[name](script["start_values"](name)))

@@ -56,6 +56,7 @@ def test_the_method_is_l_stable(mass_run):
     assert exact[0, 1] > 0.0
 
 
+@pytest.mark.slow
 def test_training_motion_against_radau(mass_run, training_force):
     """Issue 2: at most 1e-3 mm/s from scipy's Radau at rtol 1e-10 over the training command.
 

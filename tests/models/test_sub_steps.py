@@ -50,6 +50,7 @@ def test_a_step_is_one_piece_just_when_its_error_is_allowed(mass_run, v, force):
         assert np.array_equal(step, one_piece) == allowed
 
 
+@pytest.mark.slow
 def test_a_step_of_more_than_ten_million_pieces_is_given_up(mass_run):
     """A mass that swings on bristles without loss needs two million pieces a second."""
     swing = {"F_s": 1e9, "F_c": 1e9, "v_s": 1e-3, "sigma_0": 1e9, "sigma_1": 0.0}

@@ -15,6 +15,8 @@ from stickslip.servo.datasheet import (
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import build_fmus
 
+pytestmark = pytest.mark.slow
+
 WRONG = {"mass": (1.3,), "peak_force": (0.5,), "tau_i": (3.0,), "force_noise": (5.0,)}
 
 

@@ -52,6 +52,7 @@ def falsify_description(fmu: Path) -> None:
             archive.writestr(name, content)
 
 
+@pytest.mark.slow
 def test_a_description_that_lies_about_the_truth_changes_nothing(make_rig):
     rig = make_rig(F_c=7.0, sigma_0=2e5)
     honest = found(rig)
@@ -59,6 +60,7 @@ def test_a_description_that_lies_about_the_truth_changes_nothing(make_rig):
     assert found(rig) == honest
 
 
+@pytest.mark.slow
 def test_only_measurements_are_recorded_and_no_parameter_of_the_drive_is_set(make_rig, monkeypatch):
     rig = make_rig()
     seen, prepare = [], cosim.Simulation.__init__

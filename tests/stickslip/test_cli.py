@@ -113,6 +113,7 @@ def test_identify_writes_values_with_errors(tmp_path, capsys):
     assert "F_c" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_export_takes_what_was_learned(results, tmp_path, capsys):
     learned = results / "learned.json"
     arguments = ["--parameters", str(learned), "--out", str(tmp_path), "--force"]
@@ -122,6 +123,7 @@ def test_export_takes_what_was_learned(results, tmp_path, capsys):
     assert str(exported) in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
     learned = json.loads((results / "learned.json").read_text())["parameters"]["F_c"]["value"]
     for form, names in (("c", ["compensator.h", "compensator.c"]), ("st", ["compensator.st"])):

@@ -4,10 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.coverage import _rows, drive
-from benchmarks.coverage_picture import draw
 from stickslip.catalog.parameters import PAPER
 from stickslip.identification.estimation import Certainty
+from tests.interval_coverage import _rows, draw, drive
 
 
 @pytest.mark.parametrize(("low", "high", "holds"), [(5.9, 6.1, True), (6.0, 6.1, False)])

@@ -7,6 +7,8 @@ import pytest
 from stickslip import cosim
 from stickslip.cli import main
 
+pytestmark = pytest.mark.slow
+
 STEP, STOP = 5e-4, 1.0
 
 

@@ -45,6 +45,7 @@ def test_reductions_on_the_drive_of_table_2(make_rig):
     np.testing.assert_allclose(measured.without, measured.paper_without, rtol=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "truth",
     [

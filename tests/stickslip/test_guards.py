@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.catalog.parameters import at_share
+from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards import (
     Trial,
     hunting,
@@ -111,6 +111,7 @@ def test_the_same_weak_loop_is_not_warned_of_where_its_command_is_fast(make_tria
     assert stribeck(trial) == []
 
 
+@pytest.mark.slow
 def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     """Each error is that of a trial of its own; half the friction asks for less of the force."""
     trial = make_trial(PAPER, VALIDATION)
@@ -124,8 +125,8 @@ def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     frictions = {
         "friction as fitted": TABLE_2,
         "F_s = F_c": {**TABLE_2, "F_s": TABLE_2["F_c"]},
-        "friction x 0.5": at_share(TABLE_2, 0.5),
-        "friction x 1.5": at_share(TABLE_2, 1.5),
+        "friction x 0.5": friction_law().share(TABLE_2, 0.5),
+        "friction x 1.5": friction_law().share(TABLE_2, 1.5),
     }
     for name, friction in frictions.items():
         slower = replace(trial, friction=friction, v_cmd=0.1 * trial.v_cmd)
@@ -140,7 +141,7 @@ def test_a_trial_does_not_depend_on_the_size_of_the_drive(make_trial):
     paper = make_trial(PAPER, VALIDATION)
     axis = Axis(by * AXIS.m, by * AXIS.b, AXIS.tau_i)
     loop = close_velocity_loop(axis, PAPER.T_s, PAPER.tau_f, by * PAPER.K_p, by * PAPER.K_i)
-    tiny = at_share(TABLE_2, by)
+    tiny = friction_law().share(TABLE_2, by)
     small = replace(paper, loop=loop, friction=tiny, compensator=tiny)
     assert errors(small) == pytest.approx(errors(paper), rel=0.02)
 
@@ -156,11 +157,12 @@ def test_a_share_is_of_the_force_alone(fmus):
             simulation.run(
                 {f"compensator.{name}": value for name, value in friction.items()}, {"v": v}
             )["compensator.F_mean"]
-            for friction in (TABLE_2, at_share(TABLE_2, 0.7))
+            for friction in (TABLE_2, friction_law().share(TABLE_2, 0.7))
         )
     np.testing.assert_allclose(part, 0.7 * whole, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_that_is_not_there_is_refused_or_reduced(make_trial):
     """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
     worth = try_out(make_trial(PAPER, VALIDATION, F_s=20.0 * TABLE_2["F_c"], v_s=8e-5))

@@ -9,6 +9,8 @@ from stickslip.cli import main
 from stickslip.identification.estimation import Search
 from stickslip.pipeline.log_learning import FILES
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folder(log, tmp_path_factory):

@@ -22,6 +22,8 @@ from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
+pytestmark = pytest.mark.slow
+
 AXIS = Axis(5.557, 6.6135, 1e-4)
 LOOPS = {
     "paper": design_velocity_loop(AXIS, LOOP),

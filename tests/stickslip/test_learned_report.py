@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from stickslip import ga
-from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import Figures
-from stickslip.identification.criteria.unknowns import NAMES, Unknowns
 from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
@@ -24,6 +24,8 @@ from stickslip.report.learned.signals import thinned
 from stickslip.report.picture import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style
+
+pytestmark = pytest.mark.slow
 
 FINDINGS = (
     Finding("note", "it moves", "84 % of the time"),
@@ -65,11 +67,8 @@ def made(kind="loop", n=30_000):
         t, x, velocity_command=v, encoder_step=4e-7,
         motion="rotary" if kind == "rotary" else "linear", source="a & b.csv", **measured,
     )  # fmt: skip
-    free = np.full(len(NAMES), np.inf)
-    unknowns = Unknowns(100.0, 6.0, 5e-4, np.zeros(9), free, -free, free)
-    fit = Fit(
-        unknowns, unknowns.coordinates(VALUES), noise, np.zeros((n, 9)), 1e-4 * np.eye(9), 0.01
-    )
+    space = ParameterSpace.of(friction_law())
+    fit = Fit(space, space.encode(VALUES), noise, np.zeros((n, 9)), 1e-4 * np.eye(9), 0.01)
     simulated = None if kind == "friction" else x + 3e-7
     nan = float("nan")
     loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
@@ -80,7 +79,7 @@ def made(kind="loop", n=30_000):
         recording=recording,
         judge="inverse model" if kind == "friction" else "output error",
         reason="for a reason < others",
-        start=Start(VALUES, unknowns),
+        start=Start(VALUES, space),
         fit=fit,
         known=known,
         parameters=VALUES,

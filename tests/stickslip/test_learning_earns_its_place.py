@@ -21,6 +21,8 @@ from stickslip.tuning.learning import (
 )
 from stickslip.tuning.refinement import refine
 
+pytestmark = pytest.mark.slow
+
 COARSE = {"F_s": 0.7, "F_c": 0.7, "v_s": 3.0, "sigma_0": 0.5, "sigma_1": 0.5}
 EXTRAS = {"asymmetric": True, "position_dependent": True, "ripple": True, "noise": True}
 

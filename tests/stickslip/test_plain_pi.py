@@ -26,6 +26,7 @@ def sensitivity(loop):
     return np.abs(control.feedback(1, loop.open_loop)(np.exp(1j * w * loop.T_s))).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "specification"), AXES.values(), ids=AXES)
 def test_it_rejects_friction_best_at_the_same_peak_sensitivity(axis, specification):
     loop = design_velocity_loop(axis, specification)

@@ -12,6 +12,8 @@ from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import Study
 from stickslip.tuning.refinement import refine, without_search
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def study(reproduction, make_rig):

@@ -50,6 +50,8 @@ from stickslip.tuning.published.study import Method, Published, SeedRun
 from stickslip.tuning.published.whole import WholeStudy
 from stickslip.tuning.refinement import Refinement
 
+pytestmark = pytest.mark.slow
+
 CHANGED = {"F_c": 7.25, "ripple": 1.0}
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 

@@ -16,6 +16,8 @@ from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn
 
+pytestmark = pytest.mark.slow
+
 
 def measured(table):
     rows = table[table.velocity == "measured"]

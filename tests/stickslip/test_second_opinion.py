@@ -20,6 +20,8 @@ from stickslip.servo.systems import (
 )
 from stickslip.servo.velocity_loop import design_velocity_loop
 
+pytestmark = pytest.mark.slow
+
 T = np.arange(1401) * LOOP.T_s
 COMMANDS = {
     "training": TRAINING.sample(T),

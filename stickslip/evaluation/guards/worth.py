@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import at_share
+from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards.trial import Trial
 
 WORSE = 1.02
@@ -98,7 +98,7 @@ def try_out(trial: Trial, *, rotary: bool = False) -> Worth:
         runs = [stack.enter_context(cell.runs(compensated=True)) for _, _, cell in cells]
 
         def tried(share: float) -> tuple[Tried, ...]:
-            compensator = at_share(trial.compensator, share)
+            compensator = friction_law().share(trial.compensator, share)
             return tuple(
                 Tried(speed, name, error, run.error(compensator))
                 for (speed, name, _), error, run in zip(cells, without, runs, strict=True)
@@ -123,8 +123,8 @@ def _drives(friction: Mapping[str, float]) -> dict[str, Mapping[str, float]]:
     return {
         "friction as fitted": friction,
         "F_s = F_c": {**friction, "F_s": friction["F_c"]},
-        "friction x 0.5": at_share(friction, 0.5),
-        "friction x 1.5": at_share(friction, 1.5),
+        "friction x 0.5": friction_law().share(friction, 0.5),
+        "friction x 1.5": friction_law().share(friction, 1.5),
     }
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from stickslip.catalog.space import Values
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.criteria.scaling import Scale
-from stickslip.identification.criteria.unknowns import Values
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
@@ -78,7 +78,7 @@ def figures(
     """Compute them all for values by name."""
     delay = _delay(inverse, values)
     at = {**values, "delay": delay}
-    shown, implied = inverse.shown(at), inverse.implied(at)
+    shown, implied = inverse.measured(at), inverse.predicted(at)
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
     used = inverse.used
     force = relative(shown[used], implied[used])

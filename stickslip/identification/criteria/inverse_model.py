@@ -1,4 +1,4 @@
-"""The inverse model: the force that the recorded motion implies, against the recorded one.
+"""The inverse model: the force that the recorded motion implies against the measured one.
 
     F(t - delay) = m a + b v + F_f(v) + F_0
 
@@ -8,12 +8,17 @@ Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
 from stickslip import cosim
+from stickslip.catalog.parameters import DRIVE, friction_law
+from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.motion import (
     SmoothMotion,
@@ -22,8 +27,8 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
 )
 from stickslip.identification.criteria.runs import Runs
-from stickslip.identification.criteria.unknowns import FRICTION, Values
 from stickslip.logs import Recording
+from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
 
 SHARE = 1.0 / 16.0
@@ -31,7 +36,7 @@ SHARE = 1.0 / 16.0
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 
 
-def implied_friction(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
+def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
     """Return the run of a compensator along velocities (n,) [m/s]; it gives ``F_f``."""
     system = cosim.System("friction")
     system.add("compensator", fmus / "compensator.fmu", {"hold": False})
@@ -42,21 +47,28 @@ def implied_friction(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
 
 
 class InverseModel(Closing):
-    """Judges values by the force that they imply.
+    """Criterion: the measured force minus the force that the values predict.
 
     Parameters
     ----------
     fmus : folder of the FMUs
     recording : with position, and force or friction
     cutoff : of the low-pass [Hz]; a share of the sample rate by default
-    workers : how many runs go on side by side
+    workers : number of parallel runs
+    law : friction law of the compensator FMU; LuGre by default
     """
 
     name = "inverse model"
 
     def __init__(
-        self, fmus: Path, recording: Recording, cutoff: float | None = None, workers: int = 1
+        self,
+        fmus: Path,
+        recording: Recording,
+        cutoff: float | None = None,
+        workers: int = 1,
+        law: Law | None = None,
     ) -> None:
+        self.space = ParameterSpace.of(law or friction_law())
         self.T_s = recording.T_s
         self.cutoff = cutoff or SHARE / self.T_s
         self.t = recording.t
@@ -65,33 +77,45 @@ class InverseModel(Closing):
         self.motion: SmoothMotion = smooth_motion(position_of(recording), self.T_s, self.cutoff)
         edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
         self.used = slice(edge, len(self.t) - edge)
-        self.specification = implied_friction(fmus, self.motion.v, self.T_s)
+        self.specification = friction_run(fmus, self.motion.v, self.T_s)
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self._runs = Runs(self.specification, workers)
-        self.each, self.workers = self._runs.each, workers
+        self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        parameters = {f"compensator.{name}": values[name] for name in FRICTION}
+        parameters = {
+            f"compensator.{name}": value for name, value in values.items() if name not in DRIVE
+        }
         return self._runs.run(parameters, self.inputs)["compensator.F_f"]
 
-    def implied(self, values: Values) -> Array:
-        """Return the force (n,) [N] that the motion implies, low-passed."""
+    def predicted(self, values: Values) -> Array:
+        """Return the force (n,) [N] that the values predict for the motion, low-passed."""
         weights = np.array([values["m"], values["b"], values["F_0"]])
         if self.measures_friction:
             weights[:2] = 0.0
         friction = smoothed(self.friction(values), self.T_s, self.cutoff)
         return np.asarray(self.linear @ weights + friction)
 
-    def shown(self, values: Values) -> Array:
-        """Return the recorded force (n,) [N] as it acted, low-passed."""
+    def measured(self, values: Values) -> Array:
+        """Return the measured force (n,) [N] without its delay, low-passed."""
         return np.interp(self.t - values["delay"], self.t, self.force)
 
     def residual(self, values: Values) -> Array:
-        """Return recorded without implied force (k,) [N]."""
-        return (self.shown(values) - self.implied(values))[self.used]
+        """Return measured minus predicted force (k,) [N]."""
+        return (self.measured(values) - self.predicted(values))[self.used]
+
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, ``workers`` at a time."""
+        return self._runs.each(self.residual, points)
+
+    def over(self, space: ParameterSpace) -> Self:
+        """Return the same criterion over another space; it shares the FMU."""
+        other = copy(self)
+        other.space = space
+        return other
 
     def close(self) -> None:
         """Free the FMU."""
@@ -99,7 +123,7 @@ class InverseModel(Closing):
 
 
 @dataclass(frozen=True)
-class ImpliedCost:
+class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
 
     Attributes
@@ -115,14 +139,14 @@ class ImpliedCost:
     basis: Array
 
     @classmethod
-    def of(cls, model: InverseModel, delay: float) -> ImpliedCost:
+    def of(cls, model: InverseModel, delay: float) -> ForceCost:
         """Return the cost of a model for a given delay [s]."""
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
         target = np.interp(model.t - delay, model.t, model.force)
         return cls(model.T_s, model.cutoff, target, np.linalg.qr(columns)[0])
 
     def __call__(self, result: cosim.Result) -> float:
-        """Judge the recorded ``compensator.F_f``."""
+        """Return the cost of a run that recorded ``compensator.F_f``."""
         friction = smoothed(result["compensator.F_f"], self.T_s, self.cutoff)
         rest = self.target - friction
         # No linear algebra: its sums depend on its threads, in which workers differ.

@@ -1,17 +1,18 @@
-"""The known loop with a candidate in it: controller FMU, drive FMU, and the recorded commands.
+"""The loop with a known controller: controller FMU, drive FMU, and the recorded commands.
 
-The drive FMU stands for the candidate here: each of its parameters that is sought is set, its
-converter and encoder are off unless a recording is to be made anew.
+The drive FMU represents the candidate: each estimated parameter is set, and its converter and
+encoder are off unless the recording is simulated again with them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from stickslip import cosim
+from stickslip.catalog.space import Values
 from stickslip.identification.controller.initial_state import (
     fmu_gains,
     is_running,
@@ -20,26 +21,30 @@ from stickslip.identification.controller.initial_state import (
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.runs import Runs
-from stickslip.identification.criteria.unknowns import SOUGHT, Values
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
 SHORTEST_LAG = 1e-7  # that the drive FMU takes [s]
 NO_LIMIT = 1e9  # [N]
-FEW = 11  # samples that tell the first velocity
+FEW = 11  # samples from which the first velocity is estimated
+STATES: dict[str, Callable[[float, Values], float]] = {
+    "z": lambda force, values: force / values["sigma_0"],
+    "F_d": lambda force, _: force,
+}
+"""State of a friction law -> its value at rest under a force [N]. Other states start at 0."""
 
 
 class KnownLoop(Closing):
-    """The experiment of a recording, to be run again.
+    """Simulates the experiment of a recording.
 
     Parameters
     ----------
     fmus : folder of the FMUs
     recording : gives commands, start and encoder
-    gains : parameters of the controller FMU by name, and what its memory held, if it was running
-    encoder : whether the position is read in steps; the trajectory is no smooth function of the
-        parameters then
-    workers : how many runs go on side by side
+    gains : parameters of the controller FMU by name, and its initial state, if it was running
+    encoder : whether the position is quantised; the trajectory is then not a smooth function of
+        the parameters
+    workers : number of parallel runs
     """
 
     def __init__(
@@ -85,6 +90,7 @@ class KnownLoop(Closing):
         self._memory = memory_force(gains, len(recording.t), recording.T_s)
         force = recording.force if is_running(gains) else None
         self._first = None if force is None else float(force[0])
+        self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
     def run(self, values: Values, further: Mapping[str, float] | None = None) -> cosim.Result:
         """Run the experiment with these values in the drive.
@@ -94,9 +100,11 @@ class KnownLoop(Closing):
         further : parameters of this run only, such as ``candidate.noise_x``
         """
         parameters = {**candidate(values), **(further or {})}
-        if self._first is not None:  # the bristles bear what the motor gives
-            bent = np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"])
-            parameters["candidate.z"] = float(bent) / values["sigma_0"]
+        if self._first is not None:  # friction balances the motor force
+            held = float(np.clip(self._first - values["F_0"], -values["F_c"], values["F_c"]))
+            for name, state in STATES.items():
+                if name in self._states:
+                    parameters[f"candidate.{name}"] = state(held, values)
         return self._runs.run(parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]})
 
     def close(self) -> None:
@@ -106,7 +114,8 @@ class KnownLoop(Closing):
 
 def candidate(values: Values) -> dict[str, float]:
     """Return the drive FMU's parameters for values by name."""
-    parameters = {f"candidate.{name}": values[name] for name in (*SOUGHT, "delta")}
+    elsewhere = ("F_0", "delay")
+    parameters = {f"candidate.{n}": value for n, value in values.items() if n not in elsewhere}
     parameters["candidate.b"] = max(values["b"], 0.0)
     parameters["candidate.tau_i"] = max(values["delay"], SHORTEST_LAG)
     return parameters

@@ -1,64 +1,84 @@
-"""Output error: the position that the known loop shows with a candidate in it, against the log."""
+"""Output error: the measured position against that of the simulated loop with the candidate."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from copy import copy
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
+from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.criteria.unknowns import Values
 from stickslip.logs import Recording
+from stickslip.models import Law
 from stickslip.servo.measurement import Array
 
 ORDER = 30
 BURN_IN = 0.005
-"""Share of the recording at its begin that does not count: the controller's state is unknown."""
+"""Share at the start of the recording that is not used: the controller's state is unknown."""
 
 
 class OutputError(Closing):
-    """Judges values by the position that follows from the recorded command.
+    """Criterion: the measured position minus that of the simulated loop with the recorded command.
 
-    Residuals can be whitened: the encoder's errors went around the loop, and what is left of them
-    is predictable from one sample to the next.
+    Residuals can be whitened: encoder errors that have passed through the loop are predictable
+    from one sample to the next.
 
     Parameters
     ----------
-    workers : how many runs go on side by side
+    workers : number of parallel runs
+    law : friction law of the drive FMU; LuGre by default
     """
 
     name = "output error"
 
     def __init__(
-        self, fmus: Path, recording: Recording, gains: Mapping[str, float], workers: int = 1
+        self,
+        fmus: Path,
+        recording: Recording,
+        gains: Mapping[str, float],
+        workers: int = 1,
+        law: Law | None = None,
     ) -> None:
+        self.space = ParameterSpace.of(law or friction_law())
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
-        self.each = self.loop.each
         self.whitening = np.ones(1)
         self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
 
     def raw(self, values: Values) -> Array:
-        """Return recorded without simulated position (n,) [m]."""
+        """Return measured minus simulated position (n,) [m]."""
         return np.asarray(self.position - self.loop.run(values)["candidate.x"])
 
     def residual(self, values: Values) -> Array:
         """Return the same, whitened (k,) [m]."""
         return self.white(self.raw(values))
 
+    def map(self, points: Iterable[Values]) -> list[Array]:
+        """Return the residuals of several points, ``workers`` at a time."""
+        return self.loop.each(self.residual, points)
+
+    def over(self, space: ParameterSpace) -> Self:
+        """Return the same criterion over another space; it shares the FMUs."""
+        other = copy(self)
+        other.space = space
+        return other
+
     def white(self, raw: Array) -> Array:
-        """Whiten a residual (n,) and leave out the begin, (k,)."""
+        """Whiten a residual (n,) and leave out its start, (k,)."""
         white = lfilter(self.whitening, [1.0], raw)[self.used]
         return np.asarray(white - white.mean())
 
     def whiten(self, values: Values) -> None:
-        """Learn from the residual of these values how it is predictable."""
+        """Estimate the whitening filter from the residual of these values."""
         self.whitening = predictor_error(self.raw(values)[self.used], ORDER)
 
     def close(self) -> None:
@@ -67,7 +87,7 @@ class OutputError(Closing):
 
 
 def predictor_error(signal: Array, order: int) -> Array:
-    """Return the filter (order + 1,) whose output is what the signal's past does not predict.
+    """Return the filter (order + 1,) whose output is the one-step prediction error of a signal.
 
     Source
     ------

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stickslip.catalog.parameters import force_and_length_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
@@ -20,24 +21,7 @@ FORCE, SPEED = 10.0, 0.05  # what others are brought near to
 
 _LENGTHS = {"position", "velocity", "position_command", "velocity_command"}
 _FORCES = {"force", "friction", "force_command"}
-_EXPONENTS = {
-    "m": (1, -1),
-    "b": (1, -1),
-    "F_s": (1, 0),
-    "F_c": (1, 0),
-    "F_0": (1, 0),
-    "v_s": (0, 1),
-    "sigma_0": (1, -1),
-    "sigma_1": (1, -1),
-    "K_p": (1, -1),
-    "K_i": (1, -1),
-    "P_x": (1, -1),
-    "I_x": (1, -1),
-    "u_max": (1, 0),
-    "F_held": (1, 0),
-    "F_fading": (1, 0),
-}
-"""Powers of the units of force and length in a value; what is absent has neither."""
+_MEMORY = {"F_held", "F_fading"}  # initial state of the controller [N]
 
 
 @dataclass(frozen=True)
@@ -54,7 +38,7 @@ class Scale:
 
     def of(self, name: str) -> float:
         """Return the factor of a parameter or gain."""
-        force, length = _EXPONENTS.get(name, (0, 0))
+        force, length = (1, 0) if name in _MEMORY else force_and_length_of(name)
         return self.force**force * self.length**length
 
     def values(self, values: Mapping[str, float]) -> dict[str, float]:

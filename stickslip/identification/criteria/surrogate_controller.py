@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from stickslip.catalog.space import Values
 from stickslip.identification.controller.initial_state import HELD
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.criteria.unknowns import Values
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
@@ -52,7 +52,7 @@ def correct_inverse(
     The last tells whether replicas of the fit leave about as much as the recording does. If not,
     the stand-in shakes the drive in another way than its controller did, and so does the bias.
     """
-    unknowns = fitted.unknowns
+    space = fitted.space
     rng = np.random.default_rng(seed)
     at, ratios = fitted, []
     loose = np.sqrt(np.diag(fitted.covariance)) > LOOSE
@@ -68,8 +68,8 @@ def correct_inverse(
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
             q = at.q + np.where(loose, 0.0, own)
-            q = np.clip(q, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
-            at = linearised(inverse, unknowns, q, fitted.noise)
+            q = space.inside(q)
+            at = linearised(inverse.over(space), q, fitted.noise)
     alike = 1.0 / ALIKE < ratios[0] < ALIKE
     return replace(at, covariance=fitted.covariance), fitted.q - at.q, alike
 
@@ -102,5 +102,5 @@ def _residual(
         position=result["candidate.x_enc"],
         force=np.interp(late, inverse.t, result["candidate.F_m"]) + values["F_0"],
     )
-    with InverseModel(fmus, again, inverse.cutoff) as copy:
+    with InverseModel(fmus, again, inverse.cutoff, law=inverse.space.law) as copy:
         return copy.residual(values)

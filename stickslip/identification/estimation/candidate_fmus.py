@@ -9,16 +9,17 @@ from pathlib import Path
 from stickslip import models
 from stickslip.fmi.process import temporary_folder
 
-MODELS = ("compensator", "drive", "velocity_controller")
+CONTROLLER = "velocity_controller"
+MODELS = ("compensator", "drive", CONTROLLER)
 
 
 @contextmanager
-def candidate_fmus() -> Iterator[Path]:
+def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
     """Build them, as their models are, into a folder that goes with the block.
 
     They know nothing of the drive that made a recording, not even which of its extras are on.
     """
     with temporary_folder() as folder:
         for name in MODELS:
-            models.build_fmu(name, folder)
+            models.build_fmu(name, folder, law=law if name != CONTROLLER else None)
         yield folder

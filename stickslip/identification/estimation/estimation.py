@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from stickslip import ga
+from stickslip.catalog.parameters import DRIVE
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import Figures
 from stickslip.identification.criteria.scaling import Scale
-from stickslip.identification.criteria.unknowns import FRICTION, SOUGHT
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Certainty
 from stickslip.identification.fitting.search import Search
@@ -36,6 +36,7 @@ class Task:
     search : which algorithm, where it runs
     seed : of the search
     seeds : how many searches, each with a seed of its own
+    law : friction law of the FMUs
     faults : what the checks found that spoils intervals or values
     """
 
@@ -46,6 +47,7 @@ class Task:
     search: Search = field(default_factory=Search)
     seed: int = 0
     seeds: int = 1
+    law: str = "lugre"
     faults: tuple[Finding, ...] = ()
 
     @property
@@ -62,10 +64,10 @@ class Estimation:
     ----------
     judge, reason : how candidates were judged in the end, and why
     fit : with coordinates, residual and covariance
-    known : certainty by name: LuGre's five, m and b
+    known : certainty by name: the law's parameters, m and b
     parameters, errors : all values by name and their standard errors, SI
     profiles : see ``certainty.profiles``
-    searches : a row for each seed: seed, evaluations, cost, LuGre's five after the local fit
+    searches : a row for each seed: seed, evaluations, cost, the values of the local fit
     algorithm : the search that led to the result
     figures : how near the model comes to the recording
     controller : the check of the controller; None when it is not known
@@ -98,7 +100,7 @@ class Estimation:
         It is of the fits that finish the searches, by the inverse model: what differs there shows
         valleys beside each other, where standard errors know of one only.
         """
-        values = self.searches[list(SOUGHT)]
+        values = self.searches[list(self.fit.space.reported)]
         return {name: float(np.ptp(values[name]) / values[name].abs().max()) for name in self.known}
 
     @property
@@ -113,8 +115,8 @@ class Estimation:
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The compensator's parameters by name, in SI units: LuGre's five and delta."""
-        return {name: self.parameters[name] for name in FRICTION}
+        """The compensator's parameters by name, in SI units: those of the law."""
+        return {name: value for name, value in self.parameters.items() if name not in DRIVE}
 
     @property
     def delay(self) -> float:
@@ -138,7 +140,7 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
     }
     profile, searches = estimation.profiles.copy(), estimation.searches.copy()
     profile["value"] /= profile["parameter"].map(scale.of)
-    for name in SOUGHT:
+    for name in estimation.fit.space.reported:
         searches[name] /= scale.of(name)
     searches["cost"] /= scale.force**2
     back = Scale(1.0 / scale.force, 1.0 / scale.length)

@@ -6,13 +6,11 @@ from collections.abc import Iterator
 
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.unknowns import NAMES
 from stickslip.identification.fitting.fit import Fit
 from stickslip.logs import Finding
 
 NEAR = 0.01
 """Distance from a bound of the delay that counts as none [samples]."""
-DELAY = NAMES.index("delay")
 
 
 def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iterator[Finding]:
@@ -23,11 +21,12 @@ def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iter
     fitted : by the judge of that name
     check : of the controller; None where it is not known
     """
-    u = fitted.unknowns
-    delay, low, high = (float(q[DELAY]) for q in (fitted.q, u.lower, u.upper))
+    u = fitted.space
+    index = u.index("delay")
+    delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))
     at_low = delay - low < NEAR and judge != OutputError.name  # no lag is a drive without one
     if at_low or high - delay < NEAR:
-        figure = f"{delay:.3g} samples or {1e3 * delay * u.time_unit:.3g} ms"
+        figure = f"{delay:.3g} samples or {1e3 * delay * u.units[index]:.3g} ms"
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of the fit"
         yield Finding("warning", what, figure, advice, spoils="intervals")

@@ -14,6 +14,8 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
+from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import Values
 from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.controller.criterion_choice import choose
 from stickslip.identification.criteria.goodness_of_fit import figures
@@ -22,11 +24,6 @@ from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, scale_of
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
-from stickslip.identification.criteria.unknowns import (
-    NAMES,
-    SOUGHT,
-    Values,
-)
 from stickslip.identification.estimation.estimation import (
     Estimation,
     Task,
@@ -53,13 +50,14 @@ from stickslip.identification.fitting.identifiability import (
 from stickslip.identification.fitting.multistart import (
     SURE,
     best_fit,
-    with_exponent,
+    select,
+    variants,
     without_stribeck,
 )
 from stickslip.identification.fitting.search import (
     Search,
     search,
-    with_linear,
+    solve_linear,
 )
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.logs import Recording
@@ -71,7 +69,6 @@ SAME = 1.01
 """Ratio of mean squares up to which two fits count as one."""
 LAG = 0.2
 """What the force is taken to lag behind its command at first, in samples."""
-F_0 = NAMES.index("F_0")
 F_0_DOUBT = 0.01
 """Standard deviation that the constant force of the inverse model has at least, in F_c."""
 DOUBT = 0.12
@@ -127,8 +124,10 @@ def _learn(
     recording, remarks = _against_motion(recording)
     task = replace(task, recording=recording)
     judge, reason = choose(task, check)
-    with InverseModel(task.fmus, recording, workers=task.workers) as inverse:
-        start = begin(inverse, recording)
+    law = friction_law(task.law)
+    with InverseModel(task.fmus, recording, workers=task.workers, law=law) as model:
+        start = begin(model, recording)
+        inverse = model.over(start.space)
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
         corrected = None
@@ -150,14 +149,15 @@ def _learn(
         else:
             best, errors = _inverse_model(task, inverse, found)
             degrees = BLOCKS - len(found.q)
-            table = profiles(best, inverse.residual, errors, inverse.each)
-        names = SOUGHT if not inverse.measures_friction else SOUGHT[:5]
+            table = profiles(best, inverse.map, errors)
+        names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: certainty(name, best, errors, degrees) for name in names}
         faults = (*task.faults, *found_faults(best, judge, check))
         if faults:
             known = {name: unreliable(one) for name, one in known.items()}
-        known = harmless(known)
-        values = {**best.parameters, "F_s": known["F_s"].value}
+        known = harmless(known, start.space)
+        bounded = {name: known[name].value for name in start.space.bounded}
+        values = {**best.parameters, **bounded}
         shown = figures(task.fmus, recording, inverse, values, task.gains, check)
     return Estimation(
         recording,
@@ -190,12 +190,12 @@ def _search(
     fits, algorithms, rows = [], [], []
     for seed in range(task.seed, task.seed + task.seeds):
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
-        values = with_linear(inverse, start, algorithm.best.values)
+        values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
         # Steps that shake the drive bend the curve more than its exponent does.
         sure = 0.0 if coarse(inverse, task.recording) else SURE
-        found, ambiguity = with_exponent(inverse, found, sure)
-        found = replace(found, covariance=found.covariance + ambiguity)
+        selection = select(variants(inverse, found), sure)
+        found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
         fits.append(found)
         algorithms.append(algorithm)
         rows.append(
@@ -203,7 +203,7 @@ def _search(
                 "seed": seed,
                 "evaluations": algorithm.evaluations,
                 "cost": found.noise,
-                **{name: found.parameters[name] for name in SOUGHT},
+                **{name: found.parameters[name] for name in start.space.reported},
             }
         )
     best = int(np.argmin([found.noise for found in fits]))
@@ -237,30 +237,38 @@ def _output_error(
     A constant force hides in the controller's integral; the mean of the logged force tells it.
     Returned beside it: what the exponent's ambiguity adds to the covariance (9, 9).
     """
-    unknowns = replace(start.unknowns, delta=found.unknowns.delta)
-    lower, expected, doubt = (
-        bound.copy() for bound in (unknowns.lower, unknowns.expected, unknowns.doubt)
+    delay, F_0 = start.space.index("delay"), start.space.index("F_0")
+    lower, mean, deviation = (
+        bound.copy()
+        for bound in (start.space.lower, start.space.prior_mean, start.space.prior_deviation)
     )
-    lower[-1] = 1e-3  # a lag, in samples; the inverse model's delay may be negative
-    expected[F_0] = found.q[F_0]
-    doubt[F_0] = max(F_0_DOUBT, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
-    unknowns = replace(unknowns, lower=lower, expected=expected, doubt=doubt)
-    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
+    lower[delay] = 1e-3  # a lag, in samples; the inverse model's delay may be negative
+    mean[F_0] = found.q[F_0]
+    deviation[F_0] = max(F_0_DOUBT, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
+    space = replace(
+        start.space,
+        constants=found.space.constants,
+        lower=lower,
+        prior_mean=mean,
+        prior_deviation=deviation,
+    )
+    with OutputError(task.fmus, task.recording, gains, task.workers, space.law) as criterion:
+        judge = criterion.over(space)
         lag = LAG * task.recording.T_s
-        begins = [
-            unknowns.coordinates({**at, "delay": lag}) for at in (found.parameters, start.line)
-        ]
-        fits = [fit(judge, unknowns, q) for q in begins]
+        begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
+        fits = [fit(judge, [q]) for q in begins]
         least, most = sorted(fits, key=lambda one: one.noise)
-        fitted, _ = with_exponent(judge, least, 1.0)
-        # Where valleys differ before whitening, the deepest need not be the one after it.
+        fitted = select(variants(judge, least), 1.0).fit
+        # Where local minima differ before whitening, the deepest need not be the one after it.
         begins = begins if most.noise > SAME * least.noise else []
+        judge = judge.over(fitted.space)
         judge.whiten(fitted.parameters)
-        fits = [fit(judge, fitted.unknowns, q) for q in (fitted.q, *begins)]
-        fitted, ambiguity = with_exponent(judge, min(fits, key=lambda one: one.noise))
-        judge.whiten(fitted.parameters)
-        fitted = fit(judge, fitted.unknowns, fitted.q)
-        return correct(judge, fitted, task.fmus, task.recording, gains, task.seed), ambiguity
+        selection = select(variants(judge, fit(judge, [fitted.q, *begins])))
+        judge = judge.over(selection.fit.space)
+        judge.whiten(selection.fit.parameters)
+        fitted = fit(judge, [selection.fit.q])
+        corrected = correct(judge, fitted, task.fmus, task.recording, gains, task.seed)
+        return corrected, selection.ambiguity
 
 
 def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
@@ -269,9 +277,9 @@ def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, 
         return found, found.errors()
     best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
     if not alike:  # it is no correction, but tells how much is in doubt
-        return found, value_errors(found.unknowns, found.q, found.covariance + np.outer(bias, bias))
+        return found, value_errors(found.space, found.q, found.covariance + np.outer(bias, bias))
     doubt = np.outer(bias, bias) * DOUBT**2
-    return best, value_errors(best.unknowns, best.q, found.covariance + doubt)
+    return best, value_errors(best.space, best.q, found.covariance + doubt)
 
 
 def _known_loop(
@@ -280,11 +288,11 @@ def _known_loop(
     """Return standard errors by name [SI], and the profiles."""
     best = corrected.fit
     bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
-    errors = value_errors(best.unknowns, best.q, best.covariance + bias + ambiguity)
-    with OutputError(task.fmus, task.recording, gains, task.workers) as judge:
-        judge.whitening = corrected.whitening
+    errors = value_errors(best.space, best.q, best.covariance + bias + ambiguity)
+    with OutputError(task.fmus, task.recording, gains, task.workers, best.space.law) as criterion:
+        criterion.whitening = corrected.whitening
 
-        def residual(values: Values) -> Array:
-            return judge.residual(values) - corrected.mean
+        def residuals(points: list[Values]) -> list[Array]:
+            return [residual - corrected.mean for residual in criterion.map(points)]
 
-        return errors, profiles(best, residual, errors, judge.each)
+        return errors, profiles(best, residuals, errors)

@@ -19,10 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
+from stickslip.catalog.space import Values
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import position_noise
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.unknowns import Values
 from stickslip.identification.fitting.fit import Fit, linearised
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
@@ -78,7 +78,7 @@ def correct(
     seed: int,
 ) -> Corrected:
     """Take off the bias of a whitened fit, by replicas of the experiment."""
-    unknowns, step = fitted.unknowns, recording.encoder_step
+    judge, step = judge.over(fitted.space), recording.encoder_step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
@@ -88,8 +88,8 @@ def correct(
             raws = _replicas(judge, loop, at.parameters, step, noise, rng)
             moves = np.array([at.shift(judge.white(raw)) for raw in raws])
             own = at.step() - moves.mean(axis=0)
-            q = np.clip(at.q + own, unknowns.lower + 1e-9, unknowns.upper - 1e-9)
-            at = linearised(judge, unknowns, q, fitted.variance)
+            q = judge.space.inside(at.q + own)
+            at = linearised(judge, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
     own = NUMERICS * float(np.std(judge.position))
     expected = max(own, *(float(np.std(raw[judge.used])) for raw in raws))

@@ -6,49 +6,29 @@ all others give way. In the units of the fit its parabola is (distance / standar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from stickslip.catalog.parameters import LUGRE
-from stickslip.identification.criteria.unknowns import (
-    LEVEL,
-    LOGS,
-    NAMES,
-    Values,
-)
+from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.servo.measurement import Array
 
 WELL, WEAKLY = 0.05, 0.3
 """Relative half-widths of a 95 % interval up to which a parameter is well, and weakly, known."""
 WELL_KNOWN, WEAKLY_KNOWN, NOT_VISIBLE = "well known", "weakly known", "not visible"
-MUTE = 0.5
-"""Share of what was expected beforehand that may be left of the doubt, if a recording speaks."""
+PRIOR_DOMINATED = 0.5
+"""Standard error, as share of the prior standard deviation, above which the prior decides."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
 LOOSE = 0.5
 """Standard error of a coordinate beyond which it stays where it is while others are profiled."""
 AT_BOUND = 1e-6
 """A coordinate so near to a bound stays there, too."""
-
-REMEDY = {
-    "F_s": "slow reversals",
-    "v_s": "slow reversals",
-    "sigma_0": "presliding moves",
-    "sigma_1": "quick presliding moves",
-    "F_c": "constant speeds in both directions",
-    "b": "constant speeds over the whole range",
-    "m": "quick ramps of velocity",
-}
-"""Which experiment shows a parameter."""
-
-
-_Point = tuple[str, float]  # a parameter, and by how many standard errors it is moved
-_Row = tuple[str, float, float]
 
 
 @dataclass(frozen=True)
@@ -81,32 +61,36 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
     """
     value, error = fitted.parameters[name], errors[name]
     factor = float(student.ppf(0.975, degrees))
-    if NAMES.index(name) < LOGS and value > 0.0:
+    space = fitted.space
+    if space.is_log[space.index(name)] and value > 0.0:
         ratio = float(np.exp(min(factor * error / value, 50.0)))
         low, high = value / ratio, value * ratio
     else:
         low, high = value - factor * error, value + factor * error
     relative = factor * error / abs(value) if value else np.inf
-    if _mute(name, fitted) or relative > WEAKLY:
+    if _is_prior_dominated(name, fitted) or relative > WEAKLY:
         visible = NOT_VISIBLE
-        said = f"not visible in this experiment; {_remedy(name)}"
+        said = f"not visible in this experiment; {_remedy(name, space)}"
     elif relative > WELL:
         visible = WEAKLY_KNOWN
-        said = f"{WEAKLY_KNOWN}, +-{100 * relative:.2g} %; {_remedy(name)}"
+        said = f"{WEAKLY_KNOWN}, +-{100 * relative:.2g} %; {_remedy(name, space)}"
     else:
         visible = WELL_KNOWN
         said = f"{WELL_KNOWN}, +-{100 * relative:.2g} %"
     return Certainty(value, error, low, high, visible, said)
 
 
-def harmless(known: dict[str, Certainty]) -> dict[str, Certainty]:
+def harmless(known: dict[str, Certainty], space: ParameterSpace) -> dict[str, Certainty]:
     """Return the same with F_s = F_c where F_s is not visible: too little force does no harm."""
-    F_s, F_c = known["F_s"], known["F_c"]
-    if F_s.visible != NOT_VISIBLE or F_s.value <= F_c.value:
-        return known
-    sentence = F_s.sentence.replace(NOT_VISIBLE, f"F_s = F_c is taken, as F_s is {NOT_VISIBLE}")
-    taken = replace(F_s, value=F_c.value, low=min(F_s.low, F_c.low), sentence=sentence)
-    return {**known, "F_s": taken}
+    changed = {}
+    for name, bound in space.bounded.items():
+        one, least = known[name], known[bound]
+        if one.visible == NOT_VISIBLE and one.value > least.value:
+            taken = f"{name} = {bound} is taken, as {name} is {NOT_VISIBLE}"
+            sentence = one.sentence.replace(NOT_VISIBLE, taken)
+            low = min(one.low, least.low)
+            changed[name] = replace(one, value=least.value, low=low, sentence=sentence)
+    return {**known, **changed}
 
 
 def unreliable(known: Certainty) -> Certainty:
@@ -117,31 +101,33 @@ def unreliable(known: Certainty) -> Certainty:
     return replace(known, visible=WEAKLY_KNOWN, sentence=sentence)
 
 
-def _remedy(name: str) -> str:
-    return f"{REMEDY[name]} show it: stickslip plan --show {name}"
+def _remedy(name: str, space: ParameterSpace) -> str:
+    shown_by = space.parameters[space.index(name)].shown_by
+    return f"{shown_by} show it: stickslip plan --show {name}"
 
 
-def _mute(name: str, fitted: Fit) -> bool:
-    """Tell whether what was expected beforehand decides more than the recording."""
-    index = NAMES.index(name)
-    if name in ("F_s", "v_s") and fitted.unknowns.upper[0] <= LEVEL:
+def _is_prior_dominated(name: str, fitted: Fit) -> bool:
+    """Tell whether the prior decides more than the recording."""
+    space = fitted.space
+    index = space.index(name)
+    if name in space.rise and space.is_level:
         return True
-    doubt = fitted.unknowns.doubt[index]
-    if not np.isfinite(doubt):
+    deviation = space.prior_deviation[index]
+    if not np.isfinite(deviation):
         return False
-    room = fitted.unknowns.upper[index] - fitted.q[index]
-    if name != "F_s":  # F_s = F_c is a finding, its upper bound is none
-        room = min(room, fitted.q[index] - fitted.unknowns.lower[index])
-    return bool(room < AT_BOUND) or float(np.sqrt(fitted.covariance[index, index])) > MUTE * doubt
+    room = space.upper[index] - fitted.q[index]
+    if name not in space.bounded:  # F_s = F_c is a finding, no bound of the search
+        room = min(room, fitted.q[index] - space.lower[index])
+    spread = float(np.sqrt(fitted.covariance[index, index]))
+    return bool(room < AT_BOUND) or spread > PRIOR_DOMINATED * deviation
 
 
 def profiles(
     fitted: Fit,
-    residual: Callable[[Values], Array],
+    residuals: Callable[[list[Values]], list[Array]],
     errors: Values,
-    each: Callable[[Callable[[_Point], _Row | None], Iterable[_Point]], list[_Row | None]],
 ) -> pd.DataFrame:
-    """Return the profile likelihoods of LuGre's five.
+    """Return the profile likelihoods of the law's parameters.
 
     Each point holds one parameter and lets the others follow by three Gauss steps with the Jacobian
     of the fit; where that is not enough the curve lies above the true profile. Where a bound keeps
@@ -149,65 +135,118 @@ def profiles(
 
     Parameters
     ----------
-    residual : (k,) of values by name, as the fit saw it
+    residuals : returns the residual (n,) of each of several points, as the fit saw it
     errors : standard errors by name [SI]
-    each : applies a function to every point, perhaps side by side
 
     Returns
     -------
     DataFrame
         parameter, value [SI], deviance (twice the loss of log likelihood, 3.84 at 95 %)
     """
-    u = fitted.unknowns
-    inverse = inverse_information(fitted.jacobian, fitted.noise, u)
-    loose = np.sqrt(np.diag(inverse)) > LOOSE
-    loose |= np.minimum(fitted.q - u.lower, u.upper - fitted.q) < AT_BOUND
-    jacobian = np.where(loose, 0.0, fitted.jacobian)
-    frozen = inverse_information(jacobian, fitted.noise, u)
-    frozen[loose], frozen[:, loose] = 0.0, 0.0
-    weight = np.where(np.isfinite(u.doubt), 1.0 / u.doubt**2, 0.0)
-
-    def loss(rest: Array, q: Array) -> float:
-        return float(rest @ rest) / fitted.noise + float(np.sum(u.surprise(q) ** 2))
-
-    least = loss(residual(fitted.parameters), fitted.q)
-
-    def row(point: _Point) -> _Row | None:
-        name, distance = point
-        value = fitted.parameters[name]
-        direction = np.zeros(len(NAMES))
-        direction[NAMES.index(name)] = 1.0
-        direction[1] = 1.0 if name in ("F_s", "F_c") else 0.0
-        index = NAMES.index(name)
-        held = bool(loose[index])  # itself alone, as the others do not depend on it
-        plain = float(np.sqrt(direction @ (inverse if held else frozen) @ direction))
-        relative = max(errors[name] / value, 1e-12)
-        wanted = float(direction @ fitted.q) + distance * relative
-        q = fitted.q.copy()
-        if held:
-            q[index] = np.clip(q[index] + distance * relative, u.lower[index], u.upper[index])
-        rest, losses = residual(u.values(q)), []
-        for _ in range(PASSES):
-            gradient = fitted.jacobian.T @ rest / fitted.noise + weight * (q - u.expected)
-            step = -frozen @ gradient
-            if not held:
-                missing = wanted - direction @ (q + step)
-                step += frozen @ direction * missing / plain**2
-            q = np.clip(q + step, u.lower, u.upper)
-            rest = residual(u.values(q))
-            losses.append(loss(rest, q))
-        if abs(float(direction @ q) - wanted) > AT_BOUND + 1e-3 * abs(distance) * relative:
-            return None
-        # In the units of the standard error, which knows of correlation.
-        scale = (plain / relative) ** 2
-        return (
-            name,
-            value * float(np.exp(distance * relative)),
-            max((min(losses) - least) * scale, 0.0),
-        )
-
-    middle = [(name, fitted.parameters[name], 0.0) for name in LUGRE]
-    beside = each(row, [(name, distance) for name in LUGRE for distance in POINTS])
-    rows = middle + [point for point in beside if point is not None]
+    space = fitted.space
+    (rest,) = residuals([fitted.parameters])
+    information = _Information.of(fitted, rest)
+    points = [
+        _Point(name, distance, fitted, errors[name], information)
+        for name in space.friction
+        for distance in POINTS
+    ]
+    for k in range(PASSES + 1):
+        rests = residuals([space.decode(point.q) for point in points])
+        for point, rest in zip(points, rests, strict=True):
+            if k:
+                point.losses.append(information.loss(rest, point.q))
+            if k < PASSES:
+                point.advance(rest)
+    middle = [(name, fitted.parameters[name], 0.0) for name in space.friction]
+    rows = middle + [point.row() for point in points if point.is_reached]
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
     return table.sort_values(["parameter", "value"], ignore_index=True)
+
+
+@dataclass(frozen=True)
+class _Information:
+    """The fit around which profiles are computed.
+
+    Attributes
+    ----------
+    loose : (k,) whether a coordinate stays where it is while others are profiled
+    inverse, frozen : (k, k) inverse information of all coordinates, and of those not loose
+    weight : (k,) information of the priors
+    least : loss of the fit
+    """
+
+    fitted: Fit
+    loose: NDArray[np.bool_]
+    inverse: Array
+    frozen: Array
+    weight: Array
+    least: float
+
+    @classmethod
+    def of(cls, fitted: Fit, rest: Array) -> _Information:
+        """Return it for a fit and its residual (n,)."""
+        u = fitted.space
+        inverse = inverse_information(fitted.jacobian, fitted.noise, u)
+        loose = np.sqrt(np.diag(inverse)) > LOOSE
+        loose |= np.minimum(fitted.q - u.lower, u.upper - fitted.q) < AT_BOUND
+        jacobian = np.where(loose, 0.0, fitted.jacobian)
+        frozen = inverse_information(jacobian, fitted.noise, u)
+        frozen[loose], frozen[:, loose] = 0.0, 0.0
+        weight = np.where(np.isfinite(u.prior_deviation), 1.0 / u.prior_deviation**2, 0.0)
+        found = cls(fitted, loose, inverse, frozen, weight, 0.0)
+        return replace(found, least=found.loss(rest, fitted.q))
+
+    def loss(self, rest: Array, q: Array) -> float:
+        """Return twice the negative log likelihood of a residual (n,) at coordinates (k,)."""
+        prior = self.fitted.space.prior_residual(q)
+        return float(rest @ rest) / self.fitted.noise + float(np.sum(prior**2))
+
+
+class _Point:
+    """One parameter, held at a number of standard errors from its value."""
+
+    def __init__(
+        self, name: str, distance: float, fitted: Fit, error: float, information: _Information
+    ) -> None:
+        space = fitted.space
+        self._name, self._fitted, self._information = name, fitted, information
+        self._value = fitted.parameters[name]
+        index = space.index(name)
+        self._direction = direction = space.direction(name)
+        self._held = bool(information.loose[index])  # alone, as the others do not depend on it
+        matrix = information.inverse if self._held else information.frozen
+        self._plain = float(np.sqrt(direction @ matrix @ direction))
+        self._relative = max(error / self._value, 1e-12)
+        self._change = distance * self._relative
+        self._wanted = float(direction @ fitted.q) + self._change
+        self._tolerance = AT_BOUND + 1e-3 * abs(distance) * self._relative
+        self.losses: list[float] = []
+        self.q = fitted.q.copy()
+        if self._held:
+            self.q[index] = np.clip(
+                self.q[index] + self._change, space.lower[index], space.upper[index]
+            )
+
+    def advance(self, rest: Array) -> None:
+        """Make a Gauss step from the residual (n,) here."""
+        fitted, space, direction = self._fitted, self._fitted.space, self._direction
+        frozen, weight = self._information.frozen, self._information.weight
+        prior = weight * (self.q - space.prior_mean)
+        step = -frozen @ (fitted.jacobian.T @ rest / fitted.noise + prior)
+        if not self._held:
+            missing = self._wanted - direction @ (self.q + step)
+            step += frozen @ direction * missing / self._plain**2
+        self.q = np.clip(self.q + step, space.lower, space.upper)
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether the bounds let the parameter have its value."""
+        return abs(float(self._direction @ self.q) - self._wanted) <= self._tolerance
+
+    def row(self) -> tuple[str, float, float]:
+        """Return name, value [SI] and deviance."""
+        # In the units of the standard error, which takes correlation into account.
+        scale = (self._plain / self._relative) ** 2
+        deviance = max((min(self.losses) - self._information.least) * scale, 0.0)
+        return self._name, self._value * float(np.exp(self._change)), deviance

@@ -1,87 +1,110 @@
-"""Which valley of the sum of squares a fit belongs into: from where it begins, with which curve."""
+"""The global minimum: several starts of the fit, and a selection among model variants."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.catalog.space import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.unknowns import (
-    LEVEL,
-    NAMES,
-    Values,
-)
-from stickslip.identification.fitting.fit import (
-    BLOCKS,
-    Fit,
-    Judge,
-    fit,
-)
+from stickslip.identification.fitting.fit import BLOCKS, Criterion, Fit, fit
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE, certainty
 from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
 
-CURVE = ("F_s", "F_c", "v_s")
-RISE = ("F_s", "v_s")
-V_S = NAMES.index("v_s")
 STEEPER = 0.5
 WIDER = 1.5
 """Ratio of v_s with the exponent 2 to that with 1, for the same friction."""
 SURE = 0.99
-"""Ratio of mean squares from which on one exponent counts as better than the other."""
+"""Ratio of mean squares below which one variant counts as better than the preferred one."""
 AMBIGUITY = 0.6
-"""Standard error, as share of the distance of both fits, where neither is better."""
+"""Standard error, as share of the distance between two fits, where neither is better."""
 WORTH = 1.1
-"""By which factor the mean square must fall to make F_s > F_c believed where it is hardly seen."""
+"""Factor by which the mean square must fall before F_s > F_c is accepted where it hardly shows."""
 
 
 def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
-    """Fit from where a search ended, from a usual Stribeck curve there, and from the straight line.
+    """Fit from the result of a search, from a typical Stribeck curve there, and from the line.
 
-    Searches end now and then in a valley of their own: of a curve that falls over the whole range
-    of speeds, with friction that rises in place of it; or, where the drive rests for long, of
-    bristles too stiff to be seen.
+    A search ends now and then in a local minimum: of a curve that falls over the whole range
+    of speeds, compensated by viscous friction; or, where the drive rests for long, of bristles
+    that are too stiff to show.
     """
-    usual = {**values, **{name: start.line[name] for name in ("m", "b", "F_0", *CURVE)}}
-    usual["v_s"] *= STEEPER
-    begins = [start.unknowns.coordinates(at) for at in (values, usual, start.line)]
-    return min((fit(inverse, start.unknowns, q) for q in begins), key=lambda found: found.noise)
+    known = ("m", "b", "F_0", "F_c", *inverse.space.rise)
+    usual = {**values, **{name: start.line[name] for name in known if name in start.line}}
+    if "v_s" in usual:
+        usual["v_s"] *= STEEPER
+    return fit(inverse, [inverse.space.encode(at) for at in (values, usual, start.line)])
 
 
-def without_stribeck(inverse: InverseModel, found: Fit) -> Fit:
-    """Return a fit with F_s = F_c, if the recording does not ask for more.
+def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
+    """Return a fit without a rise of friction towards rest, if the recording does not require one.
 
-    A rise of friction towards rest that nobody saw would be compensated all the same, and a force
-    that is not there pushes the drive. One that spreads over all speeds is a part of b.
+    A compensator would compensate a rise that no measurement shows, and a force
+    that does not exist pushes the drive. A rise that spreads over all speeds is a part of b.
     """
-    errors = found.errors()
-    if all(certainty(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in RISE):
+    errors, space = found.errors(), found.space
+    if not space.bounded or all(
+        certainty(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in space.rise
+    ):
         return found
-    level = found.unknowns.upper.copy()
-    level[0] = LEVEL
     q = found.q.copy()
-    q[0] = 0.0
-    flat = fit(inverse, replace(found.unknowns, upper=level), q)
+    q[[space.index(name) for name in space.bounded]] = 0.0
+    flat = fit(criterion.over(space.level()), [q])
     return flat if flat.noise < WORTH * found.noise else found
 
 
-def with_exponent(judge: Judge, found: Fit, sure: float = SURE) -> tuple[Fit, Array]:
-    """Return a fit with the exponent of the Stribeck curve that explains the recording.
+def variants(criterion: Criterion, found: Fit) -> list[Fit]:
+    """Return a fit for each of the values to choose from, such as the exponents 1 and 2.
 
-    It is 1, as in the paper, or 2, as in much of the literature, where 2 leaves less than ``sure``
-    times the mean square; where no curve shows, it is left. With the fit comes the covariance
-    (9, 9) of coordinates from not knowing it: where neither is sure, both lie in an interval of
-    95 %. 0 trusts no mean square.
+    The preferred one is the first. Where no Stribeck curve shows, ``found`` is the only one.
     """
-    known = np.zeros_like(found.covariance)
-    if found.unknowns.upper[0] <= LEVEL:
-        return found, known
-    q, other = found.q.copy(), 3.0 - found.unknowns.delta
-    q[V_S] += np.log(WIDER) * (other - found.unknowns.delta)
-    rival = fit(judge, replace(found.unknowns, delta=other), q)
-    one, two = sorted((found, rival), key=lambda either: either.unknowns.delta)
-    apart = AMBIGUITY * (two.q - one.q)
-    alike = two.noise >= sure * one.noise and one.noise >= sure * two.noise
-    best = two if two.noise < sure * one.noise else one
-    return best, np.outer(apart, apart) if alike else known
+    space, fits = found.space, [found]
+    for name, parameter in space.law.parameters.items():
+        if name not in space.constants or (parameter.requires and space.is_level):
+            continue
+        for choice in parameter.choices:
+            change = choice - space.constants[name]
+            if not change:
+                continue
+            q = found.q.copy()
+            if parameter.requires and "v_s" in space.names:
+                q[space.index("v_s")] += np.log(WIDER) * change
+            fits.append(fit(criterion.over(space.fixed(**{name: choice})), [q]))
+        order = parameter.choices.index
+        fits.sort(key=lambda one: order(one.space.constants[name]))
+    return fits
+
+
+@dataclass(frozen=True)
+class Selection:
+    """One of several fits of the same recording.
+
+    Attributes
+    ----------
+    fit : the selected one
+    ambiguity : (k, k) covariance of its coordinates from not knowing which one is right
+    """
+
+    fit: Fit
+    ambiguity: Array
+
+
+def select(fits: Sequence[Fit], sure: float = SURE) -> Selection:
+    """Select the first fit, or the best of those that leave less than ``sure`` times its variance.
+
+    Where neither of two fits is sure, the interval of 95 % contains both. With ``sure = 0`` the
+    first fit is always selected, and is never sure.
+    """
+    first = fits[0]
+    better = [one for one in fits[1:] if one.noise < sure * first.noise]
+    best = min(better, key=lambda one: one.noise, default=first)
+    ambiguity = np.zeros_like(best.covariance)
+    for other in fits:
+        is_alike = other.noise >= sure * best.noise and best.noise >= sure * other.noise
+        if other is not best and is_alike and other.space.names == best.space.names:
+            apart = AMBIGUITY * (other.q - best.q)
+            ambiguity = ambiguity + np.outer(apart, apart)
+    return Selection(best, ambiguity)

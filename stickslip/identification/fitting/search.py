@@ -1,4 +1,4 @@
-"""The global search over LuGre's five, judged by the recording."""
+"""The global search over the parameters of the friction law."""
 
 from __future__ import annotations
 
@@ -9,23 +9,28 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stickslip import ga
-from stickslip.catalog.parameters import LUGRE, UNITS
-from stickslip.identification.criteria.inverse_model import ImpliedCost, InverseModel
+from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
 from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
 from stickslip.tuning.execution import Execution
 
 EVALUATIONS = 300
-"""The local fit that follows needs the valley only."""
+"""Enough to reach the basin of the minimum; a local fit follows."""
 PATIENCE = 100
 
 
-def genes(start: Start) -> list[ga.Gene]:
-    """Return the five genes, logarithmic, over what the unknowns' bounds leave."""
-    unknowns = start.unknowns
-    low, high = unknowns.values(unknowns.lower), unknowns.values(unknowns.upper)
-    low["F_s"] = low["F_c"]
-    return [ga.Gene(name, low[name], high[name], start.line[name], UNITS[name]) for name in LUGRE]
+def problem(start: Start) -> ga.Problem:
+    """Return a gene for each parameter of the law, logarithmic, between the bounds of the space."""
+    space = start.space
+    low, high = space.decode(space.lower), space.decode(space.upper)
+    for name, bound in space.bounded.items():
+        low[name] = low[bound]
+    genes = [
+        ga.Gene(name, low[name], high[name], start.line[name], space.law.parameters[name].unit)
+        for name in space.friction
+    ]
+    repairs = [ga.AtLeast(name, bound) for name, bound in space.bounded.items()]
+    return ga.Problem(genes, repairs[0] if repairs else None)
 
 
 @dataclass(frozen=True)
@@ -51,9 +56,9 @@ def search(
     how: Search,
     on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> ga.Optimiser:
-    """Let candidates imply a force, and keep those that come near the recorded one.
+    """Search the parameters whose predicted force is nearest to the measured one.
 
-    m, b and F_0 follow from each candidate by least squares.
+    m, b and F_0 follow from each candidate by linear least squares.
 
     Raises
     ------
@@ -64,11 +69,10 @@ def search(
     ga.Interrupted
         At Ctrl-C.
     """
-    problem = ga.Problem(genes(start), ga.AtLeast("F_s", "F_c"))
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
-    algorithm = ga.optimiser(how.algorithm, problem, limits, seed)
-    names = [f"compensator.{name}" for name in LUGRE]
-    cost = ImpliedCost.of(model, start.line["delay"])
+    algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
+    names = [f"compensator.{name}" for name in start.space.friction]
+    cost = ForceCost.of(model, start.line["delay"])
     with (
         ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
         how.execution.opened() as executor,
@@ -86,19 +90,19 @@ def search(
 
 
 def fingerprint(model: InverseModel) -> str:
-    """Return what tells one recording from another."""
+    """Return a hash of the recording."""
     content = np.concatenate([model.t, model.force, model.motion.v]).tobytes()
     return hashlib.sha256(content).hexdigest()
 
 
-def with_linear(model: InverseModel, start: Start, lugre: Array) -> dict[str, float]:
-    """Return all values: LuGre's (5,) and the m, b and F_0 that suit them best."""
-    values = {**start.line, **dict(zip(LUGRE, lugre.tolist(), strict=True))}
+def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str, float]:
+    """Return all values: those of the law, and the m, b and F_0 of linear least squares."""
+    values = {**start.line, **dict(zip(start.space.friction, friction.tolist(), strict=True))}
     if model.measures_friction:
         return values
     rest = model.residual({**values, "m": 0.0, "b": 0.0, "F_0": 0.0})
     found, *_ = np.linalg.lstsq(model.linear[model.used], rest, rcond=None)
-    low = start.unknowns.values(start.unknowns.lower)
+    low = start.space.decode(start.space.lower)
     values["m"], values["b"] = max(float(found[0]), low["m"]), max(float(found[1]), 0.0)
     values["F_0"] = float(found[2])
     return values

@@ -1,36 +1,39 @@
-"""Where the search begins: a straight line through the force, and ranges for the rest."""
+"""The start of the search: a straight line through the force, and ranges for the rest."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stickslip.catalog.parameters import PAPER
+from stickslip.catalog.space import ParameterSpace
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.unknowns import NAMES, Unknowns
 from stickslip.logs import Recording
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
 PRESLIDING = {False: 2e-4, True: 3e-2}
-"""Share of the way over which bristles bend, on a drive and on a tribometer: a first guess."""
+"""Share of the travel over which bristles bend, on a drive and on a tribometer: a first guess."""
 DECADES = 3.0
-"""How far LuGre's parameters may lie from where they are expected."""
+"""Largest distance of a law's parameters from their prior means, in decades."""
+RISE = 1.2  # F_s / F_c
+STEEPEST = 20.0  # largest F_s / F_c
 
 
 @dataclass(frozen=True)
 class Start:
-    """What a straight line through the force says.
+    """A straight line through the force.
 
     Attributes
     ----------
-    line : values by name, in SI units; those of LuGre but F_c are guesses
-    unknowns : with bounds and expectations around them
+    line : values by name, in SI units; those of the law except F_c are guesses
+    space : with bounds and priors around them
     """
 
     line: dict[str, float]
-    unknowns: Unknowns
+    space: ParameterSpace
 
 
 def begin(model: InverseModel, recording: Recording) -> Start:
@@ -39,7 +42,7 @@ def begin(model: InverseModel, recording: Recording) -> Start:
     Raises
     ------
     IdentificationError
-        When the drive hardly moves, or the force does not push the way it goes.
+        When the drive hardly moves, or the force does not act in the direction of the motion.
     """
     v = model.motion.v
     top = float(np.quantile(np.abs(v[model.used]), 0.999))
@@ -52,24 +55,35 @@ def begin(model: InverseModel, recording: Recording) -> Start:
             f"{F_c:.3g} N; expected both above 0: check signs and units of force and position "
             "(--scale force=-1 turns a sign)"
         )
-    way = float(np.ptp(np.cumsum(v) * model.T_s))
+    travel = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]
-    deflection = np.clip(share * way, 3.0 * recording.encoder_step, 0.05 * way)
+    deflection = float(np.clip(share * travel, 3.0 * recording.encoder_step, 0.05 * travel))
+    mass = m if m > 0.0 else 1e-6 * F_c / float(np.std(model.motion.a))
     sigma_0 = F_c / deflection
-    mass = m if m > 0.0 else 1e-6 * F_c / np.std(model.motion.a)
-    values = {
-        "F_s": 1.2 * F_c,
+    space = ParameterSpace.of(model.space.law)
+    guesses = {
+        "F_s": RISE * F_c,
         "F_c": F_c,
         "v_s": 0.03 * top,
         "sigma_0": sigma_0,
-        "sigma_1": 2.0 * np.sqrt(sigma_0 * mass) if m > 0.0 else 1e-3 * sigma_0,
+        "sigma_1": 2.0 * float(np.sqrt(sigma_0 * mass)) if m > 0.0 else 1e-3 * sigma_0,
+    }
+    line = {
+        **{name: guesses.get(name, _scaled(name, space, F_c, deflection)) for name in space.names},
         "m": mass,
         "b": max(b, 0.0),
         "F_0": F_0,
         "delay": delay,
-        "delta": 1.0,
+        **space.constants,
     }
-    return Start(values, _unknowns(values, top, model))
+    return Start(line, _around(line, space, top, model))
+
+
+def _scaled(name: str, space: ParameterSpace, F_c: float, deflection: float) -> float:
+    """Return the law's start value, for a drive with this friction [N] and presliding [m]."""
+    one = space.parameters[space.index(name)]
+    force, length = F_c / PAPER["F_c"], deflection / (PAPER["F_c"] / PAPER["sigma_0"])
+    return float(one.start[0] * force**one.force * length**one.length)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:
@@ -93,20 +107,38 @@ def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, 
     return m, b, F_c, F_0, delay
 
 
-def _unknowns(values: dict[str, float], top: float, model: InverseModel) -> Unknowns:
-    """Return coordinates whose expectation is weak: a factor of e^3 for what is not seen."""
-    F_c = values["F_c"]
+def _around(
+    line: dict[str, float], space: ParameterSpace, top: float, model: InverseModel
+) -> ParameterSpace:
+    """Return the space with weak priors: a factor of e^3 for what the line does not show."""
+    F_c, k = line["F_c"], len(space.names)
+    at, log = space.index, space.is_log
+    units = np.ones(k)
+    units[[at("b"), at("F_0"), at("delay")]] = F_c / top, F_c, model.T_s
+    mean = replace(space, units=units).encode(line)
+    deviation = np.full(k, np.inf)
     wide = DECADES * np.log(10.0)
-    expected = np.zeros(len(NAMES))
-    expected[:6] = np.log([1.2, *(values[name] for name in NAMES[1:6])])
-    expected[6:] = values["b"] * top / F_c, values["F_0"] / F_c, values["delay"] / model.T_s
-    doubt = np.full(len(NAMES), np.inf)
-    doubt[[0, 2, 3, 4]] = 0.5, 3.0, 3.0, 3.0
-    lower, upper = expected - wide, expected + wide
-    lower[0], upper[0] = 0.0, np.log(20.0)
-    lower[6], upper[6] = 0.0, 100.0
-    lower[7], upper[7] = expected[7] - 10.0, expected[7] + 10.0
-    lower[8], upper[8] = -5.0, 20.0
-    if model.measures_friction:  # nothing is pushed: only friction and its offset are seen
-        doubt[[5, 6, 8]] = 1e-6
-    return Unknowns(F_c / top, F_c, model.T_s, expected, doubt, lower, upper)
+    lower, upper = mean - wide, mean + wide
+    for index, one in enumerate(space.parameters):
+        if one.name not in space.law.parameters or one.name == "F_c":
+            continue
+        if one.at_least:
+            mean[index], deviation[index] = np.log(RISE), 0.5
+            lower[index], upper[index] = 0.0, np.log(STEEPEST)
+        elif log[index]:
+            deviation[index] = 3.0
+        else:
+            lower[index], upper[index] = one.low, one.high
+    lower[at("b")], upper[at("b")] = 0.0, 100.0
+    lower[at("F_0")], upper[at("F_0")] = mean[at("F_0")] - 10.0, mean[at("F_0")] + 10.0
+    lower[at("delay")], upper[at("delay")] = -5.0, 20.0
+    if model.measures_friction:  # only friction and its offset show
+        deviation[[at("m"), at("b"), at("delay")]] = 1e-6
+    return replace(
+        space,
+        units=units,
+        prior_mean=mean,
+        prior_deviation=deviation,
+        lower=lower,
+        upper=upper,
+    )

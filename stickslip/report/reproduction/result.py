@@ -22,6 +22,7 @@ from stickslip.report.markup import (
 )
 from stickslip.report.page import Section
 from stickslip.report.quantity import number, percent, unit
+from stickslip.servo.systems import drive_law
 
 EFFECTS = {
     "current_loop": "lag of the current loop",
@@ -64,13 +65,16 @@ def _refined(reproduction: Reproduction) -> str:
 
 
 def _drive(reproduction: Reproduction) -> Html:
-    model = models.load_model("drive")
+    start, law = drive_law(reproduction.options.truth)
+    model = models.load_model("drive", law)
     variables = {v.name: v for v in model.variables if v.role == "parameter"}
     changes = [
         f"{name} = {number(float(value), 6)} {unit(variables[name].unit or '1')}".strip()
         + f" (instead of {number(float(variables[name].start), 6)})"
-        for name, value in reproduction.options.truth.items()
+        for name, value in start.items()
     ]
+    if model.law is not None and law is not None:
+        changes.insert(0, f"friction law = {model.law.title} (instead of LuGre)")
     text = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
     switches = {name: v for name, v in variables.items() if v.type == "boolean"}
     states = {

@@ -17,13 +17,6 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
     return m;
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
-                               const fmi2String names[]) {
-    (void)n, (void)names;
-    ((Model *)c)->logging = on;
-    return has("debug-logging") ? fmi2Error : fmi2OK;
-}
-
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real start,
                                fmi2Boolean d, fmi2Real e) {
     (void)a, (void)b, (void)d, (void)e;
@@ -54,24 +47,6 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return enter(c, of(c)-
 ACCESS(Real, fmi2Real)
 ACCESS(Integer, fmi2Integer)
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) { return save(c, s); }
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) { return restore(c, s); }
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) { return c ? release(s) : fmi2Error; }
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *size) {
-    *size = sizeof(State);
-    return c && s ? fmi2OK : fmi2Error;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t size) {
-    return c ? pack(s, b, size) : fmi2Error;
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t size,
-                                   fmi2FMUstate *s) {
-    return c ? unpack(b, size, s) : fmi2Error;
-}
-
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference rows[], size_t m,
                                         const fmi2ValueReference columns[], size_t n,
                                         const fmi2Real seed[], fmi2Real result[]) {
@@ -82,8 +57,6 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     }
     return fmi2OK;
 }
-
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real f[], size_t n) { return rates(c, f, n); }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     *info = (fmi2EventInfo){.newDiscreteStatesNeeded = has("iterates")};

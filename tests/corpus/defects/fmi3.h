@@ -32,12 +32,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     return made(name, token, logging, environment, log);
 }
 
-fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String names[]) {
-    (void)n, (void)names;
-    ((Model *)c)->logging = on;
-    return has("debug-logging") ? fmi3Error : fmi3OK;
-}
-
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b,
                                        fmi3Float64 start, fmi3Boolean d, fmi3Float64 e) {
     (void)a, (void)b, (void)d, (void)e;
@@ -73,24 +67,6 @@ ACCESS(Int32, fmi3Int32)
 ACCESS(Int64, fmi3Int64)
 ACCESS(UInt64, fmi3UInt64)
 
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *s) { return save(c, s); }
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState s) { return restore(c, s); }
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *s) { return c ? release(s) : fmi3Error; }
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *size) {
-    *size = sizeof(State);
-    return c && s ? fmi3OK : fmi3Error;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte b[], size_t size) {
-    return c ? pack(s, b, size) : fmi3Error;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte b[], size_t size,
-                                   fmi3FMUState *s) {
-    return c ? unpack(b, size, s) : fmi3Error;
-}
-
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference rows[], size_t m,
                                         const fmi3ValueReference columns[], size_t n,
                                         const fmi3Float64 seed[], size_t a, fmi3Float64 result[],
@@ -115,10 +91,6 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference row
             result[j] += (has("adjoint") ? -1 : 1) * slope(of(c), rows[i], columns[j]) * seed[i];
     }
     return fmi3OK;
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 f[], size_t n) {
-    return rates(c, f, n);
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {

@@ -14,6 +14,9 @@
 #if FMI == 2
 #include <fmi2Functions.h>
 #define API(name) fmi2##name
+#define NAMED(name2, name3) fmi2##name2
+typedef fmi2String String;
+typedef fmi2Byte Byte;
 #define TOKEN "{reference-2}"
 typedef fmi2Status Status;
 typedef fmi2Boolean Bool;
@@ -21,6 +24,9 @@ typedef fmi2Component Handle;
 #else
 #include <fmi3Functions.h>
 #define API(name) fmi3##name
+#define NAMED(name2, name3) fmi3##name3
+typedef fmi3String String;
+typedef fmi3Byte Byte;
 #define TOKEN "{reference-3}"
 typedef fmi3Status Status;
 typedef fmi3Boolean Bool;
@@ -145,6 +151,12 @@ void API(FreeInstance)(Handle c) {
     free(m);
 }
 
+Status API(SetDebugLogging)(Handle c, Bool on, size_t n, const String names[]) {
+    (void)n, (void)names;
+    ((Model *)c)->logging = on;
+    return (Status)(has("debug-logging") ? FAILED : OK);
+}
+
 static Status enter(Handle c, double start) {
     State *s = of(c);
     s->phase = INITIALISING;
@@ -249,7 +261,7 @@ static Status set(Model *m, unsigned reference, double value) {
 
 /* The state, saved and serialised. */
 
-static Status save(Handle c, void **copy) {
+Status NAMED(GetFMUstate, GetFMUState)(Handle c, void **copy) {
     State *s = of(c);
     *copy = *copy ? *copy : calloc(1, sizeof *s);
     memcpy(*copy, s, sizeof *s);
@@ -258,7 +270,7 @@ static Status save(Handle c, void **copy) {
     return (Status)OK;
 }
 
-static Status restore(Handle c, const void *copy) {
+Status NAMED(SetFMUstate, SetFMUState)(Handle c, void *copy) {
     State *s = of(c);
     const double x = s->v[X];
     memcpy(s, copy, sizeof *s);
@@ -267,28 +279,38 @@ static Status restore(Handle c, const void *copy) {
     return (Status)OK;
 }
 
-static Status release(void **copy) {
+Status NAMED(FreeFMUstate, FreeFMUState)(Handle c, void **copy) {
+    (void)c;
     free(*copy);
     if (!has("freed-stays"))
         *copy = NULL;
     return (Status)OK;
 }
 
-static Status pack(const void *copy, void *bytes, size_t size) {
+Status NAMED(SerializedFMUstateSize, SerializedFMUStateSize)(Handle c, void *copy, size_t *size) {
+    *size = sizeof(State);
+    return (Status)(c && copy ? OK : FAILED);
+}
+
+Status NAMED(SerializeFMUstate, SerializeFMUState)(Handle c, void *copy, Byte bytes[],
+                                                   size_t size) {
+    (void)c;
     memcpy(bytes, copy, size);
     if (has("bytes-lose"))
-        ((State *)bytes)->v[X] = 0;
+        ((State *)(void *)bytes)->v[X] = 0;
     if (has("bytes-point")) { /* an address means nothing in another process */
         State *kept = malloc(size);
         memcpy(kept, copy, size);
-        ((State *)bytes)->last = 0;
-        memcpy(&((State *)bytes)->last, &kept, sizeof kept);
-        ((State *)bytes)->v[X] = getpid();
+        ((State *)(void *)bytes)->last = 0;
+        memcpy(&((State *)(void *)bytes)->last, &kept, sizeof kept);
+        ((State *)(void *)bytes)->v[X] = getpid();
     }
     return (Status)OK;
 }
 
-static Status unpack(const void *bytes, size_t size, void **copy) {
+Status NAMED(DeSerializeFMUstate, DeserializeFMUState)(Handle c, const Byte bytes[], size_t size,
+                                                       void **copy) {
+    (void)c;
     *copy = malloc(size);
     memcpy(*copy, bytes, size);
     if (has("bytes-point")) {
@@ -344,7 +366,7 @@ Status API(GetEventIndicators)(Handle c, double z[], size_t n) {
     return (Status)OK;
 }
 
-static Status rates(Handle c, double f[], size_t n) {
+Status NAMED(GetDerivatives, GetContinuousStateDerivatives)(Handle c, double f[], size_t n) {
     if (n == 1)
         f[0] = derivative(of(c));
     return (Status)OK;

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import base64
-import re
 import zipfile
 from functools import cache
-from importlib import resources
 from pathlib import Path
 
 from stickslip.fmi import toolchain
+from tests.corpus import fmu
 
 HERE = Path(__file__).parent
 PIXEL = base64.b64decode(
@@ -30,27 +29,9 @@ def binary_name(version: int, suffix: str | None = None) -> str:
 @cache
 def library(version: int) -> bytes:
     """Return the compiled model, which has no defect."""
-    headers = resources.files("fmpy") / "c-code"
-    files = {
-        f"system/{h.name}": h.read_text(encoding="utf-8")
-        for h in headers.iterdir()
-        if h.name.startswith(f"fmi{version}")
-    }
-    declared = "".join(files.values())
-    names = set(re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", declared))
-    ours = ("model.c", f"fmi{version}.h")
-    files |= {name: (HERE / name).read_text(encoding="utf-8") for name in ours}
-    text = "".join(files[name] for name in ours)
-    text = text.replace("API(", f"fmi{version}").replace(")(", "(")
-    kinds = re.findall(r"^ACCESS\((\w+),", text, re.MULTILINE)
-    made = {f"fmi{version}{verb}{kind}" for kind in kinds for verb in ("Get", "Set")}
-    absent = sorted(n for n in names - made if not re.search(rf"[ *]{n}\(", text))
-    files["absent.c"] = "\n".join(
-        f'__attribute__((visibility("default"))) int {name}(void) {{ return 3; }}'
-        for name in absent
-    )
+    sources = (HERE / "model.c", HERE / f"fmi{version}.h")
     flags = (f"-DFMI={version}", "-Wno-conversion", "-Wno-unused-function")
-    return toolchain.shared_library("reference", files, flags=flags).read_bytes()
+    return fmu.library("reference", *sources, flags=flags, versions=[version]).read_bytes()
 
 
 def with_defect(version: int, defect: str) -> bytes:

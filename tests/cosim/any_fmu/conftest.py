@@ -2,66 +2,55 @@
 
 from __future__ import annotations
 
-import os
-import re
-import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import fmpy
 import pytest
 
-from stickslip.fmi import toolchain
+from tests.corpus import fmu
+from tests.corpus.fmu import Variable
 
-FMI2_TYPES = {
-    "Float64": "Real",
-    "Int32": "Integer",
-    "Boolean": "Boolean",
-    "Enumeration": "Enumeration",
-    "String": "String",
-}
 NUMERIC = ["Float64", "Float32"]
 NUMERIC += [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
 NUMERIC += ["Boolean", "Enumeration"]
 
 
-@dataclass(frozen=True)
-class Var:
-    name: str
-    reference: int
-    type: str
-    causality: str
-    variability: str
-    start: str | None = None
-    dimensions: tuple[str, ...] = ()  # valueReference="0" or start="3"
-    derivative: int | None = None  # value reference of the state
-    initial: str | None = None
-    clock: str = ""  # attributes of a clock
+def _row(
+    name: str,
+    reference: int,
+    type_: str,
+    causality: str,
+    variability: str,
+    start: object = None,
+    **more: Any,
+) -> Variable:
+    return Variable(name, causality, start, type_, variability, reference=reference, **more)
 
 
-def _feedthrough() -> list[Var]:
+def _feedthrough() -> list[Variable]:
     variables = []
     for i, kind in enumerate([*NUMERIC, "Float64"]):
         last = i == len(NUMERIC)
         variability = "continuous" if kind.startswith("Float") and not last else "discrete"
         start = {"Boolean": "false", "Enumeration": "1"}.get(kind, "0")
         name = "discrete" if last else kind
+        option = 'declaredType="Option"' if kind == "Enumeration" else ""
         variables += [
-            Var(f"{name}_in", i, kind, "input", variability, start),
-            Var(f"{name}_out", 30 + i, kind, "output", variability),
+            _row(f"{name}_in", i, kind, "input", variability, start, attributes=option),
+            _row(f"{name}_out", 30 + i, kind, "output", variability, attributes=option),
         ]
     variables += [
-        Var("sum", 100, "Float64", "output", "continuous"),
-        Var("s", 101, "String", "parameter", "fixed", ""),
-        Var("bytes", 102, "Binary", "parameter", "fixed", ""),
-        Var("big", 103, "Int64", "parameter", "fixed", "0"),
-        Var("told", 105, "Float64", "output", "continuous"),
+        _row("sum", 100, "Float64", "output", "continuous"),
+        _row("s", 101, "String", "parameter", "fixed", ""),
+        _row("bytes", 102, "Binary", "parameter", "fixed", ""),
+        _row("big", 103, "Int64", "parameter", "fixed", "0"),
+        _row("told", 105, "Float64", "output", "continuous"),
     ]
     return variables
 
 
-def _clocked() -> list[Var]:
+def _clocked() -> list[Variable]:
     clocks = {
         "every": 'intervalVariability="constant" intervalDecimal="0.25" shiftDecimal="0.125"',
         "growing": 'intervalVariability="changing"',
@@ -72,146 +61,95 @@ def _clocked() -> list[Var]:
     variables = []
     for i, (name, attributes) in enumerate(clocks.items()):
         variables += [
-            Var(name, i, "Clock", "input", "discrete", clock=attributes),
-            Var(f"{name}_ticks", 10 + i, "Int32", "output", "discrete"),
-            Var(f"{name}_at", 15 + i, "Float64", "output", "discrete"),
+            _row(name, i, "Clock", "input", "discrete", attributes=attributes),
+            _row(f"{name}_ticks", 10 + i, "Int32", "output", "discrete"),
+            _row(f"{name}_at", 15 + i, "Float64", "output", "discrete"),
         ]
     return variables
 
 
+OF_N = 'valueReference="0"'
+ALIAS = '<Alias name="height of the ball"/>'
 MODELS = {
     "feedthrough": _feedthrough(),
     "state_space": [
-        Var("n", 0, "UInt64", "structuralParameter", "fixed", "3"),
-        Var("A", 1, "Float64", "parameter", "tunable", "-1 0 0 0 -1 0 0 0 -1", ("0", "0")),
-        Var("u", 65, "Float64", "input", "continuous", "0 0 0", ("0",)),
-        Var("y", 73, "Float64", "output", "continuous", None, ("0",)),
-        Var("x0", 81, "Float64", "parameter", "fixed", "0 0 0", ("0",)),
+        _row("n", 0, "UInt64", "structuralParameter", "fixed", "3"),
+        _row(
+            "A",
+            1,
+            "Float64",
+            "parameter",
+            "tunable",
+            "-1 0 0 0 -1 0 0 0 -1",
+            dimensions=[OF_N, OF_N],
+        ),
+        _row("u", 65, "Float64", "input", "continuous", "0 0 0", dimensions=[OF_N]),
+        _row("y", 73, "Float64", "output", "continuous", None, dimensions=[OF_N]),
+        _row("x0", 81, "Float64", "parameter", "fixed", "0 0 0", dimensions=[OF_N]),
     ],
     "ball": [
-        Var("h", 0, "Float64", "local", "continuous", "1", initial="exact"),
-        Var("v", 1, "Float64", "local", "continuous", "0", initial="exact"),
-        Var("der(h)", 10, "Float64", "local", "continuous", derivative=0),
-        Var("der(v)", 11, "Float64", "local", "continuous", derivative=1),
-        Var("g", 2, "Float64", "parameter", "fixed", "-9.81"),
-        Var("e", 3, "Float64", "parameter", "tunable", "0.7"),
-        Var("bounces", 4, "Int32", "output", "discrete"),
-        Var("height", 5, "Float64", "output", "continuous"),
+        _row("h", 0, "Float64", "local", "continuous", "1", initial="exact"),
+        _row("v", 1, "Float64", "local", "continuous", "0", initial="exact"),
+        _row("der(h)", 10, "Float64", "local", "continuous", derivative="h"),
+        _row("der(v)", 11, "Float64", "local", "continuous", derivative="v"),
+        _row("g", 2, "Float64", "parameter", "fixed", "-9.81"),
+        _row("e", 3, "Float64", "parameter", "tunable", "0.7"),
+        _row("bounces", 4, "Int32", "output", "discrete"),
+        _row("height", 5, "Float64", "output", "continuous", inside=ALIAS),
     ],
     "oscillator": [
-        Var("position", 0, "Float64", "output", "continuous", "1", initial="exact"),
-        Var("velocity", 1, "Float64", "output", "continuous", "0", initial="exact"),
-        Var("der(position)", 10, "Float64", "local", "continuous", derivative=0),
-        Var("der(velocity)", 11, "Float64", "local", "continuous", derivative=1),
-        Var("k", 2, "Float64", "parameter", "fixed", "4"),
-        Var("force", 3, "Float64", "input", "continuous", "0"),
-        Var("gain", 4, "Float64", "output", "continuous"),
-        Var("events", 5, "Int32", "output", "discrete"),
+        _row("position", 0, "Float64", "output", "continuous", "1", initial="exact"),
+        _row("velocity", 1, "Float64", "output", "continuous", "0", initial="exact"),
+        _row("der(position)", 10, "Float64", "local", "continuous", derivative="position"),
+        _row("der(velocity)", 11, "Float64", "local", "continuous", derivative="velocity"),
+        _row("k", 2, "Float64", "parameter", "fixed", "4"),
+        _row("force", 3, "Float64", "input", "continuous", "0"),
+        _row("gain", 4, "Float64", "output", "continuous"),
+        _row("events", 5, "Int32", "output", "discrete"),
     ],
     "stair": [
-        Var("count", 0, "Int32", "output", "discrete"),
-        Var("period", 1, "Float64", "parameter", "fixed", "0.25"),
-        Var("last", 2, "Int32", "parameter", "fixed", "1000"),
-        Var("trigger", 3, "Boolean", "input", "discrete", "false"),
-        Var("level", 5, "Int32", "output", "discrete"),
+        _row("count", 0, "Int32", "output", "discrete"),
+        _row("period", 1, "Float64", "parameter", "fixed", "0.25"),
+        _row("last", 2, "Int32", "parameter", "fixed", "1000"),
+        _row("trigger", 3, "Boolean", "input", "discrete", "false"),
+        _row("level", 5, "Int32", "output", "discrete"),
     ],
     "clocked": _clocked(),
 }
-
-
-def _variable(v: Var, version: int, index: dict[int, int]) -> str:
-    common = (
-        f'name="{v.name}" valueReference="{v.reference}" causality="{v.causality}"'
-        f' variability="{v.variability}"' + (f' initial="{v.initial}"' if v.initial else "")
-    )
-    typed = ""
-    if v.start is not None and v.type not in {"String", "Binary"}:
-        typed += f' start="{v.start}"'
-    if v.type == "Enumeration":
-        typed += ' declaredType="Option"'
-    if v.derivative is not None:
-        typed += f' derivative="{index[v.derivative] if version == 2 else v.derivative}"'
-    typed += f" {v.clock}"
-    if version == 2:
-        start = ' start=""' if v.type == "String" else ""
-        return f"<ScalarVariable {common}><{FMI2_TYPES[v.type]}{typed}{start}/></ScalarVariable>"
-    inner = "".join(f'<Dimension valueReference="{d}"/>' for d in v.dimensions)
-    inner += '<Start value=""/>' if v.type in {"String", "Binary"} else ""
-    inner += '<Alias name="height of the ball"/>' if v.name == "height" else ""
-    return f"<{v.type} {common}{typed}>{inner}</{v.type}>"
 
 
 def describe(
     model: str, version: int, interfaces: str, flags: str = "", experiment: str = ""
 ) -> str:
     """Return modelDescription.xml."""
-    variables = [v for v in MODELS[model] if version == 3 or v.type in FMI2_TYPES]
-    index = {v.reference: i for i, v in enumerate(variables, 1)}
+    varies = f' canHandleVariableCommunicationStepSize="{str("fixed" not in interfaces).lower()}"'
     events = ' hasEventMode="true"' if version == 3 and "events" in interfaces else ""
-    identity = f'modelIdentifier="{model}" {flags}'
-    kinds = f"<ModelExchange {identity}/>" if "ME" in interfaces else ""
-    if "CS" in interfaces:
-        varies = str("fixed" not in interfaces).lower()
-        kinds += (
-            f'<CoSimulation {identity}{events} canHandleVariableCommunicationStepSize="{varies}"/>'
-        )
-    if "SE" in interfaces:
-        kinds += f"<ScheduledExecution {identity}/>"
+    kinds = {"ModelExchange": "", "CoSimulation": varies + events, "ScheduledExecution": ""}
+    chosen = zip(("ME", "CS", "SE"), kinds.items(), strict=True)
     items = "".join(f'<Item name="{n}" value="{i}"/>' for i, n in enumerate("abc", 1))
     option = (
         f'<SimpleType name="Option"><Enumeration>{items}</Enumeration></SimpleType>'
         if version == 2
         else f'<EnumerationType name="Option">{items}</EnumerationType>'
     )
-    text = "".join(_variable(v, version, index) for v in variables)
-    rates = [v for v in variables if v.derivative is not None]
-    outputs = [v for v in variables if v.causality == "output"]
-    if version == 2:
-        groups = {"Outputs": outputs, "Derivatives": rates}
-        structure = "".join(
-            f"<{g}>" + "".join(f'<Unknown index="{index[v.reference]}"/>' for v in m) + f"</{g}>"
-            for g, m in groups.items()
-            if m
-        )
-        root = f'fmiVersion="2.0" guid="{model}" numberOfEventIndicators="{int(model == "ball")}"'
-    else:
-        text += (
-            '<Float64 name="time" valueReference="999" causality="independent"'
-            ' variability="continuous"/>'
-        )
-        groups = {"Output": outputs, "ContinuousStateDerivative": rates}
-        structure = "".join(
-            f'<{g} valueReference="{v.reference}"/>' for g, m in groups.items() for v in m
-        )
-        if model == "ball":
-            structure += '<EventIndicator valueReference="0"/>'
-        root = f'fmiVersion="3.0" instantiationToken="{model}"'
-    return (
-        f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {root} modelName="{model}">'
-        f"{kinds}<TypeDefinitions>{option}</TypeDefinitions><DefaultExperiment {experiment}/>"
-        f"<ModelVariables>{text}</ModelVariables>"
-        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    ball = model == "ball"
+    return fmu.describe(
+        model,
+        version,
+        MODELS[model],
+        {kind: flags + more for short, (kind, more) in chosen if short in interfaces},
+        head=f'numberOfEventIndicators="{ball:d}"' if version == 2 else "",
+        types=f"<TypeDefinitions>{option}</TypeDefinitions>",
+        experiment=experiment,
+        structure='<EventIndicator valueReference="0"/>' if ball else "",
     )
 
 
 def library(model: str) -> Path:
-    """Return the compiled model; functions that the standard requires and nobody calls fail."""
-    headers = Path(fmpy.__file__).parent / "c-code"
-    files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
-    source = Path(__file__).with_name("models.c").read_text()
-    names = set(re.findall(r"FMI[23]_Export fmi[23]\w+TYPE\s+(\w+);", "".join(files.values())))
-    made = re.compile(r"ACCESS3?\((?:(fmi2), )?(\w+),")
-    present = {
-        f"{v or 'fmi3'}{verb}{n}" for v, n in made.findall(source) for verb in ("Get", "Set")
-    }
-    export = (
-        "__declspec(dllexport)" if os.name == "nt" else '__attribute__((visibility("default")))'
-    )
-    missing = sorted(n for n in names - present if not re.search(rf"[ *]{n}\(", source))
-    files["models.c"] = source
-    files["absent.c"] = "\n".join(f"{export} int {n}(void) {{ return 3; }}" for n in missing)
+    """Return the compiled model."""
     number = list(MODELS).index(model)
-    return toolchain.shared_library(model, files, flags=(f"-DMODEL={number}",))
+    source = Path(__file__).with_name("models.c")
+    return fmu.library(model, source, flags=(f"-DMODEL={number}",))
 
 
 Export = Callable[..., Path]
@@ -234,17 +172,12 @@ def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
     ) -> Path:
         key = (model, version, interfaces, flags, binary_name, platform_folder, experiment)
         if key not in made:
-            platform = toolchain.host_platform()
-            place = platform_folder or (platform.fmi2 if version == 2 else platform.tuple)
+            place = Path(fmu.place(binary_name or model, version))
+            place = place.parent.with_name(platform_folder or place.parent.name) / place.name
+            description = describe(model, version, interfaces, flags, experiment)
             path = folder / str(len(made)) / f"{model}.fmu"
-            path.parent.mkdir()
-            binary = library(model)
-            name = (binary_name or model) + platform.suffix
-            with zipfile.ZipFile(path, "w") as archive:
-                description = describe(model, version, interfaces, flags, experiment)
-                archive.writestr("modelDescription.xml", description)
-                archive.write(binary, f"binaries/{place}/{name}")
-            made[key] = path
+            files = {place.as_posix(): library(model).read_bytes()}
+            made[key] = fmu.pack(path, description, files)
         return made[key]
 
     return export

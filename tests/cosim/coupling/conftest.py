@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi import toolchain
+from tests.corpus import fmu
+from tests.corpus.fmu import Variable
 
 SIGNALS = ["u1", "u2", "x1", "x2", "y1", "y2"]
 MATRICES = [f"{m}{i}{j}" for m in "abcd" for i in (1, 2) for j in (1, 2)]
@@ -30,65 +29,21 @@ def describe(
 
     ``exchange`` describes Model Exchange in the place of Co-Simulation.
     """
-    variables, outputs = [], []
-    for reference, name in enumerate(NAMES):
+    variables = []
+    for name in NAMES:
         causality = {"u": "input", "y": "output"}.get(name[0], "parameter")
-        common = f'name="{name}" valueReference="{reference}" causality="{causality}"'
-        start = "" if causality == "output" else 'start="0"'
-        if version == 2:
-            kind = 'variability="fixed"' if causality == "parameter" else ""
-            variables.append(f"<ScalarVariable {common} {kind}><Real {start}/></ScalarVariable>")
-        else:
-            kind = 'variability="fixed"' if causality == "parameter" else ""
-            variables.append(f"<Float64 {common} {kind} {start}/>")
         if causality == "output":
-            used = [j for j in (1, 2) if f"d{name[1]}{j}" in feedthrough]
-            if version == 2:
-                outputs.append(f'<Unknown index="{reference + 1}" dependencies="{_list(used)}"/>')
-            else:
-                used = [j - 1 for j in used]
-                outputs.append(
-                    f'<Output valueReference="{reference}" dependencies="{_list(used)}"/>'
-                )
-    rates = []
-    for i in (1, 2) if exchange else ():  # the states, under names of their own
-        index, state, rate = len(variables) + 2, 40 + i, 50 + i
-        local = 'causality="local" variability="continuous"'
-        if version == 2:
-            entry = '<ScalarVariable name="{}" valueReference="{}" {}><Real {}/></ScalarVariable>'
-            variables += [entry.format(f"s{i}", state, local, "")]
-            variables += [entry.format(f"der(s{i})", rate, local, f'derivative="{index - 1}"')]
-            rates.append(f'<Unknown index="{index}"/>')
+            used = [f"u{j}" for j in (1, 2) if f"d{name[1]}{j}" in feedthrough]
+            variables.append(Variable(name, causality, depends=used))
         else:
-            variables += [f'<Float64 name="s{i}" valueReference="{state}" {local}/>']
-            variables += [
-                f'<Float64 name="der(s{i})" valueReference="{rate}" {local} derivative="{state}"/>'
-            ]
-            rates.append(f'<ContinuousStateDerivative valueReference="{rate}"/>')
-    if version == 3:
-        variables.append(
-            '<Float64 name="time" valueReference="99" causality="independent"'
-            ' variability="continuous"/>'
-        )
-        structure = "".join(outputs + rates)
-        head = 'fmiVersion="3.0" instantiationToken="linear"'
-    else:
-        structure = f"<Outputs>{''.join(outputs)}</Outputs>"
-        structure += f"<Derivatives>{''.join(rates)}</Derivatives>" if rates else ""
-        head = 'fmiVersion="2.0" guid="linear"'
+            variables.append(Variable(name, causality, 0))
+    for i in (1, 2) if exchange else ():  # the states, under names of their own
+        variables.append(Variable(f"s{i}", reference=40 + i))
+        variables.append(Variable(f"der(s{i})", reference=50 + i, derivative=f"s{i}"))
     flags = " ".join(f'{name}="{str(can).lower()}"' for name, can in abilities.items())
     varies = ' canHandleVariableCommunicationStepSize="true"'
-    kind = "ModelExchange" if exchange else "CoSimulation"
-    return (
-        f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription {head} modelName="linear">'
-        f'<{kind} modelIdentifier="linear" {flags}{"" if exchange else varies}/>'
-        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
-        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
-    )
-
-
-def _list(numbers: list[int]) -> str:
-    return " ".join(map(str, numbers))
+    interface = {"ModelExchange": flags} if exchange else {"CoSimulation": flags + varies}
+    return fmu.describe("linear", version, variables, interface)
 
 
 @pytest.fixture(scope="session")
@@ -107,22 +62,16 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
     ) -> Path:
         key = (version, feedthrough, restores, interpolates, exchange, flags)
         if key not in made:
-            headers = Path(fmpy.__file__).parent / "c-code"
-            files = {f"system/{h.name}": h.read_text() for h in headers.glob("fmi[23]*.h")}
-            files["linear.c"] = Path(__file__).with_name("linear.c").read_text()
-            binary = toolchain.shared_library("linear", files, flags=flags)
-            platform = toolchain.host_platform()
-            place = platform.fmi2 if version == 2 else platform.tuple
             word = "FMUstate" if version == 2 else "FMUState"
             abilities = {f"canGetAndSet{word}": restores, f"canSerialize{word}": restores}
             if version == 2 and not exchange:
                 abilities["canInterpolateInputs"] = interpolates
             path = folder / f"{len(made)}.fmu"
-            with zipfile.ZipFile(path, "w") as archive:
-                text = describe(version, frozenset(feedthrough), abilities, exchange=exchange)
-                archive.writestr("modelDescription.xml", text)
-                archive.write(binary, f"binaries/{place}/{binary.name}")
-            made[key] = path
+            source = Path(__file__).with_name("linear.c")
+            library = fmu.library("linear", source, flags=flags, complete=False)
+            text = describe(version, frozenset(feedthrough), abilities, exchange=exchange)
+            files = {fmu.place("linear", version): library.read_bytes()}
+            made[key] = fmu.pack(path, text, files)
         return made[key]
 
     return make

@@ -146,6 +146,7 @@ def test_recording_less_of_a_loop_changes_no_value(two_masses, linear, adaptive)
     assert some.sum_of_squares["y"] == np.add.accumulate(squares)[-1]
 
 
+@pytest.mark.slow
 def test_saved_states_are_used_again(two_masses, linear):
     if not Path("/proc/self/statm").exists():
         pytest.skip("needs /proc")

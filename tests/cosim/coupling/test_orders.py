@@ -109,6 +109,7 @@ def test_several_rates(two_masses, linear, kind, method, every):
     assert measured(errors) > Coupling(method, every=every).order - 0.2
 
 
+@pytest.mark.slow
 @each_kind
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("method", METHODS)

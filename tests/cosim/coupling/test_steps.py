@@ -59,6 +59,7 @@ def test_a_step_is_kept_just_when_its_prediction_holds(linear):
     assert (effort[1.01]["rejected"], effort[1.01]["steps"]) == (0, 10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("interpolates", [True, False])
 @pytest.mark.parametrize("method", ["jacobi", "gauss_seidel", "iterative"])
 def test_the_error_falls_with_the_tolerance(two_masses, linear, method, interpolates):

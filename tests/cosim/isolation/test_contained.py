@@ -16,7 +16,10 @@ import pytest
 from stickslip import cosim
 from tests.corpus.hostile import fmus
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc"),
+]
 
 LIMITS = cosim.Isolation(timeout=60.0)
 

@@ -214,6 +214,7 @@ def test_names_and_units_are_kept(fmi, tmp_path):
     assert fmu.units["furlong"].exponents is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [0.0, 0.1])
 def test_checkers_and_fmpy_take_it(dt, fmi, tmp_path):
     path = models.export_lti(transfer_matrix(dt), tmp_path, fmi=fmi, name="matrix")

@@ -8,6 +8,8 @@ import pytest
 from stickslip.cli import main
 from stickslip.planning import LINEAR, plan
 
+pytestmark = pytest.mark.slow
+
 SHORT = replace(LINEAR, duration=2.0)
 
 

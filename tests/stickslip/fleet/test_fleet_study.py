@@ -13,6 +13,8 @@ from stickslip.fleet.running import DIED
 from stickslip.fleet.writing import write_fleet
 from stickslip.tuning.execution import Execution
 
+pytestmark = pytest.mark.slow
+
 
 def files(folder):
     return {

@@ -6,6 +6,8 @@ import pytest
 from stickslip.cli import main
 from stickslip.results.published_folder import FILES
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

@@ -23,6 +23,8 @@ from stickslip.tuning.published.readings import (
 )
 from stickslip.tuning.published.study import Method, learn_as_published
 
+pytestmark = pytest.mark.slow
+
 SHORT = Method(replace(ga.PAPER, generations=10), width=2.0)
 """Starts twice as coarse, from which a tenth of the generations shows what learning does."""
 SEEDS = range(6)

@@ -12,6 +12,8 @@ import pytest
 from stickslip import models
 from stickslip.cli import main
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 
 

@@ -16,6 +16,8 @@ from stickslip.results.folder import (
 )
 from stickslip.results.folder.publishing import READY
 
+pytestmark = pytest.mark.slow
+
 FOREIGN = {
     "unlisted": lambda folder: (folder / "c").write_text("mine"),
     "changed": lambda folder: (folder / "a").write_text("mine"),

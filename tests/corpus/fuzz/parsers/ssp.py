@@ -14,98 +14,66 @@ from stickslip.cosim.ssp.read import read_package
 from stickslip.cosim.ssp.schema import violation
 from tests.corpus.defects.reference import members, pack
 from tests.corpus.fuzz.tokens import by_tokens
+from tests.corpus.hostile.packages import (
+    bound,
+    component,
+    connection,
+    connector,
+    document,
+    structure,
+)
 
 EXPECTED = (cosim.CosimError,)
 _BETWEEN = b"\n<!-- next file -->\n"
 _FILES = ("SystemStructure.ssd", "resources/a.ssv", "resources/a.ssm", "resources/a.ssb")
-_ROOT = "http://ssp-standard.org/SSP1/SystemStructure"
-_NAMES = {
-    "ssd": "Description",
-    "ssc": "Common",
-    "ssv": "ParameterValues",
-    "ssm": "ParameterMapping",
-    "ssb": "SignalDictionary",
-}
-_DECLARED = " ".join(f'xmlns:{p}="{_ROOT}{name}"' for p, name in _NAMES.items())
-
-
-def _document(root: str, inside: str, version: str = "1.0") -> str:
-    name = "" if root in {"ssm:ParameterMapping", "ssb:SignalDictionary"} else ' name="n"'
-    return f'<{root} {_DECLARED} version="{version}"{name}>{inside}</{root}>'
-
-
 _UNITS = (
     '<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit><ssc:Unit name="km/h">'
     '<ssc:BaseUnit m="1" s="-1" factor="0.2777777777777778"/></ssc:Unit></ssd:Units>'
 )
-_BINDING = (
-    "<ssd:ParameterBindings>"
+_DICTIONARY = (
+    '<ssd:SignalDictionaries><ssd:SignalDictionary name="bus" source="resources/a.ssb"/>'
+    "</ssd:SignalDictionaries>"
+)
+_BINDING = bound(
     '<ssd:ParameterBinding source="resources/a.ssv" prefix="a."><ssd:ParameterMapping'
     ' source="resources/a.ssm"/></ssd:ParameterBinding>'
     "<ssd:ParameterBinding><ssd:ParameterValues>"
-    + _document(
+    + document(
         "ssv:ParameterSet",
         '<ssv:Parameters><ssv:Parameter name="b.k"><ssv:Real value="3" unit="1/s"/></ssv:Parameter>'
         '<ssv:Parameter name="b.mode"><ssv:Integer value="2"/></ssv:Parameter></ssv:Parameters>',
     )
-    + "</ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"
+    + "</ssd:ParameterValues></ssd:ParameterBinding>"
 )
-_EXPERIMENT = (
-    '<ssd:DefaultExperiment startTime="0" stopTime="1"><ssd:Annotations><ssc:Annotation'
-    ' type="com.opensimulationplatform"><osp:Algorithm'
-    ' xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations"><osp:FixedStepAlgorithm'
-    ' baseStepSize="0.1"/></osp:Algorithm></ssc:Annotation></ssd:Annotations>'
-    "</ssd:DefaultExperiment>"
-)
-
-
-def _connector(name: str, kind: str, kind_of_value: str = '<ssc:Real unit="m"/>') -> str:
-    return f'<ssd:Connector name="{name}" kind="{kind}">{kind_of_value}</ssd:Connector>'
-
-
-def _connection(start: str, end: str, inside: str = "") -> str:
-    parts = (which.rpartition(".") for which in (start, end))
-    (a, _, y), (b, _, u) = parts
-    left = f'startElement="{a}" ' * bool(a) + f'startConnector="{y}"'
-    right = f'endElement="{b}" ' * bool(b) + f'endConnector="{u}"'
-    return f'<ssd:Connection {left} {right} suppressUnitConversion="true">{inside}</ssd:Connection>'
 
 
 def _structure(version: str) -> str:
-    source = f"resources/{'fmi2' if version == '1.0' else 'fmi3'}.fmu"
-    fmu = f'<ssd:Component name="{{}}" source="{source}">{{}}</ssd:Component>'
-    ends = _connector("v", "input", '<ssc:Real unit="km/h"/>') + _connector("x", "output")
-    dictionary = (
-        '<ssd:SignalDictionaries><ssd:SignalDictionary name="bus" source="resources/a.ssb"/>'
-        "</ssd:SignalDictionaries>"
-    )
+    """Return two components, one of them in a system of its own, and a dictionary between them."""
+    fmi, metres = (2 if version == "1.0" else 3), '<ssc:Real unit="m"/>'
+    ends = connector("v", "input", '<ssc:Real unit="km/h"/>') + connector("x", "output", metres)
+    of_a, of_d = (connector(*which, metres) for which in (("y", "output"), ("z", "inout")))
     inner = (
         f'<ssd:System name="inner"><ssd:Connectors>{ends}</ssd:Connectors><ssd:Elements>'
-        f"{fmu.format('c', '')}</ssd:Elements><ssd:Connections>{_connection('v', 'c.u')}"
-        f"{_connection('c.y', 'x')}</ssd:Connections></ssd:System>"
+        f"{component('c', fmi=fmi)}</ssd:Elements><ssd:Connections>{connection('v', 'c.u')}"
+        f"{connection('c.y', 'x')}</ssd:Connections></ssd:System>"
     )
     elements = (
-        fmu.format("a", f"<ssd:Connectors>{_connector('y', 'output')}</ssd:Connectors>")
-        + fmu.format("b", "")
+        component("a", f"<ssd:Connectors>{of_a}</ssd:Connectors>", fmi=fmi)
+        + component("b", fmi=fmi)
         + '<ssd:SignalDictionaryReference name="d" dictionary="bus"><ssd:Connectors>'
-        + _connector("z", "inout")
-        + "</ssd:Connectors></ssd:SignalDictionaryReference>"
-        + inner
+        + f"{of_d}</ssd:Connectors></ssd:SignalDictionaryReference>{inner}"
     )
     scaled = '<ssc:LinearTransformation factor="2" offset="-1"/>'
-    connections = (
-        _connection("a.y", "b.u", scaled)
-        + _connection("v", "a.u")
-        + _connection("b.y", "d.z")
-        + _connection("d.z", "inner.v")
-        + _connection("inner.x", "x")
+    ways = [("v", "a.u"), ("b.y", "d.z"), ("d.z", "inner.v"), ("inner.x", "x")]
+    return structure(
+        elements,
+        [connection("a.y", "b.u", scaled), *(connection(*way) for way in ways)],
+        connectors=ends,
+        before=_BINDING,
+        behind=_DICTIONARY,
+        rest=_UNITS,
+        version=version,
     )
-    system = (
-        f'<ssd:System name="s"><ssd:Connectors>{ends}</ssd:Connectors>{_BINDING}<ssd:Elements>'
-        f"{elements}</ssd:Elements><ssd:Connections>{connections}</ssd:Connections>{dictionary}"
-        "</ssd:System>"
-    )
-    return _document("ssd:SystemStructureDescription", system + _UNITS + _EXPERIMENT, version)
 
 
 def _beside(version: str) -> tuple[str, str, str]:
@@ -119,9 +87,9 @@ def _beside(version: str) -> tuple[str, str, str]:
     )
     entry = '<ssb:DictionaryEntry name="z"><ssc:Real unit="m"/></ssb:DictionaryEntry>'
     return (
-        _document("ssv:ParameterSet", values, version),
-        _document("ssm:ParameterMapping", mapping, version),
-        _document("ssb:SignalDictionary", entry, version),
+        document("ssv:ParameterSet", values, version),
+        document("ssm:ParameterMapping", mapping, version),
+        document("ssb:SignalDictionary", entry, version),
     )
 
 
@@ -144,7 +112,7 @@ def corpus() -> list[bytes]:
 def _fmus(folder: Path) -> None:
     (folder / "resources").mkdir(exist_ok=True)
     for version in (2, 3):
-        pack(folder / "resources" / f"fmi{version}.fmu", members(version))
+        pack(folder / "resources" / f"{version}.fmu", members(version))
 
 
 _read = cache(cosim.Fmu)

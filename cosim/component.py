@@ -1,0 +1,88 @@
+"""The contract of what the master can step: an FMU, or a Python function.
+
+The master calls a component in this order, by functions of one table with the semantics of FMI:
+instantiate; then for each run reset (not before the first), set up the experiment, set start
+values, enter and exit initialisation, and for each step set inputs, step, get outputs; at the end
+terminate; free once. In the initialisation, inputs are set and outputs read as often as loops
+need it. Where a component declares ``restores_state``, its state is saved and restored between
+steps. A call that fails ends the run with a ``SimulationError`` that names the component; the
+component is then instantiated again before the next run. After ``fatal`` nothing more is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from stickslip.cosim.fmu.values import resized
+from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.units import Unit
+from stickslip.fmi.description.variables import Variable, parse_element
+
+Interface = Literal["co_simulation", "model_exchange"]
+
+
+class Component:
+    """What a system connects and a simulation steps; a kind sets what differs from the defaults.
+
+    Attributes
+    ----------
+    label : file or function, for messages
+    identity : what must be the same for a saved state to fit
+    binary : key of its code: components with the same code have the same one
+    version : of FMI, whose functions the table has: 2 or 3
+    interface : the one it is run by
+    variables : name -> Variable, inputs and outputs among them
+    aliases : other name -> name
+    units : name -> Unit
+    feedthrough : output -> the inputs it depends on without delay
+    experiment : the times it proposes, s, and the tolerance
+    structural : names of structural parameters
+    outside : variables whose declared start value is outside their range
+    event_mode, has_arrays, needs_tool, once_per_process : see Fmu
+    serializes, restores_state, interpolates_inputs, varies_step : its abilities
+    """
+
+    label: str
+    identity: str
+    binary: Path
+    token = ""
+    version: int = 2
+    interface: Interface = "co_simulation"
+    variables: Mapping[str, Variable]
+    aliases: Mapping[str, str] = {}
+    units: Mapping[str, Unit] = {}
+    feedthrough: Mapping[str, frozenset[str]]
+    experiment = DefaultExperiment()
+    structural: Sequence[str] = ()
+    outside: Sequence[Variable] = ()
+    event_mode = has_arrays = needs_tool = once_per_process = False
+    serializes = restores_state = interpolates_inputs = varies_step = False
+
+    def restore(self) -> None:
+        """Bring changed files of the component back before it is prepared."""
+
+    def find(self, name: str, lengths: Mapping[str, int] | None = None) -> Variable | None:
+        """Return a variable by its name, by an alias, or an element of an array: ``name[i,j]``.
+
+        Parameters
+        ----------
+        lengths : structural parameter -> value, where it is not its start value
+        """
+        variable = self.variables.get(name) or self.variables.get(self.aliases.get(name, ""))
+        if variable is not None:
+            variable = resized(variable, lengths) if lengths else variable
+            return variable if variable.name == name else replace(variable, name=name)
+        if element := parse_element(name):
+            array = self.find(element[0], lengths)
+            return array.at(element[1]) if array is not None else None
+        return None
+
+    def unit(self, variable: Variable) -> Unit | None:
+        """Return the unit of one of its variables, None when it has none."""
+        if variable.unit is None:
+            return None
+        unit = self.units.get(variable.unit, Unit(variable.unit))
+        return replace(unit, relative=True) if variable.relative else unit

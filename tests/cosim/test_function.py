@@ -1,0 +1,232 @@
+# ruff: noqa: ARG001, ARG005 - a component gives its function every argument, used or not
+"""Python functions as components: the master against closed forms, without an FMU, and mixed."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from stickslip import cosim
+
+STEP, STOP = 0.1, 2.0
+SYSTEM = {"step": STEP, "stop": STOP}
+
+
+def integrate(t, h, x, u):
+    """x' = u with the input held, which is exact."""
+    x = x + h * u["u"]
+    return x, x
+
+
+def relax(t, h, x, u):
+    """x' = -x + u with the input held, which is exact."""
+    x = u["u"] + (x - u["u"]) * np.exp(-h)
+    return x, x
+
+
+def minus_twice(t, u):
+    return -2.0 * u["u"]
+
+
+def integrator(state=1.0):
+    return cosim.Function(integrate, {"u": "m/s"}, {"y": "m"}, state)
+
+
+def decay():
+    """Return x' = -2 x."""
+    system = cosim.System("decay")
+    system.add("plant", integrator())
+    system.add("gain", cosim.Function(minus_twice, {"u": "m"}, {"y": "m/s"}))
+    system.connect("plant.y", "gain.u")
+    system.connect("gain.y", "plant.u")
+    return system
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_closed_loop_is_its_difference_equation(compiled):
+    """Forward Euler: the gain sees the state at the start of each step, in each of three runs."""
+    with decay().prepare(**SYSTEM, compiled=compiled) as simulation:
+        assert simulation.order == ["gain", "plant"]
+        for _ in range(3):
+            result = simulation.run()
+            x = (1 - 2 * STEP) ** np.arange(len(result.time))
+            assert result["plant.y"] == pytest.approx(x, rel=1e-13)
+
+
+def test_jacobi_delays_each_connection_by_a_step():
+    with decay().prepare(**SYSTEM, coupling="jacobi") as simulation:
+        result = simulation.run()
+    x, gain = [1.0], [-2.0]
+    for _ in range(len(result.time) - 1):
+        x, gain = [*x, x[-1] + STEP * gain[-1]], [*gain, -2.0 * x[-1]]
+    assert result["plant.y"] == pytest.approx(x, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("coupling", "order"), [("gauss_seidel", 1), ("iterative", 2)], ids=["explicit", "iterative"]
+)
+def test_a_coupling_has_its_order(coupling, order):
+    """Two first-order systems, exact for a held input, which feed each other."""
+    errors = []
+    for step in (0.1, 0.05):
+        system = cosim.System("pair")
+        for name, start in (("a", 1.0), ("b", 0.0)):
+            system.add(name, cosim.Function(relax, {"u": None}, {"y": None}, start))
+        system.connect("a.y", "b.u")
+        system.connect("b.y", "a.u")
+        with system.prepare(step=step, stop=1.0, coupling=coupling) as simulation:
+            y = simulation.run()["a.y"][-1]
+        errors.append(abs(y - (1 + np.exp(-2.0)) / 2))  # a + b stays, a - b falls with e^(-2 t)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)
+
+
+def test_an_algebraic_loop_is_solved():
+    system = cosim.System("loop")
+    system.add("a", cosim.Function(lambda t, u: 1 + u["u"] / 2, {"u": None}, {"y": None}))
+    system.add("b", cosim.Function(lambda t, u: t + u["u"] / 4, {"u": None}, {"y": None}))
+    system.connect("a.y", "b.u")
+    system.connect("b.y", "a.u")
+    with system.prepare(**SYSTEM) as simulation:
+        result = simulation.run()
+    assert result["a.y"] == pytest.approx((1 + result.time / 2) / (1 - 1 / 8), rel=1e-10)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_function_beside_an_fmu(make, version):
+    """It takes part in units, exposed inputs and scenarios, and gives what the FMU in its place."""
+    found = []
+    for gain in (
+        cosim.Fmu(make("gain", version)),
+        cosim.Function(lambda t, u: {"y": u["u"]}, {"u": "N"}, {"y": "N"}),
+    ):
+        system = cosim.System("mixed")
+        system.add("gain", gain)
+        system.add("plant", make("integrator", version))
+        system.connect("gain.y", "plant.u", cosim.Link(cosim.Scaling(0.5)))
+        system.expose("F", "gain.u")
+        scenario = cosim.Scenario().stick("gain.y", 1.0, 1.5)
+        with system.prepare(**SYSTEM, record=["F", "gain.u", "gain.y", "plant.y"]) as simulation:
+            simulation.run(inputs={"F": 3.0})
+            found.append(simulation.run(inputs={"F": np.sin}, scenario=scenario).frame())
+    assert found[0].equals(found[1])
+    assert found[0]["gain.y"].nunique() < len(found[0])
+
+
+def test_units_that_say_what_they_measure_are_converted():
+    millimetre = cosim.Unit("mm", (0, 1, 0, 0, 0, 0, 0, 0), factor=1e-3)
+    metre = cosim.Unit("m", (0, 1, 0, 0, 0, 0, 0, 0))
+    system = cosim.System("units")
+    system.add("source", cosim.Function(lambda t, u: 1e3 * t, {}, {"x": millimetre}))
+    system.add("sink", cosim.Function(lambda t, u: u["x"], {"x": metre}, {"y": metre}))
+    system.connect("source.x", "sink.x")
+    with system.prepare(**SYSTEM) as simulation:
+        result = simulation.run()
+    assert result["sink.y"] == pytest.approx(result.time)
+    assert result.units["source.x"] == "mm"
+
+
+def test_a_run_goes_on_from_its_saved_state(tmp_path):
+    """The state is an array; another simulation, of a system that was pickled, resumes."""
+
+    system = decay()
+    with system.prepare(**SYSTEM) as simulation:
+        whole = simulation.run()
+        simulation.run(until=1.0)
+        simulation.save(tmp_path / "state")
+        spec = pickle.loads(pickle.dumps(simulation.spec))  # noqa: S301 - written here
+    with spec.prepare() as other:
+        rest = other.resume(tmp_path / "state")
+    assert np.array_equal(rest["plant.y"], whole["plant.y"][10:])
+
+
+def test_an_array_is_a_state():
+    """The exact harmonic oscillator turns its state; several outputs are a mapping."""
+
+    def turn(t, h, x, u):
+        x = np.array([[np.cos(h), np.sin(h)], [-np.sin(h), np.cos(h)]]) @ x
+        return x, {"x": x[0], "v": x[1]}
+
+    system = cosim.System("oscillator")
+    system.add("o", cosim.Function(turn, {}, {"x": "m", "v": "m/s"}, np.array([1.0, 0.0])))
+    with system.prepare(**SYSTEM) as simulation:
+        result = simulation.run()
+    assert result["o.x"] == pytest.approx(np.cos(result.time))
+    assert result["o.v"] == pytest.approx(-np.sin(result.time))
+
+
+def test_hidden_memory_is_found(caplog):
+    """A function that keeps something between calls does not do the same after a reset."""
+    calls = []
+
+    def forgetful(t, u):
+        calls.append(t)
+        return float(len(calls))
+
+    system = cosim.System("hidden")
+    system.add("f", cosim.Function(forgetful, {}, {"y": None}))
+    with system.prepare(**SYSTEM) as simulation:
+        simulation.run()
+        simulation.run()
+    assert "f (function test_hidden_memory_is_found.<locals>.forgetful)" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (lambda t, u: 1 / (1 - t), "raised ZeroDivisionError: .* in the step from t = 0.9 s"),
+        (lambda t, u: {"z": 1.0}, r"returned the outputs \['z'\], expected \['y'\]"),
+        (lambda t, u: "much", "could not convert .*during initialisation"),
+        (lambda t, u: np.inf if t else 0.0, "f.y: .*not finite"),
+    ],
+    ids=["raises", "other outputs", "no number", "infinite"],
+)
+def test_a_function_that_fails_ends_the_run(step, message):
+    system = cosim.System("s")
+    system.add("f", cosim.Function(step, {}, {"y": None}))
+    with (
+        system.prepare(**SYSTEM) as simulation,
+        pytest.raises(cosim.SimulationError, match=message),
+    ):
+        simulation.run()
+
+
+def test_a_state_keeps_its_shape():
+    system = cosim.System("s")
+    system.add("f", cosim.Function(lambda t, h, x, u: (np.ones(2), 0.0), {}, {"y": None}, 1.0))
+    with (
+        system.prepare(**SYSTEM) as simulation,
+        pytest.raises(cosim.SimulationError, match=r"new state has shape \(2,\), expected \(\)"),
+    ):
+        simulation.run()
+
+
+def test_an_interruption_is_not_an_error_of_the_function():
+    def interrupted(t, u):
+        raise KeyboardInterrupt
+
+    system = cosim.System("s")
+    system.add("f", cosim.Function(interrupted, {}, {"y": None}))
+    with system.prepare(**SYSTEM) as simulation, pytest.raises(KeyboardInterrupt):
+        simulation.run()
+
+
+def test_what_needs_an_fmu_says_so(tmp_path):
+    system = decay()
+    message = "needs FMUs, but plant is the Python function integrate"
+    with pytest.raises(cosim.ConnectionFault, match=f"isolation {message}"):
+        system.prepare(**SYSTEM, isolation="process")
+    with pytest.raises(cosim.SspError, match=f"an SSP {message}"):
+        cosim.write_ssp(system, tmp_path / "s.ssp")
+    with pytest.raises(cosim.ConnectionFault, match=f"a container {message}"):
+        cosim.write_fmu(system, tmp_path / "s.fmu", step=STEP)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("inputs", "outputs"), [({"a": None}, {"a": None}), ({"u": None}, {}), ({"": None}, {"y": "m"})]
+)
+def test_names_are_checked(inputs, outputs):
+    with pytest.raises(cosim.ConnectionFault, match="cannot have the variables"):
+        cosim.Function(minus_twice, inputs, outputs)

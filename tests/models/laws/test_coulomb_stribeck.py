@@ -1,0 +1,49 @@
+"""Static friction with events: closed forms of stopping, true rest, and break-away."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+H = 5e-4  # s
+M, B, F_C = 5.557, 6.6135, 5.999
+
+
+def test_a_mass_that_coasts_stops_where_and_when_the_closed_form_says(push):
+    v0 = 0.57685
+    found = push("coulomb_stribeck", H, np.zeros(1200), F_s=F_C, v=v0)
+    time = M / B * np.log1p(B * v0 / F_C)
+    distance = M / B * (v0 - F_C / B * np.log1p(B * v0 / F_C))
+    assert found["x"][-1] == pytest.approx(distance, abs=1e-9)
+    standing = np.flatnonzero(found["v"] == 0.0)[0]
+    assert (standing - 1) * H < time <= standing * H
+    assert len(set(found["x"][standing:])) == 1
+
+
+@pytest.mark.parametrize("u", [8.99, -8.99])
+def test_below_static_friction_it_stands_for_ever_and_friction_is_the_reaction(push, u):
+    found = push("coulomb_stribeck", H, np.full(2000, u))
+    assert not found["x"].any()
+    assert not found["v"].any()
+    np.testing.assert_array_equal(found["F_f"][1:], u)
+
+
+def test_break_away_is_at_static_friction_whatever_the_rate(push):
+    """LuGre breaks away earlier when the force rises slowly; here only F_s counts."""
+    for rate in (5.0, 50.0):  # N/s
+        u = rate * H * np.arange(round(12.0 / rate / H))
+        moving = np.flatnonzero(push("coulomb_stribeck", H, u)["v"])[0]
+        assert u[moving - 1] == pytest.approx(8.999, abs=2 * rate * H)
+
+
+def test_terminal_speed_balances_the_curve(push):
+    v = push("coulomb_stribeck", H, np.full(16000, 10.0))["v"][-1]
+    assert F_C + B * v == pytest.approx(10.0, rel=1e-4)
+
+
+def test_a_stiff_dahl_contact_without_stribeck_moves_the_same(push):
+    """sigma_0 -> infinity is Coulomb friction."""
+    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
+    event = push("coulomb_stribeck", H, u, F_s=F_C)
+    stiff = push("dahl", H, u, sigma_0=1e9)
+    np.testing.assert_allclose(stiff["x"], event["x"], atol=5e-5)

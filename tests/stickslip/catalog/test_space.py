@@ -1,0 +1,121 @@
+"""The coordinates of an estimation: inverses, derivatives, bounds and priors, for any law."""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip
+from stickslip.catalog.parameters import (
+    estimated,
+    force_and_length_of,
+    friction_law,
+    unit_of,
+)
+from stickslip.catalog.space import LEVEL, ParameterSpace
+
+VALUES = {
+    "F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3,
+    "m": 5.5, "b": 6.6, "F_0": -0.3, "delay": 1e-4, "delta": 1.0,
+}  # fmt: skip
+
+
+@pytest.fixture
+def space():
+    space = ParameterSpace.of(friction_law())
+    units = [100.0 if name == "b" else 6.0 if name == "F_0" else 5e-4 for name in space.names]
+    return replace(space, units=np.array(units))
+
+
+def test_decode_is_the_inverse_of_encode(space):
+    assert space.decode(space.encode(VALUES)) == pytest.approx(VALUES, rel=1e-12)
+
+
+def test_the_jacobian_is_the_derivative(space):
+    q = space.encode(VALUES)
+    for index in range(len(q)):
+        step = np.zeros(len(q))
+        step[index] = 1e-6
+        high, low = space.decode(q + step), space.decode(q - step)
+        slope = np.array([(high[name] - low[name]) / 2e-6 for name in space.names])
+        np.testing.assert_allclose(space.jacobian(q)[:, index], slope, rtol=1e-6, atol=1e-6)
+
+
+def test_the_direction_is_the_gradient_of_the_logarithm(space):
+    q = space.encode(VALUES)
+    for name in space.friction:
+        gradient = space.jacobian(q)[space.index(name)] / VALUES[name]
+        np.testing.assert_allclose(space.direction(name), gradient, rtol=1e-12)
+
+
+def test_static_friction_cannot_fall_below_coulomb_friction(space):
+    values = space.decode(space.encode({**VALUES, "F_s": 3.0}))
+    assert values["F_s"] == values["F_c"]
+
+
+def test_a_level_space_has_no_rise_towards_rest(space):
+    level = space.level()
+    assert level.is_level
+    assert not space.is_level
+    values = level.decode(level.encode(VALUES))
+    assert values["F_s"] == pytest.approx(values["F_c"], rel=2 * LEVEL)
+
+
+def test_a_fixed_parameter_is_a_constant(space):
+    fixed = space.fixed(F_c=7.0, delta=2.0)
+    assert fixed.names == tuple(name for name in space.names if name != "F_c")
+    expected = {**VALUES, "F_c": 7.0, "delta": 2.0}
+    q = fixed.encode(expected)
+    assert fixed.decode(q) == pytest.approx(expected, rel=1e-12)
+    assert fixed.jacobian(q).shape == (len(q), len(q))
+    with pytest.raises(KeyError, match="sigma_2"):
+        space.fixed(sigma_2=0.0)
+
+
+def test_prior_residuals_count_standard_deviations(space):
+    deviation = np.full(len(space.names), np.inf)
+    deviation[space.index("v_s")] = 0.5
+    prior = replace(space, prior_mean=space.encode(VALUES), prior_deviation=deviation)
+    assert prior.prior_residual(space.encode({**VALUES, "m": 9.0})).tolist() == [0.0]
+    (moved,) = prior.prior_residual(space.encode({**VALUES, "v_s": 1e-3}))
+    assert moved == pytest.approx(2.0 * np.log(2.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "linear", "rotary", "exponents"),
+    [
+        ("m", "kg", "kg.m2", (1, -1)),
+        ("b", "N.s/m", "N.m.s/rad", (1, -1)),
+        ("v_s", "m/s", "rad/s", (0, 1)),
+        ("F_c", "N", "N.m", (1, 0)),
+        ("sigma_0", "N/m", "N.m/rad", (1, -1)),
+    ],
+)
+def test_units_and_their_exponents(name, linear, rotary, exponents):
+    assert (unit_of(name), unit_of(name, rotary=True)) == (linear, rotary)
+    assert force_and_length_of(name) == exponents
+
+
+def test_gains_have_the_exponents_of_their_units():
+    gains = {"K_p": (1, -1), "K_i": (1, -1), "I_x": (1, -1), "u_max": (1, 0), "tau_f": (0, 0)}
+    assert {name: force_and_length_of(name) for name in (*gains, "no_gain")} == {
+        **gains,
+        "no_gain": (0, 0),
+    }
+
+
+def test_no_module_outside_the_catalog_lists_the_parameters_of_lugre():
+    """Four of the five names in one list, tuple or set would be a second law.toml."""
+    root = Path(stickslip.__file__).parent
+    names = set(estimated(friction_law("lugre")))
+    lists = [
+        f"{path.relative_to(root)}:{node.lineno}"
+        for path in root.rglob("*.py")
+        if path.parent.name != "catalog"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.List | ast.Tuple | ast.Set)
+        and len(names & {getattr(element, "value", None) for element in node.elts}) >= 4
+    ]
+    assert not lists

@@ -1,0 +1,168 @@
+"""Logs that mislead: the fault is named with its figure, and nothing is called well known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drives import GAINS, run
+
+from stickslip.identification.estimation import Task, learn
+from stickslip.logs import (
+    Finding,
+    Recording,
+    aligned,
+    check_recording,
+    samples_late,
+)
+from stickslip.planning import plan
+
+pytestmark = pytest.mark.slow
+
+N = 16000
+"""Samples of the planned experiment that are enough here: 8 s."""
+LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
+
+
+def recording(recorded, force=None, rows=slice(None)):
+    force = recorded["applied"] if force is None else force
+    return Recording(
+        recorded["t"][: len(recorded["t"][rows])],
+        recorded["position"][rows],
+        force=force[rows],
+        velocity_command=recorded["v_cmd"][rows],
+        encoder_step=4e-7,
+        source="elsewhere",
+    )
+
+
+@pytest.fixture(scope="module")
+def command():
+    return plan()["velocity_command"].to_numpy()
+
+
+@pytest.fixture(scope="module", params=["lugre", "gms"])
+def drive(request, command):
+    return request.param, run(request.param, command)
+
+
+def unreliable(log):
+    return [str(finding) for finding in check_recording(log) if finding.spoils]
+
+
+def limited(law, command, share):
+    """Return a run whose force is at its limit for about that share of the time."""
+    for u_max in np.arange(7.0, 20.0, 0.4):
+        recorded = run(law, command, u_max=u_max)
+        if np.mean(np.abs(recorded["applied"]) >= u_max) < share:
+            return recorded
+    raise AssertionError
+
+
+def test_a_sound_log_has_no_fault(drive):
+    log = recording(drive[1])
+    assert unreliable(log) == []
+    assert samples_late(log) == 0
+    assert aligned(log, 0) is log
+
+
+@pytest.mark.parametrize("samples", [10, -10, 40])
+def test_a_delay_is_taken_out(drive, samples):
+    log = recording(drive[1], np.roll(drive[1]["applied"], samples))
+    late = samples_late(log)
+    assert abs(late - samples) <= 1  # a sampled loop has half a sample of its own
+    [said] = [str(finding) for finding in check_recording(log) if "taken out" in finding.advice]
+    assert said.startswith("warning: force shows ")
+    assert f"{0.5 * late:.4g} ms are taken out" in said
+    again = aligned(log, late)
+    assert samples_late(again) == 0
+    assert len(again.t) == len(log.t) - abs(late)
+    k = 1000 + max(-late, 0)
+    assert again.position[1000] == log.position[k]
+    assert again.force[1000] == log.force[k + late]
+
+
+def test_noise_is_no_delay(drive):
+    noise = np.random.default_rng(0).standard_normal(len(drive[1]["t"]))
+    assert samples_late(recording(drive[1], noise)) == 0
+
+
+@pytest.mark.parametrize("share", [0.005, 0.02, 0.1])
+def test_lost_rows_are_counted(drive, share):
+    n = len(drive[1]["t"])
+    rows = np.flatnonzero(np.random.default_rng(1).random(n) >= share)
+    [said] = unreliable(recording(drive[1], rows=rows))
+    assert "rows are lost under an even clock" in said
+    told = float(said.split(": ")[2].split("%")[0]) / 100.0
+    assert told == pytest.approx(share, rel=0.2)
+
+
+def test_a_burst_of_lost_rows_is_found(drive):
+    rows = np.ones(len(drive[1]["t"]), dtype=bool)
+    moving = np.flatnonzero(np.abs(drive[1]["v"]) > 0.02)
+    for begin in moving[:: len(moving) // 8]:
+        rows[begin : begin + 50] = False
+    assert any("rows are lost" in said for said in unreliable(recording(drive[1], rows=rows)))
+
+
+def test_a_command_before_its_limit_is_found(drive, command):
+    recorded = limited(drive[0], command, 0.125)
+    [said] = unreliable(recording(recorded, recorded["commanded"]))
+    assert "the force was logged before a limit" in said
+    told = float(said.split("at most ")[1].split(";")[0])
+    assert told == pytest.approx(np.abs(recorded["applied"]).max(), rel=0.25)
+
+
+def test_saturation_is_told(drive, command):
+    recorded = limited(drive[0], command, 0.125)
+    [said] = unreliable(recording(recorded))
+    assert f"force saturates at {np.abs(recorded['applied']).max():.4g}: " in said
+
+
+@pytest.fixture(scope="module")
+def short(command):
+    return recording(run("lugre", command), rows=slice(N))
+
+
+def test_a_force_out_of_scale_names_the_factor(short, candidates):
+    scaled = replace(short, force=0.3 * short.force)
+    learned = learn(Task(candidates, scaled, GAINS, faults=(LOST,)))
+    assert learned.controller.error == pytest.approx(1.0 / 0.3 - 1.0, rel=0.02)
+    lost, fault = learned.faults
+    assert lost == LOST
+    assert fault.figure == "0.3 times as large"
+    assert "--scale force=3.33" in fault.advice
+    assert fault.spoils == "values"
+    assert "well known" not in {known.visible for known in learned.known.values()}
+    assert "weakly known at best" in learned.known["m"].sentence
+
+
+def test_rejected_gains_change_nothing(short, candidates):
+    """They once kept the correction of the encoder's bias from being made."""
+    without = learn(Task(candidates, short))
+    rejected = learn(Task(candidates, short, {**GAINS, "K_i": 2.0 * GAINS["K_i"]}))
+    assert rejected.controller.error > 0.01
+    assert rejected.faults == without.faults == ()
+    assert rejected.known == without.known
+    assert rejected.parameters == without.parameters
+    assert without.known["m"].visible == "well known"
+
+
+def test_a_delay_at_its_bound_is_a_fault(short, candidates):
+    learned = learn(Task(candidates, replace(short, force=np.roll(short.force, 10))))
+    [fault] = learned.faults
+    assert "the delay of the force ends at the bound of the fit: -5 samples or -2.5 ms" in str(
+        fault
+    )
+    assert fault.spoils == "intervals"
+    assert "well known" not in {known.visible for known in learned.known.values()}
+
+
+def test_f_s_that_does_not_show_is_f_c(command, candidates):
+    """The fit prefers 20 times F_c here; such a force pushed the drive."""
+    learned = learn(Task(candidates, recording(run("gms", command))))
+    assert learned.fit.parameters["F_s"] > 10.0 * learned.fit.parameters["F_c"]
+    assert learned.known["F_s"].visible == "not visible"
+    assert learned.compensator["F_s"] == learned.compensator["F_c"]
+    assert learned.known["F_s"].value == learned.known["F_c"].value
+    assert "F_s = F_c is taken" in learned.known["F_s"].sentence
+    assert learned.compensator["F_c"] == pytest.approx(5.999, rel=0.15)

@@ -1,0 +1,91 @@
+"""The fit against closed forms of linear least squares."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.fitting.fit import (
+    covariance,
+    fit,
+    linearised,
+)
+
+N = 20_000
+
+
+K = len(ParameterSpace.of(friction_law()).names)
+
+
+class Line:
+    """A criterion that is linear in the coordinates."""
+
+    name = "line"
+
+    def __init__(self, regressors, seen, space):
+        self.regressors, self.seen, self.space = regressors, seen, space
+
+    def residual(self, values):
+        return self.seen - self.regressors @ self.space.encode(values)
+
+    def map(self, points):
+        return [self.residual(values) for values in points]
+
+
+@pytest.fixture
+def space():
+    bound = np.full(K, 9.0)
+    return replace(ParameterSpace.of(friction_law()), lower=-bound, upper=bound)
+
+
+def line_of(rng, truth, noise, space):
+    regressors = rng.standard_normal((N, K))
+    return Line(regressors, regressors @ truth + noise, space)
+
+
+def test_it_finds_what_linear_least_squares_finds(space):
+    rng = np.random.default_rng(0)
+    truth = rng.uniform(0.1, 1.0, K)
+    line = line_of(rng, truth, 0.1 * rng.standard_normal(N), space)
+    expected, *_ = np.linalg.lstsq(line.regressors, line.seen, rcond=None)
+    found = fit(line, [np.zeros(K)])
+    np.testing.assert_allclose(found.q, expected, atol=1e-6)
+    classic = 0.1**2 * np.linalg.inv(line.regressors.T @ line.regressors)
+    np.testing.assert_allclose(np.diag(found.covariance), np.diag(classic), rtol=0.6)
+
+
+def test_the_covariance_knows_of_correlated_noise(space):
+    """Slow noise on slow regressors: the plain formula says ten times too little."""
+    spread, told = [], []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        slow = np.repeat(rng.standard_normal((N // 100, K)), 100, axis=0)
+        noise = np.repeat(rng.standard_normal(N // 100), 100)
+        q, *_ = np.linalg.lstsq(slow, noise, rcond=None)
+        rest = noise - slow @ q
+        spread.append(q[1])
+        told.append(covariance(-slow, rest, space)[1, 1])
+    assert np.mean(told) == pytest.approx(np.var(spread), rel=0.5)
+
+
+def test_a_prior_weighs_as_one_measurement(space):
+    deviation = np.full(K, np.inf)
+    deviation[1] = 0.2
+    prior = replace(space, prior_mean=np.full(K, 0.5), prior_deviation=deviation)
+    rng = np.random.default_rng(1)
+    regressors = rng.standard_normal((N, K))
+    regressors[:, 1] = 0.0  # the recording says nothing of it
+    line = Line(regressors, regressors @ np.full(K, 0.3) + 0.1 * rng.standard_normal(N), prior)
+    found = fit(line, [np.zeros(K)])
+    assert found.q[1] == pytest.approx(0.5, abs=1e-6)
+    assert np.sqrt(found.covariance[1, 1]) == pytest.approx(0.2, rel=1e-3)
+
+
+def test_a_gauss_step_of_a_linear_criterion_leads_to_the_least_squares(space):
+    rng = np.random.default_rng(2)
+    line = line_of(rng, rng.uniform(0.1, 1.0, K), 0.1 * rng.standard_normal(N), space)
+    expected, *_ = np.linalg.lstsq(line.regressors, line.seen, rcond=None)
+    away = linearised(line, expected + 0.01, 0.01)
+    np.testing.assert_allclose(away.q + away.step(), expected, atol=1e-5)

@@ -1,0 +1,109 @@
+"""Measured logs: the published figures of EMPS, and a tribometer's hysteresis."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stickslip import cosim
+from stickslip.cli import main
+from stickslip.commands.learn import print_estimation
+from stickslip.evaluation.guards import Worth
+from stickslip.logs import Finding, load_description
+from stickslip.pipeline.log_learning import learn, write_learned
+from stickslip.results.learned import LearnedFile
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[3]
+DATA = ROOT.parent / "shared" / "data"
+EXAMPLES = ROOT / "examples" / "logs"
+
+
+def learned(folder, name, example):
+    path = DATA / folder / name
+    if not path.exists():
+        pytest.skip(f"{path} is not here")
+    return learn(path, load_description(EXAMPLES / example))
+
+
+@pytest.fixture(scope="module")
+def emps():
+    return learned("emps", "DATA_EMPS.mat", "emps.toml")
+
+
+def test_emps_is_explained_better_than_by_the_published_model(emps):
+    assert emps.estimation.figures.force_unfiltered < 0.0408
+    assert emps.estimation.figures.position <= 0.000138
+
+
+def test_emps_gives_the_published_parameters(emps):
+    """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
+    known = emps.estimation.known
+    assert known["m"].value == pytest.approx(95.1089, rel=0.01)
+    assert known["b"].value == pytest.approx(203.5034, rel=0.02)
+    assert known["F_c"].value == pytest.approx(20.3935, rel=0.01)
+    assert pytest.approx(-3.1648, rel=0.01) == emps.estimation.F_0
+
+
+def test_emps_shows_no_presliding_and_says_so(emps, capsys):
+    for name in ("F_s", "v_s", "sigma_0", "sigma_1"):
+        assert emps.estimation.known[name].visible == "not visible"
+    print_estimation(emps.estimation)
+    said = capsys.readouterr().out
+    assert said.count("not visible in this experiment") == 4
+    assert "stickslip plan --show sigma_0" in said
+
+
+def test_what_was_learned_is_written_and_read(emps, tmp_path):
+    write_learned(emps, tmp_path)
+    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(emps.compensator)
+    assert sum("not visible in this log" in warning for warning in emps.warnings) == 4
+    assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
+        emps.compensator["F_c"]
+    )
+    assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
+    worth = emps.trial.worth
+    rows = tuple(replace(row, compensated=1.03 * row.without) for row in worth.rows)
+    harmful = replace(emps, trial=replace(emps.trial, worth=Worth(1.0, rows, rows)))
+    assert "1.03 times that without the compensator" in harmful.refusal
+    assert not emps.refusal
+    write_learned(emps, tmp_path)
+    assert (tmp_path / "compensator.fmu").exists()
+    write_learned(harmful, tmp_path)
+    assert not (tmp_path / "compensator.fmu").exists()
+    write_learned(harmful, tmp_path, force=True)
+    assert (tmp_path / "compensator.fmu").exists()
+
+
+def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
+    worth = replace(emps.trial.worth, share=0.8)
+    write_learned(replace(emps, trial=replace(emps.trial, worth=worth)), tmp_path, force=True)
+    whole = emps.estimation.compensator
+    assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
+    start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
+    assert start == pytest.approx(whole["F_c"])
+
+
+@pytest.mark.parametrize(("spoils", "written"), [("values", False), ("intervals", True)])
+def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
+    fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
+    spoiled = replace(emps, estimation=replace(emps.estimation, faults=(fault,)))
+    assert spoiled.refusal == ("" if written else "rows are lost: 2 %; log without gaps")
+    write_learned(spoiled, tmp_path)
+    assert (tmp_path / "compensator.fmu").exists() == written
+    parameters, out = str(tmp_path / "learned.json"), str(tmp_path / "out")
+    export = ["export", "compensator", "--parameters", parameters, "--out", out]
+    assert main(export) == (0 if written else 1)
+    assert main([*export, "--force"]) == 0
+
+
+def test_the_hysteresis_of_a_tribometer():
+    estimation = learned("tribometer", "test_data_2.txt", "tribometer.toml").estimation
+    assert estimation.judge == "inverse model"
+    assert estimation.figures.force < 0.2
+    assert estimation.known["sigma_0"].visible != "not visible"
+    assert "sign was turned" in estimation.remarks[0]

@@ -1,0 +1,46 @@
+"""Runs of an experiment go on side by side, and what is learned does not know of it."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.output_error import OutputError
+from stickslip.identification.fitting.fit import linearised
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(params=["inverse model", "output error"])
+def judge_of(request, recorded, candidates):
+    """Return a function that makes a judge with so many workers."""
+    learned = recorded.estimation
+    if request.param == "inverse model":
+        return lambda workers: InverseModel(candidates, learned.recording, workers=workers)
+    return lambda workers: OutputError(candidates, learned.recording, learned.gains, workers)
+
+
+def test_as_many_run_at_once_as_there_are_workers(judge_of, recorded):
+    values, met = recorded.estimation.parameters, threading.Barrier(3)
+
+    with judge_of(3) as judge:
+        residual = judge.residual
+
+        def run(values):
+            met.wait(timeout=60.0)  # broken if no two others come
+            return residual(values)
+
+        judge.residual = run
+        first, *others = judge.map([values] * 3)
+        assert all(np.array_equal(first, other) for other in others)
+
+
+def test_a_slope_has_the_same_bits(judge_of, recorded):
+    best = recorded.estimation.fit
+    with judge_of(1) as alone, judge_of(3) as together:
+        one, other = (
+            linearised(judge.over(best.space), best.q, 1.0) for judge in (alone, together)
+        )
+    np.testing.assert_array_equal(one.jacobian, other.jacobian)
+    np.testing.assert_array_equal(one.residual, other.residual)

@@ -1,0 +1,99 @@
+"""Section 2.4 on the drive FMU: what the three stages find."""
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import PAPER
+from stickslip.errors import IdentificationError
+from stickslip.identification.stages import identify
+from stickslip.identification.stages.estimate import correlation_length, covariance
+from stickslip.servo.datasheet import LOOP
+
+DRIVES = [
+    {},
+    {"m": 3.0, "F_c": 2.0, "F_s": 4.0, "sigma_0": 1e6},
+    {"m": 12.0, "F_c": 12.0, "F_s": 13.2, "sigma_0": 1e5},
+    {"m": 7.0, "F_c": 12.0, "F_s": 24.0, "sigma_0": 1e6},
+    {"m": 12.0, "F_c": 2.0, "F_s": 2.2, "sigma_0": 1e5, "noise": True, "seed": 5},
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", DRIVES, ids=str)
+def test_values_lie_near_the_drives(make_rig, truth):
+    found = identify(make_rig(**truth), LOOP).estimates
+    drive = PAPER | truth
+    for name, tolerance in {"m": 0.02, "F_c": 0.05, "sigma_0": 0.15}.items():
+        assert found[name].value == pytest.approx(drive[name], rel=tolerance), name
+    assert all(np.isfinite(e.standard_error) for e in found.values())
+
+
+UNLIKE = {
+    "all": {"asymmetric": True, "position_dependent": True, "ripple": True, "noise": True},
+    "ripple": {"ripple": True, "ripple_amplitude": 2.0, "asymmetric": True, "asymmetry": 0.25},
+    "guide": {"position_dependent": True, "position_amplitude": 0.3, "position_period": 0.05},
+    "heavy": {"m": 8.0, "F_c": 4.0, "ripple": True, "noise": True, "position_dependent": True},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", UNLIKE.values(), ids=UNLIKE)
+def test_what_depends_on_position_does_not_pass_for_friction_over_velocity(make_rig, truth):
+    """Ripple cancels between the directions; friction varies alike at all speeds."""
+    found = identify(make_rig(**truth), LOOP).estimates
+    drive = PAPER | truth
+    tolerances = {"m": 0.02, "b": 0.05, "F_c": 0.005, "F_s": 0.02, "v_s": 0.05, "sigma_0": 0.1}
+    for name, tolerance in tolerances.items():
+        assert found[name].value == pytest.approx(drive[name], rel=tolerance), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise_x", [0.0, 1e-7, 2e-7])
+def test_the_static_friction_does_not_depend_on_the_noise_of_the_encoder(make_rig, noise_x):
+    """In the loop noise makes a slow velocity fluctuate, and the mean force of bristles fall."""
+    found = identify(make_rig(noise=True, noise_x=noise_x), LOOP).estimates
+    assert found["F_s"].value == pytest.approx(PAPER["F_s"], rel=0.01)
+    assert found["v_s"].value == pytest.approx(PAPER["v_s"], rel=0.02)
+
+
+def test_break_away_does_not_send_the_stage_along_metres(make_rig):
+    rig = make_rig()
+    pushed, push = [], rig.push
+
+    def watch(force):
+        log = push(force)
+        pushed.append(np.ptp(log.x_enc))
+        return log
+
+    rig.push = watch
+    identify(rig, LOOP)
+    assert max(pushed) < 0.5
+
+
+@pytest.mark.slow
+def test_a_stage_that_does_not_move_is_told(make_rig):
+    with pytest.raises(IdentificationError, match=r"inertia: .* N"):
+        identify(make_rig(F_c=500.0, F_s=500.0), LOOP)
+
+
+def test_correlation_length_is_that_of_a_first_order_process():
+    phi, rng = 0.8, np.random.default_rng(0)
+    noise = rng.standard_normal(400_000)
+    process = np.zeros_like(noise)
+    for k in range(1, len(noise)):
+        process[k] = phi * process[k - 1] + noise[k]
+    assert correlation_length(process) == pytest.approx((1 + phi) / (1 - phi), rel=0.1)
+    assert correlation_length(noise) == pytest.approx(1.0, abs=0.1)
+
+
+def test_covariance_is_the_scatter_of_repeated_fits():
+    rng = np.random.default_rng(1)
+    regressors = rng.standard_normal((200, 2)) * [1.0, 5.0]
+    truth = np.array([2.0, -1.0])
+    fits, predicted = [], []
+    for _ in range(400):
+        data = regressors @ truth + 0.3 * rng.standard_normal(200)
+        fit = np.linalg.lstsq(regressors, data, rcond=None)[0]
+        fits.append(fit)
+        predicted.append(np.sqrt(np.diag(covariance(regressors, data - regressors @ fit))))
+    assert np.mean(predicted, axis=0) == pytest.approx(np.std(fits, axis=0), rel=0.15)

@@ -1,0 +1,131 @@
+"""What a recording suffers from, and what it can show, is said before anything is learned."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigid_drive import rigid_drive
+
+from stickslip.catalog.parameters import PAPER
+from stickslip.logs import (
+    Controller,
+    Recording,
+    check_recording,
+    excitation,
+)
+from stickslip.planning import plan
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import (
+    LOOP,
+    TRAINING,
+    Datasheet,
+)
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import design_velocity_loop
+
+DRIVE = rigid_drive(n=8000, step=4e-7)
+
+
+def findings(recording, severity=None, **more) -> str:
+    found = check_recording(recording, **more)
+    assert all("\n" not in str(finding) for finding in found)
+    return "\n".join(str(f) for f in found if severity in (None, f.severity))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"position": None, "velocity": None}, "neither position nor velocity"),
+        ({"force": None}, "neither force nor friction"),
+        ({"position": np.full(8000, 0.3)}, "position never changes: 0.3"),
+        ({"force": np.zeros(8000)}, "force never changes"),
+        ({"force": np.where(DRIVE.t > 2, np.nan, 1.0)}, "force holds values that are not finite"),
+        ({"force": np.zeros(10)}, "10 values, expected 8000"),
+    ],
+)
+def test_nothing_can_be_learned(change, said):
+    assert said in findings(replace(DRIVE, **change), "error")
+
+
+def test_a_controller_without_its_command():
+    said = findings(DRIVE, "error", controller=Controller("PI", K_p=1.0, K_i=1.0))
+    assert "no velocity_command" in said
+    known = Controller("P", P_x=1.0)
+    assert not findings(DRIVE, "error", controller=known)
+    assert not findings(replace(DRIVE, force=None), "error", controller=known)
+
+
+def test_saturation():
+    clipped = np.clip(DRIVE.force, -6.0, 6.0)
+    share = np.mean(np.abs(clipped) == 6.0)
+    assert f"force saturates at 6: {share:.2%}" in findings(replace(DRIVE, force=clipped))
+    assert "saturates" not in findings(DRIVE)
+    assert "saturates" in findings(DRIVE, force_limit=np.abs(DRIVE.force).max())
+    assert "saturates" not in findings(DRIVE, force_limit=80.0)
+    assert "exceeds the force limit" in findings(DRIVE, force_limit=1.0)
+
+
+def test_short_slow_and_coarse():
+    assert "short" in findings(rigid_drive(n=400))
+    assert "few encoder steps: 40" in findings(
+        replace(DRIVE, position=np.round(DRIVE.position / 1e-3) * 1e-3, encoder_step=1e-3)
+    )
+    steady = replace(DRIVE, position=0.01 * DRIVE.t, velocity=None)
+    said = findings(steady, "warning")
+    assert "b and F_c are hard to separate" in said
+    assert "0 reversals" in said
+
+
+def test_a_rotary_drive_speaks_of_radians():
+    said = findings(replace(DRIVE, motion="rotary"))
+    assert "rad/s^2" in said
+    assert " m/s" not in said
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("checks")
+    build_fmus(folder, {})
+    return Rig(folder, Datasheet(), LOOP.T_s)
+
+
+def run(rig, v) -> Recording:
+    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+    log = rig.follow(v, loop)
+    return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
+
+
+@pytest.mark.slow
+def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(rig):
+    planned = run(rig, plan()["velocity_command"].to_numpy())
+    assert not findings(planned, "warning")
+    assert "sigma_0 and sigma_1 may be identifiable" in findings(planned, "note")
+    swept = run(rig, TRAINING.sample(rig.samples(10.0)))
+    assert "F_s and v_s are poorly identifiable" in findings(swept, "warning")
+    assert "m is identifiable" in findings(swept, "note")
+
+
+def test_reversals_are_those_of_the_command(rig):
+    swept = run(rig, TRAINING.sample(rig.samples(10.0)))
+    v = TRAINING.sample(swept.t)
+    expected = np.sum(np.diff(np.sign(v[np.abs(v) > 1e-3])) != 0)
+    assert abs(excitation(swept).reversals - expected) <= 1
+    rest = replace(swept, position=swept.encoder_step * (np.arange(len(v)) % 7 == 0))
+    assert excitation(rest).reversals == 0
+
+
+def test_slow_motion_is_measured_against_the_top_speed():
+    """A triangle of velocity is slower than a hundredth of its top for a hundredth of the time."""
+    t = np.arange(20_000) * 1e-3
+    v = 0.04 * (2 / np.pi) * np.arcsin(np.sin(2 * np.pi * t / 5))
+    shown = excitation(Recording(t, np.cumsum(v) * 1e-3, v, velocity=v))
+    assert shown.slow == pytest.approx(0.01, rel=0.15)
+    assert shown.top_speed == pytest.approx(0.04, rel=0.01)
+    assert shown.speeds == pytest.approx((0.05 * 0.04, 0.95 * 0.04), rel=0.05)
+
+
+def test_a_recording_shorter_than_its_low_pass_is_checked():
+    """60 samples in 60 us: everything lies near a reversal."""
+    short = Recording(np.arange(60) * 1e-6, DRIVE.position[:60], force=DRIVE.force[:60])
+    assert "the recording is short" in findings(short)

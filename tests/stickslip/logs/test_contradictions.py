@@ -1,0 +1,239 @@
+"""A log whose numbers are in other units than it was read in is an error that names the option."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.io
+from rigid_drive import rigid_drive
+from scipy import signal
+
+from stickslip.cli import main
+
+INCH, TURN = 0.0254, 2 * np.pi
+GAINS = ("--controller", "PI", "--gain", "K_p=100", "K_i=100")
+
+
+@pytest.fixture
+def check(tmp_path, capsys):
+    """Return a function that checks a log of a rigid drive and returns status, findings, error.
+
+    Columns are divided by the units of ``given``: {"position": 1e-3} writes them in mm.
+    """
+
+    def run(*options, step=0.0, names=(), only=None, whole=None, file="log.csv", **given):
+        drive = rigid_drive(n=4000, step=step)
+        table = pd.DataFrame(
+            {
+                "time": drive.t,
+                "position": drive.position,
+                "velocity": drive.velocity,
+                "position_command": drive.position,
+                "velocity_command": drive.velocity,
+                "force": drive.force,
+            }
+        )
+        table = table / {name: given.get(name, 1.0) for name in table}
+        if whole:
+            table[whole] = table[whole].round()
+        table = table[list(only)] if only else table
+        table = table.rename(columns=dict(names))
+        path = tmp_path / file
+        if path.suffix == ".mat":
+            scipy.io.savemat(path, {name: table[name].to_numpy() for name in table})
+        elif path.suffix == ".parquet":
+            table.to_parquet(path)
+        else:
+            table.to_csv(path, index=False)
+        status = main(["learn", "--log", str(path), "--check", *options])
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return run
+
+
+def errors(out: str) -> list[str]:
+    return [line for line in out.splitlines() if line.startswith("error: ")]
+
+
+def test_what_agrees_is_no_error(check):
+    status, out, err = check(*GAINS, "T_s=0.001", "--sample-period", "0.001")
+    assert (status, errors(out), err) == (0, [], "")
+    assert "differ in scale" not in out
+    scaled = check("--unit", "time=ms", "position=mm", time=1e-3, position=1e-3)
+    assert scaled[0] == 0
+
+
+CONTRADICTIONS = {
+    "position in mm": ({"position": 1e-3}, "10^3", "--unit position=mm"),
+    "position in um": ({"position": 1e-6}, "10^6", "--unit position=um"),
+    "position in inches": ({"position": INCH}, "39.37", "--unit position=inch"),
+    "position in degrees": ({"position": TURN / 360}, "360/2 pi", "--unit position=deg"),
+    "position in turns": ({"position": TURN}, "2 pi", "--unit position=rev"),
+    "position in turns, velocity in deg/s": (
+        {"position": TURN, "velocity": TURN / 360}, "360", "position=UNIT",
+    ),
+    "position command in mm": ({"position_command": 1e-3}, "10^3", "--unit position_command=mm"),
+    "velocity in mm/s": ({"velocity": 1e-3}, "10^3", "--unit velocity=mm/s"),
+    "velocity in rpm": ({"velocity": TURN / 60}, "60/2 pi", "--unit velocity=rpm"),
+    "velocity command in mm/s": ({"velocity_command": 1e-3}, "10^3", "velocity_command=mm/s"),
+    "time in ms": ({"time": 1e-3}, "10^3", "--unit time=ms"),
+    "time in 1000 s": ({"time": 1e3}, "10^3", "--unit position=mm"),
+    "velocity turned around": ({"velocity": -1}, "opposite signs", "--scale velocity=-1"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_a_factor_of_units_is_an_error_that_names_it(check, name):
+    given, factor, option = CONTRADICTIONS[name]
+    status, out, err = check(**given)
+    assert status == 1
+    found = [line for line in errors(out) if "contradict" in line and option in line]
+    assert found
+    assert factor in found[0]
+    assert err.count("\n") == 1
+
+
+def test_the_option_that_is_named_corrects_it(check):
+    for role, unit, size in (("position", "mm", 1e-3), ("velocity", "rpm", TURN / 60)):
+        status, out, _ = check("--unit", f"{role}={unit}", **{role: size})
+        assert (status, errors(out)) == (0, [])
+
+
+@pytest.mark.parametrize("factor", [5.0, 10.0, 50.0, 1 / 30])
+def test_a_gear_is_a_warning_that_names_its_factor(check, factor):
+    status, out, _ = check(velocity=1 / factor, velocity_command=1 / factor)
+    assert status == 0
+    measured = out.split("velocity is ")[1].split(" times d(position)/dt")[0]
+    assert float(measured) == pytest.approx(factor, rel=0.005)
+    said = check(f"--scale=velocity={1 / factor}", f"--scale=velocity_command={1 / factor}",
+                 velocity=1 / factor, velocity_command=1 / factor)  # fmt: skip
+    assert "differ in scale" not in said[1]
+
+
+@pytest.mark.slow
+def test_a_bad_controller_is_not_accused(tmp_path, capsys):
+    """Second-order loops that lag, overshoot and lose half of their command."""
+    t = np.arange(8000) * 1e-3
+    command = 0.02 * np.sin(2 * np.pi * (0.2 * t + 0.2 * t**2))
+    for bandwidth in (1.0, 5.0, 20.0):
+        for damping in (0.2, 0.7, 2.0):
+            for gain in (0.5, 1.0):
+                w = 2 * np.pi * bandwidth
+                loop = ([gain * w * w], [1, 2 * damping * w, w * w])
+                b, a, _ = signal.cont2discrete(loop, 1e-3, "zoh")
+                x = signal.lfilter(b.ravel(), a, command)
+                table = {"time": t, "position": x, "position_command": command}
+                table |= {"velocity_command": np.gradient(command, 1e-3), "force": np.sin(t)}
+                path = tmp_path / "log.csv"
+                pd.DataFrame(table).to_csv(path, index=False)
+                main(["learn", "--log", str(path), "--check"])
+                assert "contradict" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("given", ["1", "1000", "1e-6"])
+def test_a_sample_period_that_the_time_contradicts(check, given):
+    """In ms, a rate in Hz, in s but a thousand times too short."""
+    status, out, _ = check("--sample-period", given)
+    assert status == 1
+    assert "--sample-period 0.001" in errors(out)[0]
+    assert "10^" in errors(out)[0]
+    alone = check("--sample-period", "0.001", "--column", "time=none")
+    assert alone[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("T_s", "status"), [(1e-3, 0), (5e-4, 0), (3.125e-5, 0), (2e-3, 0), (1.0, 1), (0.5, 1)]
+)
+def test_a_controller_may_run_faster_than_its_log_but_not_in_milliseconds(check, T_s, status):
+    found = check(*GAINS, f"T_s={T_s}")
+    assert found[0] == status
+    assert any("T_s" in line for line in errors(found[1])) == bool(status)
+
+
+def test_an_encoder_step_that_the_position_contradicts(check):
+    assert check("--encoder-step", "4e-7", step=4e-7)[0] == 0
+    for given in ("4e-4", "4e-10"):
+        status, out, _ = check("--encoder-step", given, step=4e-7)
+        assert status == 1
+        assert "10^3" in errors(out)[0]
+        assert "--encoder-step" in errors(out)[0]
+
+
+STATED = {
+    "iq": "current by its name",
+    "Strom": "current by its name",
+    "Motorstrom": "current by its name",
+    "courant": "current by its name",
+    "Motor_Current": "current by its name",
+    "corrente": "current by its name",
+    "i": "current by its name",
+    "u": "voltage by its name",
+    "I_q [A]": "force is in A",
+    "Strom_mA": "force is in mA",
+    "actual current [%]": "force is in %",
+    "torque [0.1 %]": "force is in ‰",
+    "torque [‰ of rated]": "unit '‰ of rated' is unknown",
+    "actual torque %": "percentage by its name",
+    "Torque actual value": "torque by its name",
+}
+
+
+@pytest.mark.parametrize("name", STATED)
+def test_what_is_no_force_needs_a_unit_or_a_scale(check, name):
+    only = ("time", "position", "force")
+    column = f"force={name.split(' [')[0]}"
+    status, out, _ = check("--column", column, names={"force": name}, only=only)
+    assert status == 1
+    assert STATED[name] in errors(out)[0]
+    assert "--scale force=" in errors(out)[0]
+    said = check("--column", column, "--scale", "force=23", names={"force": name}, only=only)
+    assert said[0] == 0
+    said = check("--column", column, "--unit", "force=N", names={"force": name}, only=only)
+    assert said[0] == 0
+
+
+@pytest.mark.parametrize("file", ["log.mat", "log.parquet"])
+def test_a_current_in_other_files(check, file):
+    if file.endswith("parquet"):
+        pytest.importorskip("pyarrow")
+    only = ("time", "position", "force")
+    status, out, err = check(names={"force": "iq"}, only=only, file=file)
+    assert status == 1
+    assert "current by its name" in errors(out)[0]
+    assert errors(out)[0] in err
+
+
+def test_whole_numbers_are_counts_until_a_unit_is_stated(check):
+    for role, unit, size in (("position", "um", 1e-6), ("time", "ms", 1e-3)):
+        given = {"only": ("time", "position", "force"), "step": 1e-6, role: size, "whole": role}
+        status, out, _ = check(**given)
+        assert status == 1
+        assert f"{role}: column '{role}': whole numbers only" in errors(out)[0]
+        assert check("--unit", f"{role}={unit}", **given)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("names", "roles"),
+    [
+        ({"velocity": "vel_mm_s", "position": "pos_mm"}, {"velocity": 1e-3, "position": 1e-3}),
+        ({"velocity": "speed mm/s", "position": "x mm"}, {"velocity": 1e-3, "position": 1e-3}),
+        ({"time": "t_us", "position": "POS_MM"}, {"time": 1e-6, "position": 1e-3}),
+    ],
+)
+def test_units_at_the_end_of_a_name_are_read(check, names, roles):
+    status, out, _ = check(names=names, **roles)
+    assert (status, errors(out)) == (0, [])
+    assumed = next(line for line in out.splitlines() if "state no unit" in line)
+    assert not [role for role in roles if f" {role} in" in assumed]
+
+
+def test_all_errors_are_printed_and_learn_says_the_first(check, tmp_path, capsys):
+    status, out, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
+    assert status == 1
+    assert len(errors(out)) >= 4
+    assert err.count("\n") == 1
+    assert errors(out)[0] in err
+    assert main(["learn", "--log", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr()
+    assert said.err.count("error: ") == 1
+    assert not (tmp_path / "out" / "learned.json").exists()

@@ -1,0 +1,192 @@
+"""Plans of experiments: they keep the limits and show on the drive what they promise."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stickslip.catalog.parameters import LUGRE, PAPER
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.planning import (
+    LINEAR,
+    ROTARY,
+    Limits,
+    arrange,
+    plan,
+)
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.systems import build_fmus, servo_loop
+from stickslip.servo.velocity_loop import design_velocity_loop
+
+
+def check_limits(limits: Limits, show=()) -> None:
+    table = plan(limits, show)
+    time, v, x = (table[name].to_numpy() for name in table.columns)
+    assert len(table) == round(limits.duration * limits.rate) + 1
+    assert time[-1] == pytest.approx(limits.duration, abs=1 / limits.rate)
+    assert v[0] == v[-1] == x[0] == 0
+    assert abs(x[-1]) < 1e-9 * np.ptp(x)
+    assert np.abs(v).max() <= limits.speed * (1 + 1e-9)
+    assert np.abs(np.diff(v)).max() * limits.rate <= limits.acceleration * (1 + 1e-9)
+    assert np.ptp(x) <= limits.stroke
+    np.testing.assert_allclose(np.diff(x) * limits.rate, (v[1:] + v[:-1]) / 2, atol=1e-9)
+    assert np.abs(v).max() > 0
+
+
+@given(
+    stroke=st.floats(1e-3, 10),
+    speed=st.floats(1e-3, 10),
+    acceleration=st.floats(1e-2, 100),
+    duration=st.floats(2, 30),
+    rate=st.sampled_from([100.0, 333.3, 1000.0]),
+    show=st.lists(st.sampled_from(sorted(PAPER)), max_size=3),
+)
+@settings(max_examples=60)
+def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show):
+    check_limits(Limits(stroke, speed, acceleration, duration, rate), show)
+
+
+@pytest.mark.parametrize("limits", [LINEAR, ROTARY])
+def test_the_standard_plans_use_the_speed_they_may(limits):
+    check_limits(limits)
+    assert plan(limits)["velocity_command"].abs().max() > 0.99 * limits.speed
+
+
+@pytest.mark.parametrize(
+    ("parameter", "part"),
+    [("sigma_0", "small moves"), ("F_s", "slow reversals"), ("m", "quick ramps")],
+)
+def test_what_is_asked_for_gets_more_time(parameter, part):
+    def share(show):
+        lasts = {s.part.name: s.end - s.begin for s in arrange(LINEAR, show)}
+        return lasts[part] / sum(lasts.values())
+
+    assert share([parameter]) > 1.4 * share([])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"stroke": 0.0}, {"speed": float("nan")}, {"duration": 1.0}, {"rate": 1e9}, {"slow": (2, 1)}],
+    ids=str,
+)
+def test_limits_that_mean_nothing_are_refused(wrong):
+    with pytest.raises(UsageError, match=next(iter(wrong))):
+        Limits(**wrong)
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    """Return a function that runs a command (n,) on the paper's drive: its true x and v."""
+    folder = tmp_path_factory.mktemp("plan")
+    build_fmus(folder, {})
+    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+    system = servo_loop(folder, loop)
+
+    def run(v):
+        stop = (len(v) - 1) * LOOP.T_s
+        record = ("drive.x", "drive.v")
+        with system.prepare(step=LOOP.T_s, stop=stop, record=record) as simulation:
+            result = simulation.run(inputs={"v_cmd": v})
+        return result["drive.x"], result["drive.v"]
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def driven(drive):
+    """The standard plan on the paper's drive."""
+    return drive(plan()["velocity_command"].to_numpy())
+
+
+def friction(v, F_s, F_c, v_s, sigma_0, sigma_1):
+    """LuGre along a velocity (n,) held over each sample, by its closed form."""
+    h, z = LOOP.T_s, 0.0
+    rate = sigma_0 * np.abs(v) / (F_c + (F_s - F_c) * np.exp(-np.abs(v) / v_s))
+    decay = np.exp(-rate * h)
+    gain = np.where(rate * h > 1e-8, (1 - decay) / np.maximum(rate, 1e-30), h)
+    force = np.empty_like(v)
+    for k in range(len(v)):
+        force[k] = sigma_0 * z + sigma_1 * (v[k] - rate[k] * z)
+        z = z * decay[k] + v[k] * gain[k]
+    return force
+
+
+def uncertainties(v) -> dict[str, float]:
+    """Return the least relative standard errors (Cramer-Rao) for 1 N of white noise on force."""
+    lugre = {name: PAPER[name] for name in LUGRE}
+    columns = {"m": PAPER["m"] * np.gradient(v, LOOP.T_s), "b": PAPER["b"] * v}
+    for name, value in lugre.items():
+        high, low = (friction(v, **{**lugre, name: value * share}) for share in (1.01, 0.99))
+        columns[name] = (high - low) / 0.02
+    sensitivity = np.column_stack(list(columns.values()))
+    errors = np.sqrt(np.diag(np.linalg.inv(sensitivity.T @ sensitivity)))
+    return dict(zip(columns, map(float, errors), strict=True))
+
+
+@pytest.mark.slow
+def test_the_plan_shows_more_than_the_papers_sweep_and_most_of_what_is_asked(drive, driven):
+    t = np.arange(40_001) * LOOP.T_s
+    sweep = uncertainties(drive(TRAINING.sample(t % 10.0))[1])
+    planned = uncertainties(driven[1])
+    assert all(planned[name] < 1.05 * sweep[name] for name in sweep)
+    assert planned["F_s"] < 0.3 * sweep["F_s"]
+    assert planned["v_s"] < 0.5 * sweep["v_s"]
+    assert planned["sigma_0"] < 0.8 * sweep["sigma_0"]
+    for asked in ("F_s", "sigma_0", "sigma_1", "m"):
+        favoured = plan(LINEAR, [asked])["velocity_command"].to_numpy()
+        assert uncertainties(drive(favoured)[1])[asked] < 0.97 * planned[asked], asked
+
+
+def test_small_moves_stay_in_presliding_and_go_beyond_it(driven):
+    """Break-away deflection is F_s / sigma_0 = 23 um; the plan does not know it."""
+    x, stretch = driven[0], arrange()[0]
+    moves = np.array_split(x[stretch.begin : stretch.end], 10)
+    sizes = np.array([np.ptp(move) for move in moves])
+    break_away = PAPER["F_s"] / PAPER["sigma_0"]
+    visible = sizes > 2 * 4e-7  # the encoder's step
+    assert np.sum(visible & (sizes < break_away)) >= 3
+    assert sizes[0] < 0.1 * break_away
+    assert sizes[-1] > 10 * break_away
+
+
+def test_slow_reversals_cross_the_stribeck_region(driven):
+    v, stretch = np.abs(driven[1]), arrange()[1]
+    slow = v[stretch.begin : stretch.end]
+    v_s = PAPER["v_s"]
+    for low, high in ((0.2, 0.5), (0.5, 1.0), (1.0, 2.0), (2.0, 5.0)):
+        assert np.mean((low * v_s < slow) & (slow < high * v_s)) > 0.02, (low, high)
+
+
+def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
+    out, plot = tmp_path / "plan.csv", tmp_path / "plan.png"
+    arguments = ["plan", "--motion", "rotary", "--speed", "3", "--duration", "5", "--rate", "500"]
+    assert main([*arguments, "--out", str(out), "--plot", str(plot)]) == 0
+    said = capsys.readouterr().out
+    assert "small moves" in said
+    assert "rad below the start" in said
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    table = pd.read_csv(out)
+    assert list(table.columns) == ["time", "velocity_command", "position_command"]
+    assert len(table) == 2501
+    assert 2.9 < table["velocity_command"].abs().max() <= 3.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (["--show", "F_x"], "F_x"),
+        (["--out", "plan.xlsx"], ".csv"),
+        (["--stroke", "-1"], "stroke"),
+        (["--out", "file/plan.csv"], "file"),
+    ],
+)
+def test_what_cannot_be_planned_is_told_in_one_line(wrong, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    assert main(["plan", *wrong]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert said in lines[0]

@@ -1,0 +1,95 @@
+"""Any compensators in the paper's loop, connected by the roles of their ports."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip import cosim, models
+from stickslip.catalog.parameters import PAPER
+from stickslip.servo.axis import Axis
+from stickslip.servo.systems import Compensator, build_fmus, build_loop, paper_loop
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+
+SINE = cosim.SineSweep(frequency=(1.0, 1.0), amplitude=(0.01, 0.01), duration=1.0)
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    build_fmus(folder, {})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return design_velocity_loop(Axis(PAPER["m"], PAPER["b"]), LoopSpecification(60.0, 60.0))
+
+
+def run(system, **parameters):
+    with system.prepare(step=5e-4, stop=1.0) as simulation:
+        return simulation.run(parameters=parameters, inputs={"v_cmd": SINE})
+
+
+def error(result) -> float:
+    return float(np.sqrt(np.mean((result["drive.v"] - result["nominal.v_r"]) ** 2)))
+
+
+def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
+    chain = [Compensator("compensator", "compensator", {"F_c": 5.0})]
+    one, other = run(build_loop(fmus, loop, chain)), run(paper_loop(fmus, loop, {"F_c": 5.0}))
+    assert one.names == other.names
+    assert one.values.tobytes() == other.values.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("models_", "share"),
+    [(["static_feedforward"], 0.6), (["dob"], 0.8), (["static_feedforward", "dob"], 0.6)],
+)
+def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
+    """The chain's force is the sum of its parts, and the drive follows better than without."""
+    without = error(run(build_loop(fmus, loop, [])))
+    chain = [Compensator(name, name) for name in models_]
+    result = run(build_loop(fmus, loop, chain))
+    assert error(result) < share * without
+    if len(models_) == 2:
+        before = np.append(0.0, result["static_feedforward.F"][1:])  # dob steps after it
+        np.testing.assert_array_equal(result["dob.F"], before - result["dob.d_hat"])
+
+
+def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop):
+    """Bit for bit; in a chain it passes the force before it on one sample late."""
+    without = run(build_loop(fmus, loop, []))
+    beside = run(build_loop(fmus, loop, [Compensator("dob", "dob", {"share": 0.0})]))
+    for name in without.names:
+        assert without[name].tobytes() == beside[name].tobytes()
+
+
+def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
+    """But for the drive, which puts two constant forces in place of the lagging one."""
+    smooth = {"drive.encoder": False, "drive.dac": False, "drive.F_c": 1e-9, "drive.F_s": 1e-9}
+    without = run(build_loop(fmus, loop, []), **smooth)
+    observed = run(build_loop(fmus, loop, [Compensator("dob", "dob")]), **smooth)
+    assert np.abs(observed["dob.d_hat"]).max() < 0.02
+    assert np.abs(observed["dob.d_hat"][200:]).max() < 1e-3
+    np.testing.assert_allclose(observed["drive.v"], without["drive.v"], atol=0.02 / loop.K_p)
+
+
+def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):
+    chain = [Compensator("first", "dob"), Compensator("second", "compensator")]
+    with pytest.raises(ValueError, match=r"'second' cannot add its force to first\.F; put"):
+        build_loop(fmus, loop, chain)
+    with pytest.raises(ValueError, match="'stage' is not a compensator"):
+        build_loop(fmus, loop, [Compensator("stage", "stage")])
+
+
+def test_every_compensator_has_ports_and_tunes_its_own_parameters():
+    folders = {name: models.load_model(name) for name in models.model_names()}
+    for name, model in folders.items():
+        assert (model.ports is not None) == (model.folder.parent.name == "compensators"), name
+        if model.ports is not None:
+            own = {v.name.partition("[")[0] for v in model.variables if v.role == "parameter"}
+            assert {*model.ports.tuned, *model.ports.axis} <= own
+            inputs = {v.name for v in model.variables if v.role == "input"}
+            assert {*model.ports.inputs} == inputs
+            assert model.ports.output in {v.name for v in model.variables if v.is_output}
