@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from stickslip.catalog.parameters import parameter
+
 SPACE = "\u00a0"
 """Does not break."""
 
@@ -19,14 +21,8 @@ SYMBOLS = {
     "sigma_0": ("σ", "0"),
     "sigma_1": ("σ", "1"),
 }
-FORMULAS = {
-    "F_s": "$F_s$",
-    "F_c": "$F_c$",
-    "v_s": "$v_s$",
-    "sigma_0": r"$\sigma_0$",
-    "sigma_1": r"$\sigma_1$",
-}
-"""The same for pictures."""
+FORMULAS = {name: parameter(name).symbol for name in SYMBOLS}
+"""The same for pictures, from law.toml."""
 MEANINGS = {
     "m": "inertia",
     "b": "viscous friction",

@@ -11,11 +11,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.catalog.parameters import LUGRE
+from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.identification.stages import Estimate
 
-SPREAD = {"F_s": 0.2, "F_c": 0.2, "v_s": 0.7, "sigma_0": 0.35, "sigma_1": 0.35}
-"""Standard deviation of the natural logarithm of each factor: the reading of "coarsely".
+SPREAD = {name: one.spread for name, one in friction_law().parameters.items() if one.spread}
+"""Standard deviation of the natural logarithm of each factor, from law.toml: "coarsely".
 
 Forces to 20 %, as single slow runs show them; the two presliding parameters to a factor of 1.4;
 the Stribeck velocity, which no single experiment isolates, to a factor of 2.

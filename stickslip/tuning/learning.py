@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.catalog.parameters import LUGRE, UNITS
+from stickslip.catalog.parameters import LUGRE, UNITS, friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
 from stickslip.servo.measurement import (
     CUTOFF,
@@ -25,7 +26,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.execution import Execution
 
 BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
-CONSTRAINT = ga.AtLeast("F_s", "F_c")
+CONSTRAINT = ga.AtLeast(*next(iter(ParameterSpace.of(friction_law()).bounded.items())))
 
 
 @dataclass(frozen=True)

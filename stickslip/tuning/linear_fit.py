@@ -17,7 +17,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
-from stickslip.catalog.parameters import LUGRE
+from stickslip.catalog.parameters import LUGRE, friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages.estimate import correlation_length
 from stickslip.servo.datasheet import SLOW
 from stickslip.servo.measurement import Array, smoothed
@@ -35,9 +36,10 @@ REPEATS = 5
 JITTER = 1e-4
 """Relative change of the parameters between repeated runs."""
 
-# The fit's variables are logarithms of F_s / F_c, F_c, v_s, sigma_0, sigma_1; the first is >= 0.
-_TO_LOGS = np.eye(5)
-_TO_LOGS[0, 1] = 1.0
+# The variables of the fit are the coordinates of the law's parameters, all of them logarithms.
+_SPACE = ParameterSpace.of(friction_law())
+_TO_LOGS = np.array([_SPACE.direction(name)[: len(LUGRE)] for name in LUGRE])
+_RATIOS = [_SPACE.index(name) for name in _SPACE.bounded]
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,7 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
 
         low, high = np.log(BOUNDS)
         low_q, high_q = expected + low, expected + high
-        low_q[0], high_q[0] = 0.0, high - low
+        low_q[_RATIOS], high_q[_RATIOS] = 0.0, high - low
         q = np.clip(np.linalg.solve(_TO_LOGS, begin), low_q + 1e-9, high_q - 1e-9)
         found = least_squares(
             residual,

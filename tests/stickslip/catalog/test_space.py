@@ -1,11 +1,19 @@
 """The coordinates of an estimation: inverses, derivatives, bounds and priors, for any law."""
 
+import ast
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stickslip.catalog.parameters import force_and_length_of, friction_law, unit_of
+import stickslip
+from stickslip.catalog.parameters import (
+    estimated,
+    force_and_length_of,
+    friction_law,
+    unit_of,
+)
 from stickslip.catalog.space import LEVEL, ParameterSpace
 
 VALUES = {
@@ -96,3 +104,18 @@ def test_gains_have_the_exponents_of_their_units():
         **gains,
         "no_gain": (0, 0),
     }
+
+
+def test_no_module_outside_the_catalog_lists_the_parameters_of_lugre():
+    """Four of the five names in one list, tuple or set would be a second law.toml."""
+    root = Path(stickslip.__file__).parent
+    names = set(estimated(friction_law("lugre")))
+    lists = [
+        f"{path.relative_to(root)}:{node.lineno}"
+        for path in root.rglob("*.py")
+        if path.parent.name != "catalog"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.List | ast.Tuple | ast.Set)
+        and len(names & {getattr(element, "value", None) for element in node.elts}) >= 4
+    ]
+    assert not lists
