@@ -1,4 +1,4 @@
-"""``stickslip learn``: a drive's parameters, and how well each is known, from one log."""
+"""``stickslip learn``: learn a drive's parameters from one log, with confidence intervals."""
 
 from __future__ import annotations
 
