@@ -21,11 +21,11 @@ Status report(const Instance *x, Status status, const char *format, ...) {
 }
 
 Status part_failed(Instance *x, int i, const char *call, int status) {
-    const char *said = x->logs[i].message;
+    const char *message = x->logs[i].message;
     take_stray(&x->logs[i]);
     x->phase = BROKEN;
     return report(x, ERROR, "%s: %s failed (status %d) at t = %.9g s%s%s", PARTS[i].name, call,
-                  status, instance_time(x), *said ? ": " : "", said);
+                  status, instance_time(x), *message ? ": " : "", message);
 }
 
 Status instance_require(Instance *x, int phases, const char *call) {
@@ -100,7 +100,7 @@ static bool load_part(Instance *x, int i) {
 static Status start(Instance *x) {
     memset(x->rows, 0, sizeof x->rows);
     x->run.done = 0;
-    x->run.said = (Answers){0};
+    x->run.answers = (Answers){0};
     x->run.start = 0.0;
     x->stop_defined = false;
     x->phase = INSTANTIATED;

@@ -57,10 +57,10 @@ Status instance_put(Instance *x, uint32_t reference, double value) {
     const int status =
         access_set(&x->access[v->part], &x->components[v->part], v->type, v->reference, value);
     if (status > WARNING) {
-        const char *said = x->logs[v->part].message;
+        const char *message = x->logs[v->part].message;
         take_stray(&x->logs[v->part]);
-        return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *said ? ": " : "",
-                      said);
+        return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *message ? ": " : "",
+                      message);
     }
     return OK;
 }

@@ -89,10 +89,10 @@ def write_fmu(
     layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
     libraries = {name: UnloadedLibrary(fmu) for name, fmu in components.items()}
     jacobi = coupling == "jacobi"
-    run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
-    if facades:
+    run, general = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
+    if general:
         raise FmuError(
-            f"{system.name}: {', '.join(facades)} cannot go into a container: only Co-Simulation"
+            f"{system.name}: {', '.join(general)} cannot go into a container: only Co-Simulation"
             " with scalar signals of 64-bit floating point and without event mode can"
         )
     folders = _folders(system)
