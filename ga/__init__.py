@@ -22,7 +22,7 @@ as published.
 
 from typing import TYPE_CHECKING
 
-from stickslip.ga.algorithms.by_name import ALGORITHMS, optimiser
+from stickslip.ga.algorithms.by_name import ALGORITHMS, OTHERS, optimiser
 from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
 from stickslip.ga.algorithms.limits import Limits
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ALGORITHMS",
     "DEFAULT",
+    "OTHERS",
     "PAPER",
     "PRESETS",
     "AtLeast",

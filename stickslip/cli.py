@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, NoReturn
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import commands
 from stickslip.fmi import toolchain
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import (
@@ -23,20 +26,21 @@ from stickslip.fmi.process import (
     open_standard_streams,
 )
 
-COMMANDS = {
-    "reproduce": "reproduce the paper: identify, learn, validate, report",
-    "build": "build FMUs of the models",
-    "simulate": "run a system of FMUs (.ssp) or one FMU",
-    "check": "validate FMUs of any tool",
-    "design": "design the velocity loop from bandwidth and phase margin",
-    "plan": "write the command of an experiment from which a drive can be learned",
-    "identify": "identify the parameters of the drive FMU",
-    "learn": "learn a drive's parameters from one log, with confidence intervals",
-    "fleet": "learn many drives at once, from a table of logs or drive variants",
-    "validate": "evaluate a compensator's parameters on the drive FMU, as in Table 4",
-    "verify": "check folders of results against their manifests",
-    "export": "export the tuned compensator, a linear system or a whole loop",
-}
+_HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
+
+
+def _commands() -> dict[str, str]:
+    """Return what each command does, by name: the first line of its module says it."""
+    found = {}
+    for path in sorted(Path(commands.__file__).parent.glob("*.py")):
+        with path.open(encoding="utf-8") as file:
+            line = _HELP.match(file.readline().rstrip())
+        if line and line[1] == path.stem:
+            found[path.stem] = line[2]
+    return found
+
+
+COMMANDS = _commands()
 """Each is a module of ``stickslip.commands``, imported when it is called for."""
 EXPECTED = (Fault, OSError)
 """What a user can cause; everything else is a defect of ours and shows its traceback."""

@@ -122,7 +122,7 @@ def learn_one(drives: str, seed: int) -> pd.DataFrame:
     seconds = time.perf_counter() - begin
     return pd.DataFrame(_rows(truth, estimation.known)).assign(
         seed=seed,
-        judge=estimation.judge,
+        criterion=estimation.criterion,
         reason=estimation.reason,
         seconds=round(seconds, 1),
     )

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.coupling_state import recall, remembered
-from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.coupling_state import memory_of_coupling, recall
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.assembly.wiring import fed_inputs
+from stickslip.cosim.assembly.wiring import connected_inputs
 from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
@@ -38,17 +38,17 @@ class Coupled:
         groups: Sequence[Group],
         libraries: Mapping[str, Library],
         coupling: Coupling,
-        facades: Mapping[str, Facade],
+        general_components: Mapping[str, GeneralComponent],
     ) -> None:
         self._system, self._libraries, self._coupling = system, libraries, coupling
-        self._facades = facades
+        self._general_components = general_components
         self._names = list(layout.columns)
         self._layout = layout
         self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
         self._group = {name: g for g in groups for name in g.components}
         self._groups = groups
         jacobi = coupling.method == "jacobi"
-        self._inputs = fed_inputs(system, layout, list(self._place), jacobi=jacobi)
+        self._inputs = connected_inputs(system, layout, list(self._place), jacobi=jacobi)
         self.accuracy = coupling.order
         self._check()
 
@@ -114,10 +114,12 @@ class Coupled:
         return {"steps": table.steps, "sweeps": table.sweeps, "rejected": table.rejected}
 
     def memory(self) -> dict[str, Array]:
-        """Return what is remembered from one step to the next, by name."""
+        """Return what is kept from one step to the next, by name."""
         if not hasattr(self, "_table"):
             return {}
-        return remembered(self._table, len(self._names), disturbed=bool(self._run.disturbed))
+        return memory_of_coupling(
+            self._table, len(self._names), disturbed=bool(self._run.disturbed)
+        )
 
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Go on with what ``memory`` returned; the first point in time is past."""
@@ -219,8 +221,8 @@ class Coupled:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
         fed = self._system.sources()
         shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
-        facade, exchange = self._facades.get(name), fmu.interface == "model_exchange"
-        interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and facade is None))
+        general, exchange = self._general_components.get(name), fmu.interface == "model_exchange"
+        interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and general is None))
         links = (tables.Link * n)()
         for link, (_, target) in zip(links, self._inputs[name], strict=True):
             link.column = self._layout.columns[fed[target]]
@@ -238,13 +240,13 @@ class Coupled:
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:
-            keeper = facade or library
+            keeper = general or library
             member.save, member.restore, member.discard = keeper.state_calls()
             member.outputs = (ctypes.c_double * slot.n_outputs)()
             member.again = (ctypes.c_double * slot.n_outputs)()
-        if facade and exchange:
+        if general and exchange:
             fresh = [bool(link.fresh) for link in links]
-            member.set_derivatives = facade.follow_polynomials(fresh, degree)
+            member.set_derivatives = general.follow_polynomials(fresh, degree)
         if interpolates:
             references = list(slot.input_references[:n]) * degree
             orders = [order for order in range(1, degree + 1) for _ in range(n)]

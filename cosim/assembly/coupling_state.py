@@ -14,7 +14,7 @@ from stickslip.cosim.signals.signals import Array
 _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 
 
-def remembered(table: Any, width: int, *, disturbed: bool) -> dict[str, Array]:
+def memory_of_coupling(table: Any, width: int, *, disturbed: bool) -> dict[str, Array]:
     """Return copies of the past points, the Jacobians and the counts of a ``kernel.Coupling``.
 
     Parameters
@@ -31,7 +31,7 @@ def remembered(table: Any, width: int, *, disturbed: bool) -> dict[str, Array]:
 
 
 def recall(table: Any, width: int, memory: Mapping[str, Array]) -> None:
-    """Write what ``remembered`` returned back.
+    """Write what ``memory_of_coupling`` returned back.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""FMUs with more than steps and doubles: the kernel meets them behind a facade (``facade.h``)."""
+"""FMUs that need more than steps and doubles: the general path of the kernel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stickslip.cosim.fmu.batch import Batch, batches
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import doubles
-from stickslip.cosim.kernel import facade as mirror
+from stickslip.cosim.kernel import general_path as mirror
 from stickslip.cosim.signals.signals import Table
 from stickslip.fmi.description.variables import Value, Variable
 
@@ -29,7 +29,7 @@ _TICKS = ("interval", "begin", "ticks", "next")
 TOLERANCE = 1e-5
 
 
-def wants_facade(fmu: Fmu, signals: Iterable[Variable]) -> bool:
+def needs_general_path(fmu: Fmu, signals: Iterable[Variable]) -> bool:
     """Return whether an FMU with these signals is more than the kernel's loop takes as it is."""
     return (
         fmu.interface == "model_exchange"
@@ -39,8 +39,8 @@ def wants_facade(fmu: Fmu, signals: Iterable[Variable]) -> bool:
     )
 
 
-class Facade:
-    """Room for one component behind a facade.
+class GeneralComponent:
+    """Room for one component on the general path.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Facade:
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
     tolerance : relative, of Model Exchange; that which the FMU proposes where None
-    careful : whether a step that is discarded is taken back and tried in parts
+    retries_steps : whether a step that is discarded is taken back and tried in parts
     """
 
     def __init__(
@@ -62,15 +62,15 @@ class Facade:
         arrays: Mapping[str, Variable],
         tolerance: float | None,
         *,
-        careful: bool = False,
+        retries_steps: bool = False,
     ) -> None:
         self._arrays = arrays
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
         self._starts: tuple[list[Batch], ...] = ()
-        self._fed = [variable.name for variable in inputs]
+        self._names = [variable.name for variable in inputs]
         self._tables: Mapping[str, Table] = {}
-        self.c = mirror.Facade(
+        self.c = mirror.GeneralComponent(
             version=fmu.version,
             model_exchange=fmu.interface == "model_exchange",
             event_mode=fmu.event_mode,
@@ -91,14 +91,14 @@ class Facade:
             ),
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
-            careful=careful,
+            retries_steps=retries_steps,
         )
         self.c.call[:] = _addresses(fmu, library)
         if fmu.interface == "model_exchange":
             self.c.cvode = _cvode(fmu)
 
-    def dress(self, slot: kernel.Component) -> None:
-        """Let a component of the kernel, wired as if it were plain, be this facade."""
+    def attach_to(self, slot: kernel.Component) -> None:
+        """Let a component of the kernel, wired as if it were plain, be on the general path."""
         slot.version = 2
         slot.log = ctypes.pointer(self.c.log)
         slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
@@ -107,13 +107,13 @@ class Facade:
     def bind(self, slot: kernel.Component, library: ctypes.CDLL) -> None:
         """Take the functions of a dressed component from the library that steps it."""
         self._kernel = library
-        names = [f"facade_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
+        names = [f"general_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
         slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
 
     def state_calls(self) -> tuple[int, int, int]:
         """Return the addresses of the functions that save, restore and free its state."""
         save, restore, free = (
-            _address(getattr(self._kernel, f"facade_{verb}FMUstate"))
+            _address(getattr(self._kernel, f"general_{verb}FMUstate"))
             for verb in ("Get", "Set", "Free")
         )
         return save, restore, free
@@ -128,11 +128,11 @@ class Facade:
         for i, known in enumerate(fresh):
             self.c.input_ports[i].ahead = known
         self.c.follows = degree > 0
-        return _address(self._kernel.facade_SetRealInputDerivatives)
+        return _address(self._kernel.general_SetRealInputDerivatives)
 
     def tune_call(self) -> int:
         """Return the address of the function that changes tunable parameters between two steps."""
-        return _address(self._kernel.facade_tune)
+        return _address(self._kernel.general_tune)
 
     def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
         """Take start values from here: of structural parameters, most others, and inputs."""
@@ -142,7 +142,7 @@ class Facade:
     def follow(self, tables: Mapping[str, Table]) -> None:
         """Let inputs, by name, follow tables in their own unit; Model Exchange knows them whole."""
         self._tables = tables
-        for i, name in enumerate(self._fed):
+        for i, name in enumerate(self._names):
             table = tables.get(name)
             self.c.courses[i] = (
                 mirror.Course(
@@ -180,12 +180,12 @@ class Facade:
         places = ((clock, name) for clock in self._clocks() for name in _TICKS)
         for (clock, name), value in zip(places, memory["clocks"], strict=True):
             setattr(clock, name, int(value) if name == "ticks" else float(value))
-        return int(self._kernel.facade_go_on(ctypes.byref(self.c)))
+        return int(self._kernel.general_go_on(ctypes.byref(self.c)))
 
     def lose(self) -> None:
         """Let go of an instance that may not be called any more."""
         self.c.instance = self.c.begun = None
-        self._kernel.facade_FreeInstance(ctypes.byref(self.c))
+        self._kernel.general_FreeInstance(ctypes.byref(self.c))
 
     def _clocks(self) -> list[Any]:
         return [self.c.clocks[i] for i in range(self.c.n_clocks)]
@@ -228,7 +228,7 @@ def _addresses(fmu: Fmu, library: Library) -> list[int]:
         0
         if name in {"-", library.lacks_reset} or not set(reasons) & set(needs)
         else library.address(name)
-        for name, reasons in mirror.facade_calls(fmu.version)
+        for name, reasons in mirror.general_calls(fmu.version)
     ]
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal, get_args
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
@@ -34,7 +34,7 @@ class Settings:
         system: System,
         names: Iterable[str],
         libraries: Mapping[str, Library],
-        facades: Mapping[str, Facade],
+        general_components: Mapping[str, GeneralComponent],
     ) -> None:
         self._variables = {name: system.variable(name) for name in names}
         self.names = self._variables.keys()
@@ -47,7 +47,7 @@ class Settings:
             key: batches(libraries[key[0]], variables.values(), "Set")
             for key, variables in owners.items()
         }
-        self._facades = facades
+        self._general_components = general_components
         self._tables: dict[str, Any] = {}
         self._slots = {
             name: next(
@@ -66,8 +66,8 @@ class Settings:
     def attach(self, component: str, slot: kernel.Component) -> None:
         """Let a component of the kernel take its start values from here."""
         structure, early, late = (self._batches.get((component, p), []) for p in get_args(_Phase))
-        if component in self._facades:
-            self._facades[component].start_with(structure, early, late)
+        if component in self._general_components:
+            self._general_components[component].start_with(structure, early, late)
             return
         starts = [*early, *late]
         table = (kernel.Setting * len(starts))()
@@ -87,8 +87,8 @@ class Settings:
                 self._slots[name].put(self._variables[name], value)
             else:
                 room[place] = value
-        for component, facade in self._facades.items():
-            facade.hold(
+        for component, general in self._general_components.items():
+            general.hold(
                 {
                     name: (self._variables[name], value)
                     for name, value in values.items()

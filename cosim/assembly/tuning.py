@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import ParameterError, SignalError
 from stickslip.cosim.fmu.batch import Batch
@@ -86,18 +86,20 @@ def _at_source(
 class Change:
     """One value for one parameter at a point in time."""
 
-    def __init__(self, step: int, component: str, batch: Batch, facade: Facade | None) -> None:
+    def __init__(
+        self, step: int, component: str, batch: Batch, general: GeneralComponent | None
+    ) -> None:
         self.step, self.component = step, component
         self._batch = batch
         self._group = batch.group()
-        self._facade = facade
+        self._general = general
 
     def entry(self, component: int) -> kernel.Change:
         """Return it as the kernel takes it."""
         batch = self._batch
         address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
-        if self._facade:
-            address = self._facade.tune_call()
+        if self._general:
+            address = self._general.tune_call()
             values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
         setting = kernel.Setting(
             set=address,
@@ -114,7 +116,7 @@ def tune(
     values: Mapping[str, Value],
     system: System,
     libraries: Mapping[str, Library],
-    facades: Mapping[str, Facade],
+    general_components: Mapping[str, GeneralComponent],
 ) -> list[Change]:
     """Return the changes of parameters, in the order of time.
 
@@ -146,7 +148,7 @@ def tune(
                 raise SignalError(f"scenario: {fault}") from None
             batch = Batch(libraries[component], [variable], "Set")
             batch.put(variable, checked)
-            changes.append(Change(int(step), component, batch, facades.get(component)))
+            changes.append(Change(int(step), component, batch, general_components.get(component)))
     return sorted(changes, key=lambda change: change.step)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.general_path import Facade, wants_facade
+from stickslip.cosim.assembly.general_path import GeneralComponent, needs_general_path
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.component import Component
 from stickslip.cosim.fmu.fmu import Fmu
@@ -50,18 +50,18 @@ def wire(
     *,
     jacobi: bool,
     tolerance: float | None,
-    careful: Collection[str] = (),
-) -> tuple[kernel.Run, dict[str, Facade]]:
+    retry: Collection[str] = (),
+) -> tuple[kernel.Run, dict[str, GeneralComponent]]:
     """Return a run that lacks its times, its memory and the instances of the FMUs.
 
-    With it come the facades of the components that need one. ``tolerance`` is the relative one of
-    all solvers; where None, each FMU has the one that it proposes. ``careful`` components take back
-    steps that they discard.
+    With it come the components on the general path. ``tolerance`` is the relative one of
+    all solvers; where None, each FMU has the one that it proposes. ``retry`` names the
+    components whose discarded steps are tried in parts.
     """
-    facades: dict[str, Facade] = {}
+    general_components: dict[str, GeneralComponent] = {}
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
-    inputs = fed_inputs(system, layout, order, jacobi=jacobi)
+    inputs = connected_inputs(system, layout, order, jacobi=jacobi)
     components = (kernel.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
         fmu = system.components[name]
@@ -92,11 +92,17 @@ def wire(
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
         targets = [(target, offset >= width) for offset, target in inputs[name]]
-        if facade := _facade(
-            system, name, libraries[name], outputs, targets, tolerance, careful=name in careful
+        if general := _general_component(
+            system,
+            name,
+            libraries[name],
+            outputs,
+            targets,
+            tolerance,
+            retries_steps=name in retry,
         ):
-            facades[name] = facade
-            facade.dress(slot)
+            general_components[name] = general
+            general.attach_to(slot)
     kinds = {(c.version, c.n_inputs > 0, c.n_outputs > 0) for c in components}
     run = kernel.Run(
         components=components,
@@ -107,7 +113,7 @@ def wire(
         width=width,
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
     )
-    return run, facades
+    return run, general_components
 
 
 def _transform(slot: kernel.Component, transforms: Sequence[Transform]) -> None:
@@ -126,7 +132,7 @@ def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
     return (ctypes.c_double * len(numbers))(*numbers)
 
 
-def _facade(
+def _general_component(
     system: System,
     name: str,
     library: Library,
@@ -134,20 +140,22 @@ def _facade(
     targets: Sequence[tuple[str, bool]],
     tolerance: float | None,
     *,
-    careful: bool,
-) -> Facade | None:
-    """Return a facade for a component that the kernel does not take as it is."""
+    retries_steps: bool,
+) -> GeneralComponent | None:
+    """Return a general for a component that the kernel does not take as it is."""
     fmu = system.components[name]
     read = [system.variable(output) for output in outputs]
     fed = [system.variable(target) for target, _ in targets]
-    if not (isinstance(fmu, Fmu) and (careful or wants_facade(fmu, [*read, *fed]))):
+    if not (isinstance(fmu, Fmu) and (retries_steps or needs_general_path(fmu, [*read, *fed]))):
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
     arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
-    return Facade(fmu, library, read, fed, ahead, arrays, tolerance, careful=careful)
+    return GeneralComponent(
+        fmu, library, read, fed, ahead, arrays, tolerance, retries_steps=retries_steps
+    )
 
 
-def fed_inputs(
+def connected_inputs(
     system: System, layout: Layout, order: Sequence[str], *, jacobi: bool
 ) -> dict[str, list[tuple[int, str]]]:
     """Return per component its fed inputs with their offsets from the row of the present time.

@@ -8,41 +8,51 @@
 
 enum { MESSAGE = 2048, PATH = 4096 };
 
-const char *container_name(const Container *x) { return x->name; }
-const Logger *container_logger(const Container *x) { return &x->logger; }
-Status report(const Container *x, Status status, const char *format, ...) {
+Status report(const Instance *x, Status status, const char *format, ...) {
     char message[MESSAGE];
     va_list values;
     va_start(values, format);
     vsnprintf(message, sizeof message, format, values);
     va_end(values);
     if (x->logger.callback) {
-        x->logger.tell(x, status, message);
+        x->logger.emit(&x->logger, x->name, status, "logStatusError", message);
     }
     return status;
 }
 
-Status part_failed(Container *x, int i, const char *call, int status) {
-    const char *said = x->logs[i].message;
+Status part_failed(Instance *x, int i, const char *call, int status) {
+    const char *message = x->logs[i].message;
     take_stray(&x->logs[i]);
     x->phase = BROKEN;
     return report(x, ERROR, "%s: %s failed (status %d) at t = %.9g s%s%s", PARTS[i].name, call,
-                  status, container_time(x), *said ? ": " : "", said);
+                  status, instance_time(x), *message ? ": " : "", message);
 }
 
-bool container_may(Container *x, int phases, const char *call) {
-    if ((int)x->phase & phases) {
-        return true;
-    }
-    report(x, ERROR, "%s cannot be called in this state", call);
-    return false;
+Status instance_require(Instance *x, int phases, const char *call) {
+    return (int)x->phase & phases ? OK
+                                  : report(x, ERROR, "%s cannot be called in this state", call);
 }
 
-Status container_refuse(Container *x, const char *call) {
-    return report(x, ERROR, "%s is not available: modelDescription.xml does not declare it", call);
+Status instance_unavailable(Instance *x, const char *call) {
+    return !x ? ERROR
+              : report(x, ERROR, "%s is not available: modelDescription.xml does not declare it",
+                       call);
 }
 
-static bool instantiate_part(Container *x, int i) {
+Status instance_lacks(Instance *x, const char *call) {
+    return report(x, ERROR, "%s: an argument is NULL", call);
+}
+
+Status instance_mismatch(Instance *x, size_t references, size_t values, const char *call) {
+    return report(x, ERROR, "%s: %zu values for %zu scalar variables", call, values, references);
+}
+
+/* Errors only, and those always. */
+Status instance_log(Instance *x, bool on, size_t count, const char *const categories[]) {
+    return OK;
+}
+
+static bool instantiate_part(Instance *x, int i) {
     const Part *part = &PARTS[i];
     Component *c = &x->components[i];
     char path[PATH], resources[3 * PATH];
@@ -63,7 +73,7 @@ static bool instantiate_part(Container *x, int i) {
     return c->instance != NULL;
 }
 
-static bool load_part(Container *x, int i) {
+static bool load_part(Instance *x, int i) {
     PLAIN_HERE;
     char path[PATH], reason[MESSAGE / 2];
     const Part *part = &PARTS[i];
@@ -87,13 +97,13 @@ static bool load_part(Container *x, int i) {
 }
 
 /* All start values that the system gives, and those of the inputs. */
-static Status start(Container *x) {
+static Status start(Instance *x) {
     memset(x->rows, 0, sizeof x->rows);
     x->run.done = 0;
-    x->run.said = (Answers){0};
+    x->run.answers = (Answers){0};
     x->run.start = 0.0;
     x->stop_defined = false;
-    x->phase = NEW;
+    x->phase = INSTANTIATED;
     for (int i = 0; i < N_VARIABLES; i++) {
         if (VARIABLES[i].role == INPUT) {
             x->rows[VARIABLES[i].column] = VARIABLES[i].start;
@@ -110,9 +120,9 @@ static Status start(Container *x) {
     return OK;
 }
 
-Container *container_new(const char *name, const char *token, const char *resources,
-                         Logger logger) {
-    Container *x = calloc(1, sizeof *x);
+Instance *instance_new(const char *name, const char *token, const char *resources,
+                       bool model_exchange, Logger logger) {
+    Instance *x = model_exchange ? NULL : calloc(1, sizeof *x);
     if (!x) {
         return NULL;
     }
@@ -141,13 +151,13 @@ Container *container_new(const char *name, const char *token, const char *resour
         alive = load_part(x, i);
     }
     if (!alive || start(x) != OK) {
-        container_free(x);
+        instance_free(x);
         return NULL;
     }
     return x;
 }
 
-void container_free(Container *x) {
+void instance_free(Instance *x) {
     for (int i = 0; x && i < N_PARTS; i++) {
         release(&x->components[i]);
         if (x->access[i].library) {
@@ -157,7 +167,7 @@ void container_free(Container *x) {
     free(x);
 }
 
-Status container_reset(Container *x) {
+Status instance_reset(Instance *x) {
     PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];

@@ -7,14 +7,14 @@
 #include "container.h"
 #include "system.h" /* generated: TOKEN, STEP, PARTS, STARTS, VARIABLES and their numbers */
 
-struct Container {
+struct Instance {
     Run run;
     Component components[N_PARTS];
     Access access[N_PARTS];
     Log logs[N_PARTS];
     double gathered[N_PARTS][MOST_INPUTS];
     double rows[2 * WIDTH]; /* of the present and of the next point in time */
-    enum Phase phase;
+    Phase phase;
     bool stale; /* in initialisation: what was set has not reached the outputs */
     bool stop_defined;
     Logger logger;
@@ -23,13 +23,13 @@ struct Container {
 };
 
 /* Pass a message on; returns the status. */
-Status report(const Container *x, Status status, const char *format, ...)
+Status report(const Instance *x, Status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* In initialisation: carry outputs to the inputs that they feed, until nothing changes. */
-Status settle(Container *x);
+Status settle(Instance *x);
 
 /* A call on a component failed: no more steps. */
-Status part_failed(Container *x, int part, const char *call, int status);
+Status part_failed(Instance *x, int part, const char *call, int status);
 
 #endif

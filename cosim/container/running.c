@@ -5,17 +5,15 @@
 #include <math.h>
 #include <string.h>
 
-double container_time(const Container *x) {
-    return x->run.start + (double)x->run.done * x->run.step;
-}
+double instance_time(const Instance *x) { return x->run.start + (double)x->run.done * x->run.step; }
 
 /* The kernel's call did not pass. */
-static Status failed(Container *x) {
+static Status failed(Instance *x) {
     return part_failed(x, (int)x->run.failed, x->run.call, (int)x->run.status);
 }
 
 /* Carry outputs to the inputs that they feed, until nothing changes any more. */
-Status settle(Container *x) {
+Status settle(Instance *x) {
     PLAIN_HERE;
     double before[WIDTH];
     for (int sweep = 0; x->stale && sweep <= N_PARTS + 1; sweep++) {
@@ -37,7 +35,7 @@ Status settle(Container *x) {
     return OK;
 }
 
-Status container_plan(Container *x, double start_time, bool stop_defined, double stop) {
+Status instance_set_up(Instance *x, double start_time, bool stop_defined, double stop) {
     if (!isfinite(start_time)) {
         return report(x, ERROR, "the start time is not finite");
     }
@@ -47,7 +45,7 @@ Status container_plan(Container *x, double start_time, bool stop_defined, double
     return OK;
 }
 
-static bool enter(Container *x, Component *c) {
+static bool enter(Instance *x, Component *c) {
     Run *run = &x->run;
     const bool stops = x->stop_defined, told = c->tolerance > 0.0;
     if (c->version == 3) {
@@ -62,7 +60,7 @@ static bool enter(Container *x, Component *c) {
                   (int)c->call.fmi2.EnterInitializationMode(c->instance));
 }
 
-Status container_enter_initialization(Container *x) {
+Status instance_enter_initialization(Instance *x) {
     PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
@@ -70,12 +68,12 @@ Status container_enter_initialization(Container *x) {
             return failed(x);
         }
     }
-    x->phase = INITIALIZING;
+    x->phase = INITIALIZATION;
     x->stale = true;
     return OK;
 }
 
-Status container_leave_initialization(Container *x) {
+Status instance_exit_initialization(Instance *x) {
     PLAIN_HERE;
     const Status settled = settle(x);
     if (settled != OK) {
@@ -97,7 +95,7 @@ Status container_leave_initialization(Container *x) {
     return OK;
 }
 
-static Status check_finite(Container *x) {
+static Status check_finite(Instance *x) {
     for (int i = 0; i < N_PARTS; i++) {
         const Component *c = &x->components[i];
         for (size_t k = 0; k < c->n_outputs; k++) {
@@ -109,7 +107,7 @@ static Status check_finite(Container *x) {
     return OK;
 }
 
-static Status step_to(Container *x, int64_t last) {
+static Status step_to(Instance *x, int64_t last) {
     Run *run = &x->run;
     while (run->done < last) {
         memcpy(x->rows + WIDTH, x->rows, N_INPUTS * sizeof *x->rows);
@@ -125,10 +123,10 @@ static Status step_to(Container *x, int64_t last) {
     return OK;
 }
 
-Status container_step(Container *x, double t, double h) {
+Status instance_step(Instance *x, double t, double h) {
     PLAIN_HERE;
     Run *run = &x->run;
-    const double n = round(h / STEP), now = container_time(x);
+    const double n = round(h / STEP), now = instance_time(x);
     const double near = 1e-6 * STEP + 2.0 * DBL_EPSILON * (fabs(now) + h); /* with rounding */
     if (!(n >= 1.0 && fabs(n * STEP - h) <= near)) {
         return report(x, ERROR,
@@ -146,7 +144,7 @@ Status container_step(Container *x, double t, double h) {
     return status;
 }
 
-Status container_terminate(Container *x) {
+Status instance_terminate(Instance *x) {
     PLAIN_HERE;
     x->phase = ENDED;
     for (int i = 0; i < N_PARTS; i++) {

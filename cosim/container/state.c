@@ -4,7 +4,7 @@
 #include <string.h>
 
 typedef struct {
-    enum Phase phase;
+    Phase phase;
     bool stop_defined;
     int64_t done;
     double start, stop;
@@ -25,11 +25,14 @@ typedef struct {
     }
 #define PART_OF(x, i) &(x)->access[i], &(x)->components[i]
 
-static Status none(Container *x) {
+static Status none(Instance *x) {
     return report(x, ERROR, "there is no state, or it is of another container");
 }
 
-Status container_save(Container *x, void **state) {
+Status instance_save(Instance *x, void **state) {
+    if (instance_require(x, ALIVE, __func__) != OK) {
+        return ERROR;
+    }
     State *s = *state ? *state : calloc(1, sizeof *s);
     if (!s) {
         return report(x, ERROR, "there is no memory left to save the state");
@@ -45,14 +48,17 @@ Status container_save(Container *x, void **state) {
     return OK;
 }
 
-Status container_restore(Container *x, const void *state) {
+Status instance_restore(Instance *x, const void *state) {
+    if (instance_require(x, ALIVE, __func__) != OK) {
+        return ERROR;
+    }
     const State *s = state;
     if (!s) {
         return none(x);
     }
     ON_EACH_PART(access_restore(PART_OF(x, i), s->parts[i]))
     x->phase = s->own.phase;
-    x->stale = x->phase == INITIALIZING;
+    x->stale = x->phase == INITIALIZATION;
     x->stop_defined = s->own.stop_defined;
     x->run.done = s->own.done;
     x->run.start = s->own.start;
@@ -61,7 +67,7 @@ Status container_restore(Container *x, const void *state) {
     return OK;
 }
 
-Status container_forget(Container *x, void **state) {
+Status instance_forget(Instance *x, void **state) {
     State *s = state ? *state : NULL;
     if (s) {
         ON_EACH_PART(access_forget(PART_OF(x, i), &s->parts[i]))
@@ -72,7 +78,10 @@ Status container_forget(Container *x, void **state) {
 }
 
 /* As bytes: token, own state, then for each part its size and its bytes. */
-Status container_size(Container *x, const void *state, size_t *size) {
+Status instance_serialized_size(Instance *x, const void *state, size_t *size) {
+    if (instance_require(x, ALIVE, __func__) != OK) {
+        return ERROR;
+    }
     const State *s = state;
     if (!s) {
         return none(x);
@@ -86,10 +95,13 @@ Status container_size(Container *x, const void *state, size_t *size) {
     return OK;
 }
 
-Status container_pack(Container *x, const void *state, uint8_t *bytes, size_t size) {
+Status instance_serialize(Instance *x, const void *state, uint8_t *bytes, size_t size) {
+    if (instance_require(x, ALIVE, __func__) != OK) {
+        return ERROR;
+    }
     const State *s = state;
     size_t needed = 0;
-    const Status sized = container_size(x, state, &needed);
+    const Status sized = instance_serialized_size(x, state, &needed);
     if (sized != OK || needed > size) {
         return sized != OK ? sized
                            : report(x, ERROR, "the state needs %zu bytes, got %zu", needed, size);
@@ -111,7 +123,7 @@ Status container_pack(Container *x, const void *state, uint8_t *bytes, size_t si
     return OK;
 }
 
-static Status unpack_parts(Container *x, const uint8_t *bytes, const uint8_t *end, State *s) {
+static Status unpack_parts(Instance *x, const uint8_t *bytes, const uint8_t *end, State *s) {
     for (int i = 0; i < N_PARTS; i++) {
         size_t size = 0;
         if ((size_t)(end - bytes) < sizeof size) {
@@ -131,7 +143,10 @@ static Status unpack_parts(Container *x, const uint8_t *bytes, const uint8_t *en
     return OK;
 }
 
-Status container_unpack(Container *x, const uint8_t *bytes, size_t size, void **state) {
+Status instance_deserialize(Instance *x, const uint8_t *bytes, size_t size, void **state) {
+    if (instance_require(x, ALIVE, __func__) != OK) {
+        return ERROR;
+    }
     const size_t head = sizeof TOKEN + sizeof(Own);
     if (size < head || memcmp(bytes, TOKEN, sizeof TOKEN) != 0) {
         return none(x);
@@ -144,7 +159,7 @@ Status container_unpack(Container *x, const uint8_t *bytes, size_t size, void **
     memcpy(&s->own, bytes + sizeof TOKEN, sizeof s->own);
     const Status status = unpack_parts(x, bytes + head, bytes + size, s);
     if (status != OK) {
-        container_forget(x, state);
+        instance_forget(x, state);
     }
     return status;
 }

@@ -1,30 +1,28 @@
 /* Values of variables, from a row of the kernel or from a component. */
 #include "inside.h"
 
-static const Variable *find(Container *x, uint32_t reference, Type type) {
+Status instance_check(Instance *x, uint32_t reference, Type type, const char *call) {
     if (reference >= N_VARIABLES) {
-        report(x, ERROR, "value reference %lu does not exist; the last one is %d",
-               (unsigned long)reference, N_VARIABLES - 1);
-        return NULL;
+        return report(x, ERROR, "%s: value reference %lu does not exist; the last one is %d", call,
+                      (unsigned long)reference, N_VARIABLES - 1);
     }
     if (VARIABLES[reference].type != type) {
-        report(x, ERROR, "%s is of another type", VARIABLES[reference].name);
-        return NULL;
+        return report(x, ERROR, "%s: %s is of another type", call, VARIABLES[reference].name);
     }
-    return &VARIABLES[reference];
+    return OK;
 }
 
-Status container_get(Container *x, uint32_t reference, Type type, double *value) {
-    const Variable *v = find(x, reference, type);
-    if (!v) {
+Status instance_get(Instance *x, uint32_t reference, Type type, double *value, const char *call) {
+    if (instance_check(x, reference, type, call) != OK) {
         return ERROR;
     }
+    const Variable *v = &VARIABLES[reference];
     if (v->role == TIME) {
-        *value = container_time(x);
+        *value = instance_time(x);
         return OK;
     }
     if (v->role == INPUT || v->role == OUTPUT) {
-        if (x->phase == INITIALIZING && settle(x) != OK) {
+        if (x->phase == INITIALIZATION && settle(x) != OK) {
             return ERROR;
         }
         *value = x->rows[v->column];
@@ -35,16 +33,22 @@ Status container_get(Container *x, uint32_t reference, Type type, double *value)
     return status > WARNING ? part_failed(x, v->part, v->name, status) : OK;
 }
 
-Status container_set(Container *x, uint32_t reference, Type type, double value) {
-    const Variable *v = find(x, reference, type);
-    if (!v) {
+Status instance_accepts(Instance *x, uint32_t reference, Type type, double value,
+                        const char *call) {
+    if (instance_check(x, reference, type, call) != OK) {
         return ERROR;
     }
-    const bool early = x->phase & (NEW | INITIALIZING);
+    const Variable *v = &VARIABLES[reference];
+    const bool early = x->phase & (INSTANTIATED | INITIALIZATION);
     if (v->role == TIME || v->role == OUTPUT || (v->role == PARAMETER && !early)) {
         return report(x, ERROR, "%s cannot be set%s", v->name,
                       v->role == PARAMETER ? " once the FMU is initialised" : "");
     }
+    return OK;
+}
+
+Status instance_put(Instance *x, uint32_t reference, double value) {
+    const Variable *v = &VARIABLES[reference];
     x->stale = true;
     if (v->role == INPUT) {
         x->rows[v->column] = value;
@@ -53,10 +57,10 @@ Status container_set(Container *x, uint32_t reference, Type type, double value) 
     const int status =
         access_set(&x->access[v->part], &x->components[v->part], v->type, v->reference, value);
     if (status > WARNING) {
-        const char *said = x->logs[v->part].message;
+        const char *message = x->logs[v->part].message;
         take_stray(&x->logs[v->part]);
-        return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *said ? ": " : "",
-                      said);
+        return report(x, ERROR, "%s = %.9g was refused%s%s", v->name, value, *message ? ": " : "",
+                      message);
     }
     return OK;
 }

@@ -16,7 +16,6 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import wire
 from stickslip.cosim.container.description import model_description
 from stickslip.cosim.container.documentation import index, licences
-from stickslip.cosim.container.faces import refusals
 from stickslip.cosim.container.tables import system_header
 from stickslip.cosim.container.variables import shown_variables
 from stickslip.cosim.errors import (
@@ -90,10 +89,10 @@ def write_fmu(
     layout = Layout.of(system, Record([v.source for v in shown if v.role == "OUTPUT"]))
     libraries = {name: UnloadedLibrary(fmu) for name, fmu in components.items()}
     jacobi = coupling == "jacobi"
-    run, facades = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
-    if facades:
+    run, general = wire(system, layout, order, libraries, jacobi=jacobi, tolerance=None)
+    if general:
         raise FmuError(
-            f"{system.name}: {', '.join(facades)} cannot go into a container: only Co-Simulation"
+            f"{system.name}: {', '.join(general)} cannot go into a container: only Co-Simulation"
             " with scalar signals of 64-bit floating point and without event mode can"
         )
     folders = _folders(system)
@@ -138,7 +137,11 @@ def _binaries(
     functions = toolchain.standard_functions(sources[f"system/fmi{fmi}Functions.h"])
 
     def build(target: toolchain.Platform) -> Path:
-        flags = ["-DEXPORT=", *(["-ldl"] if target.suffix == ".so" else [])]
+        flags = [
+            "-DEXPORT=",
+            "-Wno-unused-parameter",
+            *(["-ldl"] if target.suffix == ".so" else []),
+        ]
         return toolchain.shared_library(
             name, sources, platform=target, flags=flags, exports=functions
         )
@@ -177,13 +180,16 @@ def _component(
 
 
 def _sources(fmi: int) -> dict[str, str]:
-    here, other = Path(__file__).parent, f"fmi{5 - fmi}.c"
+    folders = (Path(__file__).parent, Path(toolchain.__file__).parents[1] / "faces")
     headers = Path(fmpy.__file__).parent / "c-code"
-    files = {file.name: _read(file) for file in here.glob("*.[ch]") if file.name != other}
+    files = {
+        file.name: _read(file)
+        for folder in folders
+        for file in folder.glob("*.[ch]")
+        if not file.name.startswith(f"fmi{5 - fmi}")  # the other standard
+    }
     files |= {name: _read(Path(kernel.__file__).parent / name) for name in _KERNEL}
-    files |= {f"system/{file.name}": _read(file) for file in headers.glob("fmi[23]*.h")}
-    types = files[f"system/fmi{fmi}FunctionTypes.h"]
-    return files | {"refusals.c": refusals(types, files[f"fmi{fmi}.c"], fmi)}
+    return files | {f"system/{file.name}": _read(file) for file in headers.glob("fmi[23]*.h")}
 
 
 def _read(path: Path, sibling: str = "") -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.kernel.facade import STORED, Group
+from stickslip.cosim.kernel.general_path import STORED, Group
 from stickslip.fmi.description.variables import Scalar, Value, Variable
 
 

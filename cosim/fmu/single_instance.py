@@ -39,7 +39,7 @@ def claim(fmu: Component, component: str, simulation: object, system: str) -> No
         _holders[fmu.binary, component] = ref(simulation), system
 
 
-def give_up(simulation: object) -> None:
+def release(simulation: object) -> None:
     """Give back what a simulation has claimed."""
     with _lock:
         for key, holder, _ in _present():

@@ -47,7 +47,7 @@ class StateAccess:
     version : of FMI, 2 or 3
     library : of the FMU
     instance : its address
-    mourn : is told the name when the FMU answers fatal
+    on_fatal : is told the name when the FMU answers fatal
     """
 
     def __init__(
@@ -56,11 +56,11 @@ class StateAccess:
         version: int,
         library: Library,
         instance: int,
-        mourn: Callable[[str], object],
+        on_fatal: Callable[[str], object],
     ) -> None:
         self._name = name
         self._library = library
-        self._instance, self._mourn = c_void_p(instance), mourn
+        self._instance, self._mark_fatal = c_void_p(instance), on_fatal
         self._get, self._set, self._free, self._size, self._serialize, self._deserialize = _NAMES[
             version
         ]
@@ -128,7 +128,7 @@ class StateAccess:
         elif status != kernel.OK:
             if status == kernel.FATAL:
                 self._instance = c_void_p()
-                self._mourn(self._name)
+                self._mark_fatal(self._name)
             what = kernel.STATUS.get(status) if status <= kernel.PENDING else None
             what = what or f"returned the unknown status {status}"
             raise SimulationError(f"{self._name}: {name} {what}")

@@ -4,7 +4,7 @@
     process     the child as its parent sees it: started, asked, watched, ended
     shared      memory that both see: results, and which call an FMU is in
     parcel      a specification on its way to the child
-    verdict     what is said when the child died
+    verdict     the error when the child died
     start       the child's first lines; imports `child` and nothing else
     child       prepares a simulation and runs it as it is told
 

@@ -211,7 +211,7 @@ class Process:
         return Death(f"was going on when the {limit:g} s for all were over")
 
     def _die(self, death: Death | None) -> NoReturn:
-        """Raise what is to be said; where nobody knows yet, the exit status tells."""
+        """Raise the error; without one so far, it follows from the exit status."""
         status = None if death else self._ended(_GRACE)
         self._kill()
         self._ended(_GRACE)
@@ -223,7 +223,7 @@ class Process:
     def _verdict(self, status: int | None) -> Death:
         memory = self._limits.memory
         near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
-        return Death.of(status, self._said(), memory if near else None)
+        return Death.of(status, self._last_line(), memory if near else None)
 
     def _ended(self, timeout: float) -> int | None:
         """Return the exit status if it ends within a time (s); note the memory that it had."""
@@ -254,7 +254,7 @@ class Process:
     def _crashed(self, death: Death) -> FmuCrashed:
         return crashed(self.shared.mark, self._system, self._order, death)
 
-    def _said(self) -> str:
+    def _last_line(self) -> str:
         lines = self._tail.decode(errors="replace").split("\n")
         text = next((line for line in reversed(lines) if line.strip()), "")
         return "".join(c if c.isprintable() else " " for c in text).strip()[:200]

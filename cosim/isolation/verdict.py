@@ -1,4 +1,4 @@
-"""What is said of a child that died: who was called, which call it was, when, and what happened."""
+"""The error when a child died: component, call, time and cause."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ class Death:
     Attributes
     ----------
     what : happened, such as ``died of SIGSEGV``
-    said : the last line that was printed
+    printed : the last line that was printed
     """
 
     what: str
-    said: str = ""
+    printed: str = ""
 
     @classmethod
-    def of(cls, status: int | None, said: str, memory: float | None = None) -> Death:
+    def of(cls, status: int | None, printed: str, memory: float | None = None) -> Death:
         """Return what an exit status says; None stands for a child that could not be reached.
 
         ``memory`` (MB) is what it might take where it came near that, else None.
         """
         if status is None or status == LOST:
-            return cls("or a call before it closed files that are not its own", said)
+            return cls("or a call before it closed files that are not its own", printed)
         if status < 0:
             limit = f" (it may take {memory:g} MB of memory)" if memory else ""
-            return cls(f"died of {_signal_name(-status)}{limit}", said)
-        return cls(f"ended its process with status {status}", said)
+            return cls(f"died of {_signal_name(-status)}{limit}", printed)
+        return cls(f"ended its process with status {status}", printed)
 
 
 def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> FmuCrashed:
@@ -60,8 +60,8 @@ def crashed(mark: Mark, system: System, order: Sequence[str], death: Death) -> F
     when = ""
     if not any(word in call for word in _UNTIMED):
         when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"
-    said = f"; it printed: {death.said}" if death.said else ""
-    return FmuCrashed(f"{name}: {call} {death.what}{when}{said}")
+    printed = f"; it printed: {death.printed}" if death.printed else ""
+    return FmuCrashed(f"{name}: {call} {death.what}{when}{printed}")
 
 
 def called(mark: Mark, order: Sequence[str]) -> str | None:

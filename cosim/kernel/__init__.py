@@ -48,7 +48,7 @@ class Change(Structure):
 
 
 class Log(Structure):
-    """What a component has said since the last run began."""
+    """Messages of a component since the start of the last run."""
 
     _fields_ = (
         ("callbacks", c_void_p * 5),
@@ -170,7 +170,7 @@ class Run(Structure):
         ("closed", c_int64),
         ("t", c_double),
         ("h", c_double),
-        ("said", Answers),
+        ("answers", Answers),
         ("failed", c_int64),
         ("output", c_int64),
         ("status", c_int64),

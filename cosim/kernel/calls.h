@@ -97,13 +97,13 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
         return passed(run, c, "fmi2DoStep", (int)status);
     }
     /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
-    Answers *said = &run->said;
+    Answers *answers = &run->answers;
     MARK(c, "fmi3DoStep");
     const fmi3Status status =
-        c->call.fmi3.DoStep(c->instance, t, h, true, &said->event_handling_needed, &said->terminate,
-                            &said->early, &said->last_successful_time);
-    if (UNLIKELY(said->terminate | said->early) && (unsigned)status <= fmi3Warning) {
-        return fail(run, c, "fmi3DoStep", said->terminate ? TERMINATED : RETURNED_EARLY);
+        c->call.fmi3.DoStep(c->instance, t, h, true, &answers->event_handling_needed,
+                            &answers->terminate, &answers->early, &answers->last_successful_time);
+    if (UNLIKELY(answers->terminate | answers->early) && (unsigned)status <= fmi3Warning) {
+        return fail(run, c, "fmi3DoStep", answers->terminate ? TERMINATED : RETURNED_EARLY);
     }
     return passed(run, c, "fmi3DoStep", (int)status);
 }

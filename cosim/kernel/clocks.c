@@ -1,7 +1,7 @@
 /* Input clocks that tick by time (FMI 3.0), in the event mode of the FMU. */
-#include "facade.h"
+#include "general_path.h"
 
-static fmi2Status ask(Facade *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
+static fmi2Status ask(GeneralComponent *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
     AnyCall *call = calling(f, GET_INTERVAL);
     *qualifier = fmi3IntervalNotYetKnown;
     return noted(f, GET_INTERVAL,
@@ -9,14 +9,14 @@ static fmi2Status ask(Facade *f, Clock *clock, fmi3IntervalQualifier *qualifier)
                                                            &clock->interval, qualifier));
 }
 
-void schedule_ticks(Facade *f) {
+void schedule_ticks(GeneralComponent *f) {
     f->next_tick = INFINITY;
     for (size_t i = 0; i < f->n_clocks; i++) {
         f->next_tick = fmin(f->next_tick, f->clocks[i].next);
     }
 }
 
-fmi2Status begin_clocks(Facade *f) {
+fmi2Status begin_clocks(GeneralComponent *f) {
     for (size_t i = 0; i < f->n_clocks; i++) {
         Clock *clock = &f->clocks[i];
         fmi3IntervalQualifier qualifier;
@@ -32,7 +32,7 @@ fmi2Status begin_clocks(Facade *f) {
 }
 
 /* Before the discrete states are updated. */
-fmi2Status tick_clocks(Facade *f) {
+fmi2Status tick_clocks(GeneralComponent *f) {
     AnyCall *call = calling(f, SET_CLOCK);
     const bool tick = true;
     for (size_t i = 0; i < f->n_clocks; i++) {
@@ -48,7 +48,7 @@ fmi2Status tick_clocks(Facade *f) {
 
 /* When will those that ticked tick again? Begin and number of ticks give the time of periodic
  * clocks, so that no rounding adds up. */
-fmi2Status after_ticks(Facade *f) {
+fmi2Status after_ticks(GeneralComponent *f) {
     for (size_t i = 0; i < f->n_clocks; i++) {
         Clock *clock = &f->clocks[i];
         fmi3IntervalQualifier qualifier = fmi3IntervalUnchanged;

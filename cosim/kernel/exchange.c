@@ -2,7 +2,7 @@
  * and stops at its state, time and step events. The solver counts time from the start of the run:
  * it takes times for the same that differ by some rounding errors of what it counts. */
 #include "cvode.h"
-#include "facade.h"
+#include "general_path.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,12 +25,12 @@ struct Integrator {
 
 const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
 
-static fmi2Status exchange(Facade *f, enum Call place, double *values, size_t n) {
+static fmi2Status exchange(GeneralComponent *f, enum Call place, double *values, size_t n) {
     AnyCall *call = calling(f, place);
     return noted(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));
 }
 
-static fmi2Status set_time(Facade *f, double t) {
+static fmi2Status set_time(GeneralComponent *f, double t) {
     AnyCall *call = calling(f, SET_TIME);
     return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
@@ -38,7 +38,7 @@ static fmi2Status set_time(Facade *f, double t) {
 /* A continuous input at time t of the step: on its course, on the polynomial that the coupling
  * gave, on a straight line where both ends of the step are known, else held from the begin of the
  * step. */
-static double input_at(const Facade *f, size_t i, double t) {
+static double input_at(const GeneralComponent *f, size_t i, double t) {
     const Integrator *in = f->integrator;
     const double s = t - in->begin;
     if (f->courses[i].n) {
@@ -51,7 +51,7 @@ static double input_at(const Facade *f, size_t i, double t) {
     return (1.0 - share) * f->before[i] + share * f->after[i];
 }
 
-static fmi2Status set_moving_inputs(Facade *f, double t) {
+static fmi2Status set_moving_inputs(GeneralComponent *f, double t) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
@@ -67,14 +67,14 @@ static fmi2Status set_moving_inputs(Facade *f, double t) {
     return fmi2OK;
 }
 
-static fmi2Status set_point(Facade *f, double t, double *x) {
+static fmi2Status set_point(GeneralComponent *f, double t, double *x) {
     TRY_STATUS(set_time(f, t));
     TRY_STATUS(f->n_states ? exchange(f, SET_STATES, x, f->n_states) : fmi2OK);
     return f->integrator->moving ? set_moving_inputs(f, t) : fmi2OK;
 }
 
 /* What CVode is told: 0 done, 1 try a smaller step, -1 give up. */
-static int answer(Facade *f, fmi2Status status) {
+static int answer(GeneralComponent *f, fmi2Status status) {
     f->integrator->status = status;
     if (status == fmi2Discard) { /* it may yet come right */
         f->integrator->discarded = f->called;
@@ -83,8 +83,8 @@ static int answer(Facade *f, fmi2Status status) {
     return OK(status) ? 0 : status == fmi2Discard ? 1 : -1;
 }
 
-static int derivatives(double t, void *states, void *rates, void *facade) {
-    Facade *f = facade;
+static int derivatives(double t, void *states, void *rates, void *component) {
+    GeneralComponent *f = component;
     const Cvode *cvode = f->cvode;
     double *dx = cvode->N_VGetArrayPointer_Serial(rates);
     dx[0] = 0.0;
@@ -95,8 +95,8 @@ static int derivatives(double t, void *states, void *rates, void *facade) {
     return answer(f, status);
 }
 
-static int indicators(double t, void *states, double *z, void *facade) {
-    Facade *f = facade;
+static int indicators(double t, void *states, double *z, void *component) {
+    GeneralComponent *f = component;
     fmi2Status status = set_point(f, f->start + t, f->cvode->N_VGetArrayPointer_Serial(states));
     if (OK(status)) {
         status = exchange(f, GET_INDICATORS, z, f->n_indicators);
@@ -105,8 +105,8 @@ static int indicators(double t, void *states, double *z, void *facade) {
 }
 
 static void complain(int line, const char *function, const char *file, const char *message,
-                     int code, void *facade, void *context) {
-    Facade *f = facade;
+                     int code, void *component, void *context) {
+    GeneralComponent *f = component;
     (void)line, (void)file, (void)code, (void)context;
     if (f->log.severity < fmi2Error) {
         f->log.severity = fmi2Error;
@@ -114,7 +114,7 @@ static void complain(int line, const char *function, const char *file, const cha
     }
 }
 
-static fmi2Status solver_failed(Facade *f) {
+static fmi2Status solver_failed(GeneralComponent *f) {
     const fmi2Status status = f->integrator->status;
     if (status > fmi2Discard) {
         return status; /* the FMU is to blame; f->called says where */
@@ -129,7 +129,7 @@ static fmi2Status solver_failed(Facade *f) {
 }
 
 /* Take over the FMU's states, which an event may have changed. */
-static fmi2Status read_states(Facade *f) {
+static fmi2Status read_states(GeneralComponent *f) {
     Integrator *in = f->integrator;
     in->x[0] = in->atol[0] = 1.0;
     if (f->n_states) {
@@ -143,14 +143,14 @@ static fmi2Status read_states(Facade *f) {
     return fmi2OK;
 }
 
-fmi2Status restart_exchange(Facade *f) {
+fmi2Status restart_exchange(GeneralComponent *f) {
     Integrator *in = f->integrator;
     TRY_STATUS(read_states(f));
     return f->cvode->CVodeReInit(in->memory, f->time - f->start, in->states) ? solver_failed(f)
                                                                              : fmi2OK;
 }
 
-static fmi2Status count(Facade *f, enum Call place, size_t *n) {
+static fmi2Status count(GeneralComponent *f, enum Call place, size_t *n) {
     AnyCall *call = calling(f, place);
     if (f->version == 2) {
         return fmi2OK; /* the description says */
@@ -158,7 +158,7 @@ static fmi2Status count(Facade *f, enum Call place, size_t *n) {
     return noted(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
 }
 
-void seek_jump(Facade *f) {
+void seek_jump(GeneralComponent *f) {
     f->next_jump = INFINITY;
     for (size_t i = 0; i < f->n_inputs; i++) {
         f->next_jump = fmin(f->next_jump, next_jump(&f->courses[i], f->passed));
@@ -166,12 +166,12 @@ void seek_jump(Facade *f) {
 }
 
 /* All jumps up to the present time are made. */
-static void pass_jumps(Facade *f) {
+static void pass_jumps(GeneralComponent *f) {
     f->passed = f->time + f->near;
     seek_jump(f);
 }
 
-fmi2Status begin_exchange(Facade *f) {
+fmi2Status begin_exchange(GeneralComponent *f) {
     const Cvode *cvode = f->cvode;
     end_exchange(f);
     pass_jumps(f);
@@ -212,7 +212,7 @@ fmi2Status begin_exchange(Facade *f) {
     return failed ? solver_failed(f) : fmi2OK;
 }
 
-void end_exchange(Facade *f) {
+void end_exchange(GeneralComponent *f) {
     Integrator *in = f->integrator;
     const Cvode *cvode = f->cvode;
     if (!in) {
@@ -240,7 +240,7 @@ void end_exchange(Facade *f) {
     f->integrator = NULL;
 }
 
-static fmi2Status completed_step(Facade *f, bool *event) {
+static fmi2Status completed_step(GeneralComponent *f, bool *event) {
     AnyCall *call = calling(f, COMPLETED_STEP);
     bool enter = false, terminate = false;
     int status = fmi2OK;
@@ -264,14 +264,14 @@ static fmi2Status completed_step(Facade *f, bool *event) {
 
 /* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
  * beyond a time event or a tick, and with inputs not beyond the time up to which they are known. */
-static int set_stop(Facade *f, double target) {
+static int set_stop(GeneralComponent *f, double target) {
     const double stop = f->n_inputs ? target : fmin(f->next_event, f->next_tick);
     return isfinite(stop) ? f->cvode->CVodeSetStopTime(f->integrator->memory, stop - f->start)
                           : f->cvode->CVodeClearStopTime(f->integrator->memory);
 }
 
 /* Integrate to target, or to the first event before it. */
-static fmi2Status integrate(Facade *f, double target, bool *event) {
+static fmi2Status integrate(GeneralComponent *f, double target, bool *event) {
     Integrator *in = f->integrator;
     const double end = target - f->start;
     const bool there = target - f->time <= rounding_of(end);
@@ -297,7 +297,7 @@ static fmi2Status integrate(Facade *f, double target, bool *event) {
 
 /* Whether a continuous input begins a step elsewhere than it ended the one before. A polynomial may
  * miss it by a rounding error. */
-static bool leaps(const Facade *f, size_t i, double value) {
+static bool leaps(const GeneralComponent *f, size_t i, double value) {
     const Integrator *in = f->integrator;
     const double h = in->end - in->begin, *rates = f->rates;
     const double size = fabs(value) + fabs(f->before[i]) + h * fabs(rates[i]) +
@@ -307,7 +307,7 @@ static bool leaps(const Facade *f, size_t i, double value) {
 
 /* Of the inputs that follow no course, at the begin of a step or at its end. A discrete one jumps
  * at the end where the value there is what is known. */
-static fmi2Status take_inputs(Facade *f, bool at_end) {
+static fmi2Status take_inputs(GeneralComponent *f, bool at_end) {
     const Integrator *in = f->integrator;
     bool event = false, leap = false;
     for (size_t i = 0; i < f->n_inputs; i++) {
@@ -333,7 +333,7 @@ static fmi2Status take_inputs(Facade *f, bool at_end) {
     return event || leap ? restart_exchange(f) : fmi2OK;
 }
 
-static bool moves(const Facade *f, size_t i) {
+static bool moves(const GeneralComponent *f, size_t i) {
     if (f->courses[i].n) {
         return !f->courses[i].held;
     }
@@ -342,7 +342,7 @@ static bool moves(const Facade *f, size_t i) {
                       : f->input_ports[i].ahead && changes;
 }
 
-static bool inputs_move(const Facade *f) {
+static bool inputs_move(const GeneralComponent *f) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         if (!f->inputs.groups[f->input_ports[i].group].discrete && moves(f, i)) {
             return true;
@@ -352,7 +352,7 @@ static bool inputs_move(const Facade *f) {
 }
 
 /* Courses have reached a jump: an event with the values after it. */
-static fmi2Status jump(Facade *f) {
+static fmi2Status jump(GeneralComponent *f) {
     pass_jumps(f);
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
@@ -364,7 +364,7 @@ static fmi2Status jump(Facade *f) {
     return handle_event(f, true);
 }
 
-fmi2Status step_exchange(Facade *f, double t, double h) {
+fmi2Status step_exchange(GeneralComponent *f, double t, double h) {
     Integrator *in = f->integrator;
     in->begin = t;
     in->end = t + h;

@@ -94,11 +94,11 @@ typedef struct {
     double sum;
 } SumOfSquares;
 
-/* What a component has said since the last run began. */
+/* Messages of a component since the start of the last run. */
 typedef struct {
     fmi2CallbackFunctions callbacks; /* of FMI 2.0; their environment is that of FMI 3.0, too */
     int32_t severity;
-    int32_t reason;     /* of the facade's own, when it is what failed */
+    int32_t reason;     /* of the general path's own, when it is what failed */
     int32_t unknown;    /* the status that no standard has, when that is why */
     char message[1024]; /* the gravest */
     int64_t warnings;   /* calls that returned warning; of the first of them: */
@@ -190,7 +190,7 @@ typedef struct {
     int64_t done;        /* steps completed; -1 before initialisation */
     int64_t closed;      /* the last step whose row was checked and recorded */
     double t, h;         /* s, of the present step: in memory, where no call can lose them */
-    Answers said;
+    Answers answers;
     int64_t failed; /* component */
     int64_t output; /* of that component, where its value is not finite */
     int64_t status; /* an FMI status or a Reason */

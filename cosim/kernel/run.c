@@ -171,7 +171,7 @@ static enum Outcome go_on(Run *run) {
         run->block_start = 0;
         run->closed = -1;
         run->t = run->start;
-        run->said = (Answers){false, false, false, run->start};
+        run->answers = (Answers){false, false, false, run->start};
         for (int64_t i = 0; i < run->n_sums; i++) {
             run->sums[i].sum = 0.0;
         }

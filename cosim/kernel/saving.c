@@ -1,6 +1,6 @@
-/* Saves and restores an FMU behind a facade: its state, its time, its clocks and the inputs it was
- * given. What follows from these is found again. */
-#include "facade.h"
+/* Saves and restores an FMU on the general path: its state, its time, its clocks and the inputs it
+ * was given. What follows from these is found again. */
+#include "general_path.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,16 +11,16 @@ typedef struct {
     double inputs[]; /* before and after, 2 n_inputs */
 } Saved;
 
-static size_t inputs_size(const Facade *f) { return f->n_inputs * sizeof(double); }
-static size_t clocks_size(const Facade *f) { return f->n_clocks * sizeof(Clock); }
+static size_t inputs_size(const GeneralComponent *f) { return f->n_inputs * sizeof(double); }
+static size_t clocks_size(const GeneralComponent *f) { return f->n_clocks * sizeof(Clock); }
 
-static fmi2Status call_on(Facade *f, enum Call place, void **state) {
+static fmi2Status call_on(GeneralComponent *f, enum Call place, void **state) {
     return noted(f, place, ((StateCall *)calling(f, place))(f->instance, state));
 }
 
 /* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
-fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    Facade *f = c;
+fmi2Status general_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    GeneralComponent *f = c;
     Saved *saved = *state;
     if (!saved) {
         saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f) + clocks_size(f));
@@ -39,8 +39,8 @@ fmi2Status facade_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     return saved->state ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
 }
 
-fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    Facade *f = c;
+fmi2Status general_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    GeneralComponent *f = c;
     const Saved *saved = state;
     f->time = saved->time;
     f->next_event = saved->next_event;
@@ -50,10 +50,10 @@ fmi2Status facade_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
     AnyCall *call = calling(f, SET_STATE);
     TRY_STATUS(noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, saved->state)));
-    return facade_go_on(f);
+    return general_go_on(f);
 }
 
-fmi2Status facade_go_on(Facade *f) {
+fmi2Status general_go_on(GeneralComponent *f) {
     PLAIN_HERE;
     schedule_ticks(f);
     if (!f->integrator) {
@@ -63,8 +63,8 @@ fmi2Status facade_go_on(Facade *f) {
     return restart_exchange(f);
 }
 
-fmi2Status facade_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    Facade *f = c;
+fmi2Status general_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    GeneralComponent *f = c;
     Saved *saved = *state;
     fmi2Status status = fmi2OK;
     if (saved) {

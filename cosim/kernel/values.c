@@ -1,8 +1,8 @@
-/* Values of a facade: doubles on the kernel's side, any type on the FMU's. */
-#include "facade.h"
+/* Values on the general path: doubles on the kernel's side, any type on the FMU's. */
+#include "general_path.h"
 #include <math.h>
 
-fmi2Status transfer(Facade *f, const Group *g) {
+fmi2Status transfer(GeneralComponent *f, const Group *g) {
     int status;
     MARK_CALL(g->name);
     if (f->version == 2) {
@@ -19,7 +19,7 @@ fmi2Status transfer(Facade *f, const Group *g) {
     return answered(f, g->name, status);
 }
 
-fmi2Status set_groups(Facade *f, const Groups *groups) {
+fmi2Status set_groups(GeneralComponent *f, const Groups *groups) {
     for (size_t i = 0; i < groups->n; i++) {
         TRY_STATUS(transfer(f, &groups->groups[i]));
     }
@@ -60,9 +60,9 @@ static double load(const Group *g, int64_t place) {
 
 /* While a run goes on, a discrete input that changed is an event where the FMU knows events; Model
  * Exchange keeps the values until it steps. */
-fmi2Status facade_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          const fmi2Real values[]) {
-    Facade *f = c;
+fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                           const fmi2Real values[]) {
+    GeneralComponent *f = c;
     bool event = false;
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->input_ports[r[i]];
@@ -89,18 +89,18 @@ fmi2Status facade_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t 
 }
 
 /* Of Model Exchange, which follows the polynomials of a coupling in its next step. */
-fmi2Status facade_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                                          const fmi2Integer orders[], const fmi2Real values[]) {
-    Facade *f = c;
+fmi2Status general_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                           const fmi2Integer orders[], const fmi2Real values[]) {
+    GeneralComponent *f = c;
     for (size_t i = 0; i < n; i++) {
         f->rates[(size_t)(orders[i] - 1) * f->n_inputs + r[i]] = values[i];
     }
     return fmi2OK;
 }
 
-fmi2Status facade_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          fmi2Real values[]) {
-    Facade *f = c;
+fmi2Status general_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                           fmi2Real values[]) {
+    GeneralComponent *f = c;
     TRY_STATUS(set_groups(f, &f->outputs));
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->output_ports[r[i]];

@@ -51,7 +51,7 @@ class Checkpoint:
     row : all signals at that time, then the sums of squares up to there
     states : component -> state of its FMU
     starts : start values that are numbers, to which a scenario may go back
-    memory : what the coupling and facades remember: ``component/name``, of the coupling ``/name``
+    memory : ``component/name`` of the general path, ``/name`` of the coupling
     """
 
     identity: Mapping[str, str]
@@ -74,7 +74,7 @@ class Checkpoint:
         return atomic_write(Path(path), stream.getvalue())
 
     def memory_of(self, owner: str) -> dict[str, Array]:
-        """Return what a component's facade remembers, or the coupling, whose name is empty."""
+        """Return the memory of a component on the general path; for an empty name the coupling."""
         parts = ((name.rpartition("/"), values) for name, values in self.memory.items())
         return {name: values for (component, _, name), values in parts if component == owner}
 
@@ -98,8 +98,8 @@ class Checkpoint:
         except OSError as fault:
             raise SimulationError(f"{path}: cannot be read: {fault.strerror or fault}") from fault
         except _DAMAGES as fault:
-            said = printable(" ".join(str(fault).split()))
-            raise SimulationError(f"{path}: no saved state that can be read: {said}") from fault
+            text = printable(" ".join(str(fault).split()))
+            raise SimulationError(f"{path}: no saved state that can be read: {text}") from fault
 
     @classmethod
     def _of(cls, arrays: Mapping[str, NDArray[Any]]) -> Checkpoint:

@@ -12,14 +12,14 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupled import Coupled
-from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.memory import Memory, Room
 from stickslip.cosim.assembly.settings import Settings, check_start_values
 from stickslip.cosim.assembly.wiring import library_of, wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
-from stickslip.cosim.fmu.single_instance import claim, give_up
+from stickslip.cosim.fmu.single_instance import claim, release
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
@@ -51,8 +51,8 @@ class Prepared:
         self.pace: Pace | None = None
         self._room = room
         self._variables: dict[str, Variable] = {}  # those that runs have set
-        self._careful: set[str] = set()  # components that discarded a step and can take it back
-        self._born: dict[str, int] = {}
+        self._retries: set[str] = set()  # components that discarded a step and can take it back
+        self._epochs: dict[str, int] = {}
         self._warned: set[tuple[str, bytes]] = set()
         self._exclusive = Exclusive(
             spec.system.name,
@@ -81,26 +81,26 @@ class Prepared:
         for name, library in self._libraries.items():
             if library.lacks_reset:
                 self._declare_unresettable([name], f"it has no function {library.lacks_reset}")
-        self._run, self._facades = wire(
+        self._run, self._general_components = wire(
             system,
             self._layout,
             self.order,
             self._libraries,
             jacobi=jacobi,
             tolerance=spec.tolerance,
-            careful=self._careful,
+            retry=self._retries,
         )
-        for facade in self._facades.values():
-            facade.c.near = slack(max(abs(spec.start), abs(spec.stop)), spec.step)
+        for general in self._general_components.values():
+            general.c.near = slack(max(abs(spec.start), abs(spec.stop)), spec.step)
         self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
         self._run.allows_nan = spec.allow_nan
         self._memory = Memory(self._run, self._layout, record, self.time, self._room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
-        for name, facade in self._facades.items():
-            facade.bind(self._slots[name], self._kernel)
+        for name, general in self._general_components.items():
+            general.bind(self._slots[name], self._kernel)
         self._coupled = Coupled(
-            system, self._layout, groups, self._libraries, coupling, self._facades
+            system, self._layout, groups, self._libraries, coupling, self._general_components
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         self._moved = np.zeros(len(self.order), np.uint8)
@@ -137,11 +137,11 @@ class Prepared:
 
     def _free(self) -> None:
         self._halted = self._ready = False
-        self._bury()
+        self._drop_invalidated()
         self._kernel.forget(self._run)
         for slot in self._slots.values():
             self._kernel.release(slot)
-        give_up(self)
+        release(self)
 
     def __enter__(self) -> Self:
         return self
@@ -165,7 +165,7 @@ class Prepared:
         )
 
     def _new_settings(self, names: Iterable[str]) -> Settings:
-        return Settings(self.spec.system, names, self._libraries, self._facades)
+        return Settings(self.spec.system, names, self._libraries, self._general_components)
 
     def _attach(self, settings: Settings) -> None:
         self._settings = settings
@@ -174,7 +174,7 @@ class Prepared:
 
     def _instantiate(self) -> None:
         """Make sure that all FMUs have an instance; a run that failed may have lost some."""
-        self._bury()
+        self._drop_invalidated()
         if self._ready:
             return
         given = {slot.instance for slot in self._slots.values()}
@@ -182,13 +182,13 @@ class Prepared:
             if not slot.instance:
                 fmu = self.spec.system.components[name]
                 claim(fmu, name, self, self.spec.system.name)
-                self._born[name] = fatal.times(fmu.binary)
+                self._epochs[name] = fatal.times(fmu.binary)
                 arguments = (name, fmu.token, self._libraries[name].resources)
                 self._kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
                     tool = "; it needs the tool that made it" if fmu.needs_tool else ""
                     raise SimulationError(
-                        f"{name}: {fmu.label} cannot be instantiated{_said(slot)}{tool}"
+                        f"{name}: {fmu.label} cannot be instantiated{_message_of(slot)}{tool}"
                     )
                 if slot.instance in given:
                     slot.instance = None
@@ -225,7 +225,7 @@ class Prepared:
 
     def _renew(self, names: Iterable[str]) -> None:
         """Free the used instances of components; the next run has new ones."""
-        self._bury()
+        self._drop_invalidated()
         used = [slot for slot in map(self._slots.__getitem__, names) if slot.used and slot.instance]
         if used:
             self._ready = False
@@ -233,25 +233,25 @@ class Prepared:
         for slot in used:
             self._kernel.release(slot)
 
-    def _bury(self) -> None:
+    def _drop_invalidated(self) -> None:
         """Let go of instances whose FMU answered fatal, here or elsewhere, without a call."""
         if fatal.none():
             return
         for name, slot in self._slots.items():
-            if self._born.get(name, 0) < fatal.times(self.spec.system.components[name].binary):
+            if self._epochs.get(name, 0) < fatal.times(self.spec.system.components[name].binary):
                 self._lose(name, slot)
 
     def _lose(self, name: str, slot: kernel.Component) -> None:
         slot.instance = None
         self._coupled.lose(name)
-        if facade := self._facades.get(name):
-            facade.lose()
+        if general := self._general_components.get(name):
+            general.lose()
         self._ready = False
 
-    def _mourn(self, name: str) -> None:
+    def _mark_fatal(self, name: str) -> None:
         """Take note that an FMU answered fatal."""
         fatal.declare(self.spec.system.components[name].binary)
-        self._bury()
+        self._drop_invalidated()
 
     def _warn(self) -> None:
         """Log the warnings of a run, once for each component and call."""
@@ -260,14 +260,14 @@ class Prepared:
             if log.warnings:
                 again = (name, log.warned) in self._warned
                 self._warned.add((name, log.warned))
-                said = log.warning.decode(errors="replace").strip()
+                text = log.warning.decode(errors="replace").strip()
                 _log.log(
                     logging.DEBUG if again else logging.WARNING,
                     "%s: %s returned warning at t = %.9g s%s (warnings in this run: %d)",
                     name,
                     log.warned.decode(),
                     log.warned_at,
-                    f"; the FMU says: {said}" if said else "",
+                    f"; the FMU says: {text}" if text else "",
                     log.warnings,
                 )
                 log.warnings = 0
@@ -280,8 +280,8 @@ class Prepared:
         subject = self._layout.outputs[name][run.output] if of_output else name
         unknown = f"returned the unknown status {slot.log.contents.unknown}"
         what = kernel.STATUS.get(run.status, unknown)
-        facade = self._facades.get(name)
-        call = (facade.c.called if facade and not of_output else None) or run.call
+        general = self._general_components.get(name)
+        call = (general.c.called if general and not of_output else None) or run.call
         if run.done < 0:
             when = "during initialisation"
         elif run.done == run.n_steps:
@@ -289,7 +289,7 @@ class Prepared:
         else:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
-        message = f"{subject}: {call.decode()} {what} {when}{_said(slot)}"
+        message = f"{subject}: {call.decode()} {what} {when}{_message_of(slot)}"
         if fault := self._libraries[name].fault:
             self._libraries[name].fault = None
             if not isinstance(fault, Exception):
@@ -303,17 +303,17 @@ class Prepared:
         if run.status == kernel.NOT_SOLVED:
             return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
         if run.status == kernel.FATAL:
-            self._mourn(name)
+            self._mark_fatal(name)
         elif run.status == kernel.PENDING and call == b"fmi2DoStep":
-            self._cancel(name, slot, facade)
+            self._cancel(name, slot, general)
         elif run.call.endswith(b"Reset"):
             self._kernel.forget(run)
             self._kernel.release(slot)
         return SimulationError(message)
 
-    def _cancel(self, name: str, slot: kernel.Component, facade: Facade | None) -> None:
+    def _cancel(self, name: str, slot: kernel.Component, general: GeneralComponent | None) -> None:
         """End a step that goes on by itself, or else leave the instance to it."""
-        instance = facade.c.instance if facade else slot.instance
+        instance = general.c.instance if general else slot.instance
         if self._libraries[name].function("fmi2CancelStep")(ctypes.c_void_p(instance)) not in {
             0,
             1,
@@ -321,6 +321,6 @@ class Prepared:
             self._lose(name, slot)
 
 
-def _said(slot: kernel.Component) -> str:
+def _message_of(slot: kernel.Component) -> str:
     message = slot.log.contents.message.decode(errors="replace").strip()
     return f"; the FMU says: {message}" if message else ""

@@ -81,7 +81,7 @@ class Simulation(Repeated):
         same_as = None if scenario or jumps else last
 
         def attempt() -> Result:
-            external = self._feed(values, inputs or {}, scenario)
+            external = self._set_inputs(values, inputs or {}, scenario)
 
             def go(repeated: bool) -> Result:
                 return self._step(0, last, real_time, None if repeated else progress)
@@ -90,7 +90,7 @@ class Simulation(Repeated):
             return self._repeatable(values, external, go, repeats=repeats, same_as=same_as)
 
         with self._exclusive:
-            return self._carefully(attempt)
+            return self._with_retries(attempt)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, for ``resume``; return the path.
@@ -119,8 +119,8 @@ class Simulation(Repeated):
         row = self._memory.state()
         memory = {f"/{name}": values for name, values in self._coupled.memory().items()}
         memory["/held"] = held_values(self._slots, row[: self._run.width], self._run.done)
-        for owner, facade in self._facades.items():
-            memory |= {f"{owner}/{name}": values for name, values in facade.memory().items()}
+        for owner, general in self._general_components.items():
+            memory |= {f"{owner}/{name}": values for name, values in general.memory().items()}
         for name, slot in self._slots.items():
             memory[f"{name}/outputs"] = last_outputs(slot)
         starts = {n: float(v) for n, v in self._starts.items() if isinstance(v, int | float)}
@@ -178,19 +178,19 @@ class Simulation(Repeated):
             return self._step(checkpoint.step, last, real_time, progress)
 
         def attempt() -> Result:
-            external = self._feed({**parameters, **checkpoint.starts}, inputs or {}, scenario)
+            external = self._set_inputs({**parameters, **checkpoint.starts}, inputs or {}, scenario)
             result = self._repeatable(parameters, external, go, repeats=False)
             self._traces.add(RESUMED)
             return result
 
         with self._exclusive:
-            return self._carefully(attempt)
+            return self._with_retries(attempt)
 
     def _state_of(self, name: str) -> StateAccess:
-        facade = self._facades.get(name)
-        instance = facade.c.instance if facade else self._slots[name].instance
+        general = self._general_components.get(name)
+        instance = general.c.instance if general else self._slots[name].instance
         version = self.spec.system.components[name].version
-        return StateAccess(name, version, self._libraries[name], instance, self._mourn)
+        return StateAccess(name, version, self._libraries[name], instance, self._mark_fatal)
 
     def _compare(self, path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
         """Check that the FMUs give the outputs again that they gave when their state was saved."""
@@ -208,10 +208,12 @@ class Simulation(Repeated):
                 )
 
     def _recall(self, name: str, checkpoint: Checkpoint) -> None:
-        facade = self._facades.get(name)
+        general = self._general_components.get(name)
         memory = checkpoint.memory_of(name)
-        if facade and "times" in memory and facade.recall(memory) not in {0, 1}:
-            raise SimulationError(f"{name}: {(facade.c.called or b'').decode()} failed on resuming")
+        if general and "times" in memory and general.recall(memory) not in {0, 1}:
+            raise SimulationError(
+                f"{name}: {(general.c.called or b'').decode()} failed on resuming"
+            )
 
     def _identity(self) -> dict[str, str]:
         """Return what must be the same for a saved state to be this simulation's, by what it is."""

@@ -81,7 +81,7 @@ class Stepping(Prepared):
                 check_length(name, values[name], system.parameters.get(name, variable.start))
         return values
 
-    def _feed(
+    def _set_inputs(
         self, values: Mapping[str, Value], inputs: Mapping[str, Input], scenario: Scenario | None
     ) -> Array:
         """Return the exposed inputs at the points in time; between them they are attached."""
@@ -100,8 +100,8 @@ class Stepping(Prepared):
         for i, name in enumerate(system.inputs):
             if name in touched:
                 tables[name] = joined(self.time, ends[:, i], external[:, i])
-        for name, facade in self._facades.items():
-            facade.follow(courses(system, name, tables))
+        for name, general in self._general_components.items():
+            general.follow(courses(system, name, tables))
         self._coupled.follow(ends)
         return external
 
@@ -117,7 +117,7 @@ class Stepping(Prepared):
         tables = scenario.tables(self.time) if scenario else {}
         self._disturbances, changed = split(tables, self._layout, system)
         disturb(self._disturbances, self._layout, run, self._slots, external, ends)
-        self._changes = tune(changed, values, system, self._libraries, self._facades)
+        self._changes = tune(changed, values, system, self._libraries, self._general_components)
         run.changes = in_order(self._changes, self.order)
         run.n_changes = len(self._changes)
         self._changed = frozenset(changed)
@@ -165,7 +165,7 @@ class Stepping(Prepared):
             self._warn()
         return self._result(*self._memory.kept(first, last))
 
-    def _carefully(self, attempt: Callable[[], Result]) -> Result:
+    def _with_retries(self, attempt: Callable[[], Result]) -> Result:
         """Run; again, and with more care, where an FMU discards a step that it can take back.
 
         Where a reset fails, the run is done with a new instance.
@@ -177,7 +177,7 @@ class Stepping(Prepared):
                 self._declare_unresettable([fault.component], str(fault))
             except Discarded as discarded:
                 _log.info("%s discards steps: they are tried in parts", discarded.component)
-                self._careful.add(discarded.component)
+                self._retries.add(discarded.component)
                 self._free()
                 self._build()
 
@@ -191,8 +191,8 @@ class Stepping(Prepared):
         if outcome == kernel.FAILED:
             self._ready = False
             name = self.order[self._run.failed]
-            facade = self._facades.get(name)
-            end = ending(self._run, self._slots[name], facade, self._libraries[name])
+            general = self._general_components.get(name)
+            end = ending(self._run, self._slots[name], general, self._libraries[name])
             if end is None:
                 if self._can_take_back(name):
                     raise Discarded(name)
@@ -206,11 +206,11 @@ class Stepping(Prepared):
 
     def _can_take_back(self, name: str) -> bool:
         """Whether the failure is a step that was discarded and has not been tried in parts."""
-        fmu, facade = self.spec.system.components[name], self._facades.get(name)
-        call = (facade.c.called if facade else None) or self._run.call
+        fmu, general = self.spec.system.components[name], self._general_components.get(name)
+        call = (general.c.called if general else None) or self._run.call
         able = fmu.interface == "co_simulation" and fmu.restores_state and fmu.varies_step
         discarded = self._run.status == kernel.DISCARD and call.endswith(b"DoStep")
-        return able and discarded and name not in self._careful
+        return able and discarded and name not in self._retries
 
     def _ended(self, end: Ending, first: int) -> Result:
         """Return what there is of a run from a step on that an FMU ended.

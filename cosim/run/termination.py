@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.cosim import kernel
-from stickslip.cosim.assembly.general_path import Facade
+from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.signals.signals import Array
 
@@ -26,17 +26,17 @@ class Ending:
 
 
 def ending(
-    run: kernel.Run, slot: kernel.Component, facade: Facade | None, library: Library
+    run: kernel.Run, slot: kernel.Component, general: GeneralComponent | None, library: Library
 ) -> Ending | None:
     """Return how an FMU ended a run in a step; None when it failed instead."""
     if run.done < 0 or run.done >= run.n_steps or not slot.instance:
         return None
     if run.status == kernel.TERMINATED:
         return Ending(
-            facade.c.time if facade else run.t + run.h, "asked to terminate the simulation"
+            general.c.time if general else run.t + run.h, "asked to terminate the simulation"
         )
     if run.status == kernel.DISCARD and slot.version == 2:
-        instance = facade.c.instance if facade else slot.instance
+        instance = general.c.instance if general else slot.instance
         if _ask(library, "fmi2GetBooleanStatus", instance, _TERMINATED, ctypes.c_int32()):
             reached = _ask(
                 library, "fmi2GetRealStatus", instance, _LAST_SUCCESSFUL_TIME, ctypes.c_double()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
 
-from stickslip.ga.algorithms.cma_es import CovarianceAdaptation
-from stickslip.ga.algorithms.differential_evolution import DifferentialEvolution
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
 from stickslip.ga.algorithms.limits import Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
@@ -13,10 +14,13 @@ from stickslip.ga.algorithms.settings import DEFAULT, PRESETS
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.problem.problem import Problem
 
-OTHERS: dict[str, type[CovarianceAdaptation] | type[DifferentialEvolution]] = {
-    "cma": CovarianceAdaptation,
-    "de": DifferentialEvolution,
+for _module in iter_modules([str(Path(__file__).parent)]):
+    import_module(f"{__package__}.{_module.name}")
+
+OTHERS: dict[str, type[Optimiser]] = {
+    method.kind: method for method in Optimiser.__subclasses__() if method is not GeneticAlgorithm
 }
+"""Each is a class in a module of this folder."""
 
 EVALUATIONS = DEFAULT.population + (DEFAULT.generations - 1) * (DEFAULT.population - DEFAULT.elites)
 """What the presets spend: 802."""

@@ -37,7 +37,7 @@ class DifferentialEvolution(Optimiser):
     """
 
     kind = "de"
-    title = "differential evolution"
+    title = "differential evolution of scipy"
 
     def __init__(self, problem: Problem, limits: Limits, seed: int) -> None:
         super().__init__(problem, limits, seed)

@@ -1,4 +1,4 @@
-#include "exchange.h"
+#include "instance.h"
 
 #include "model.h"
 
@@ -78,3 +78,5 @@ Status exchange_get_nominals(Instance *i, double nominals[], size_t count) {
         nominals[k] = VARIABLES[STATES_AT + k].nominal;
     return OK;
 }
+
+size_t exchange_count(const Instance *i) { return DERIVATIVES_COUNT; }

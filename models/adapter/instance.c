@@ -22,7 +22,7 @@ static const char *phase_name(Phase phase) {
         return "initialization mode";
     case STEPPING:
         return "step mode";
-    case TERMINATED:
+    case ENDED:
         return "terminated";
     case EVENT:
         return "event mode";
@@ -50,7 +50,8 @@ static void load_start_values(Instance *i) {
         i->now.values[k] = VARIABLES[k].start;
 }
 
-Instance *instance_new(const char *name, const char *token, bool model_exchange, Logger logger) {
+Instance *instance_new(const char *name, const char *token, const char *resources,
+                       bool model_exchange, Logger logger) {
     size_t length = 0;
     while (name && name[length])
         length++;
@@ -98,6 +99,12 @@ Status instance_set_time(Instance *i, double start) {
     i->now.values[0] = start;
     return OK;
 }
+
+Status instance_set_up(Instance *i, double start, bool stop_defined, double stop) {
+    return instance_set_time(i, start);
+}
+
+double instance_time(const Instance *i) { return i->now.values[0]; }
 
 static void start_model(Instance *i) {
     model_start(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i));
@@ -147,7 +154,7 @@ Status instance_step(Instance *i, double time, double h) {
     instance_refresh(i);
     if (done)
         return OK;
-    i->now.phase = FAILED;
+    i->now.phase = BROKEN;
     return instance_report(
         i, ERROR, "logStatusError",
         "the state is not finite after the step from t = %g s to %g s, or the step"
@@ -156,7 +163,7 @@ Status instance_step(Instance *i, double time, double h) {
 }
 
 Status instance_terminate(Instance *i) {
-    i->now.phase = TERMINATED;
+    i->now.phase = ENDED;
     return OK;
 }
 
@@ -182,6 +189,14 @@ Status instance_check(Instance *i, uint32_t reference, Type type, const char *ca
     return OK;
 }
 
+Status instance_get(Instance *i, uint32_t reference, Type type, double *value, const char *call) {
+    instance_refresh(i);
+    if (instance_check(i, reference, type, call) != OK)
+        return ERROR;
+    *value = i->now.values[reference];
+    return OK;
+}
+
 Status instance_lacks(Instance *i, const char *call) {
     return instance_report(i, ERROR, "logStatusError", "%s: an argument is NULL", call);
 }
@@ -197,7 +212,10 @@ Status instance_unavailable(Instance *i, const char *call) {
     return instance_report(i, ERROR, "logStatusError", "%s is not available in " MODEL_NAME, call);
 }
 
-Status instance_accepts(Instance *i, uint32_t reference, double value, const char *call) {
+Status instance_accepts(Instance *i, uint32_t reference, Type type, double value,
+                        const char *call) {
+    if (instance_check(i, reference, type, call) != OK)
+        return ERROR;
     const Variable *variable = &VARIABLES[reference];
     if (!((int)i->now.phase & variable->settable))
         return instance_report(i, ERROR, "logStatusError", "%s: %s cannot be set in phase '%s'",
@@ -208,9 +226,10 @@ Status instance_accepts(Instance *i, uint32_t reference, double value, const cha
     return OK;
 }
 
-void instance_put(Instance *i, uint32_t reference, double value) {
+Status instance_put(Instance *i, uint32_t reference, double value) {
     i->now.values[reference] = value;
     i->now.stale = true;
+    return OK;
 }
 
 Status instance_log(Instance *i, bool on, size_t count, const char *const categories[]) {

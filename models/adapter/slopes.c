@@ -1,4 +1,4 @@
-#include "slopes.h"
+#include "instance.h"
 
 #if IS_CONTINUOUS
 #include "model.h"

@@ -1,11 +1,8 @@
-"""A model's README as the FMU's documentation/index.html."""
+"""documentation/index.html of an FMU: the README of its model as plain text."""
 
 from __future__ import annotations
 
 import html
-import re
-from collections.abc import Iterator
-from itertools import groupby
 
 from stickslip.models.export.description import Model
 
@@ -15,15 +12,13 @@ _PAGE = """<!DOCTYPE html>
 <meta charset="utf-8">
 <title>{title}</title>
 <style>
-body {{ font: 16px/1.5 sans-serif; max-width: 50em; margin: 2em auto; padding: 0 1em; }}
-pre {{ background: #f4f4f4; padding: 1em; overflow-x: auto; }}
-table {{ border-collapse: collapse; }}
-td, th {{ border: 1px solid #ccc; padding: 0.2em 0.6em; text-align: left; }}
+body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}
+pre {{ font: 14px/1.4 monospace; white-space: pre-wrap; }}
 </style>
 </head>
 <body>
 <img src="../{icon}" alt="" width="96" height="96">
-{body}
+<pre>{body}</pre>
 <h2>Licence</h2>
 <p>MIT: <a href="licenses/license.txt">licenses/license.txt</a>. The functions are those of the
 Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.</p>
@@ -40,52 +35,4 @@ def index(model: Model, icon: str) -> str:
         text = readme.read_text(encoding="utf-8")
     if model.law is not None:
         text += "\n" + (model.law.folder / "README.md").read_text(encoding="utf-8")
-    body = "\n".join(_blocks(text))
-    return _PAGE.format(title=html.escape(model.title), icon=icon, body=body)
-
-
-def _blocks(text: str) -> Iterator[str]:
-    """Yield HTML for each block of what READMEs here use of Markdown.
-
-    Headings, paragraphs, equations indented by four blanks, tables and lists.
-    """
-    for kind, group in groupby(text.splitlines(), _kind):
-        lines = list(group)
-        if kind == "heading":
-            for line in lines:
-                level = len(line) - len(line.lstrip("#"))
-                yield f"<h{level}>{_inline(line[level:].strip())}</h{level}>"
-        elif kind == "equation":
-            yield "<pre>" + html.escape("\n".join(line[4:] for line in lines)) + "</pre>"
-        elif kind == "table":
-            yield "<table>" + "".join(_rows(lines)) + "</table>"
-        elif kind == "list":
-            items = re.split(r"^- ", "\n".join(lines), flags=re.MULTILINE)[1:]
-            yield "<ul>" + "".join(f"<li>{_inline(item)}</li>" for item in items) + "</ul>"
-        elif kind == "paragraph":
-            yield f"<p>{_inline(' '.join(lines))}</p>"
-
-
-def _kind(line: str) -> str:
-    if line.startswith("    "):
-        return "equation"
-    starts = {"#": "heading", "|": "table", "-": "list", " ": "list", "": "blank"}
-    return starts.get(line[:1], "paragraph")
-
-
-def _rows(lines: list[str]) -> Iterator[str]:
-    for k, line in enumerate(lines):
-        if k != 1:  # the ruler below the head
-            tag = "td" if k else "th"
-            cells = (cell.strip() for cell in line.strip("|").split(" | "))
-            yield (
-                "<tr>"
-                + "".join(f"<{tag}>{_inline(c.strip('| '))}</{tag}>" for c in cells)
-                + "</tr>"
-            )
-
-
-def _inline(text: str) -> str:
-    """Return text with code set off; a link to another model stays as its text."""
-    text = re.sub(r"\[([^\]]+)\]\([^)]+\)", r"\1", html.escape(text, quote=False))
-    return re.sub(r"`([^`]+)`", r"<code>\1</code>", text)
+    return _PAGE.format(title=html.escape(model.title), icon=icon, body=html.escape(text))

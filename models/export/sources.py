@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree as ET
 
+from stickslip import fmi
 from stickslip.models.export import xml
 from stickslip.models.export.description import Model
 from stickslip.models.export.headers import table_source, variables_header
@@ -16,6 +17,7 @@ from stickslip.models.export.headers import table_source, variables_header
 FmiVersion = Literal[2, 3]
 
 MODELS = Path(__file__).parent.parent
+FACES = Path(fmi.__file__).parent / "faces"
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
 # took a tenth more time.
 COMPILER_OPTIONS = "-O2 -ffp-contract=off -fno-tree-slp-vectorize"
@@ -30,7 +32,8 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
     """Return the C files of an FMU by path in the source tree, all but the token's header."""
     files = {
         path.name: text(path)
-        for path in sorted((MODELS / "adapter").glob("*.[ch]"))
+        for folder in (MODELS / "adapter", FACES)
+        for path in sorted(folder.glob("*.[ch]"))
         if not path.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
     return files | {

@@ -1,4 +1,7 @@
-"""One command per file: ``declare`` declares its options, ``run`` executes it."""
+"""One command per file: ``declare`` declares its options, ``run`` executes it.
+
+The first line of the file, ``stickslip NAME`` and what it does, makes it a command.
+"""
 
 import argparse
 

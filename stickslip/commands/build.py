@@ -1,4 +1,4 @@
-"""``stickslip build``: FMUs of the models."""
+"""``stickslip build``: build FMUs of the models."""
 
 from __future__ import annotations
 

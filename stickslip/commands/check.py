@@ -1,4 +1,4 @@
-"""``stickslip check``: judge FMUs of any tool."""
+"""``stickslip check``: validate FMUs of any tool."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip design``: the nominal velocity loop."""
+"""``stickslip design``: design the velocity loop from bandwidth and phase margin."""
 
 from __future__ import annotations
 

@@ -22,7 +22,8 @@ def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None
         choices=ga.ALGORITHMS,
         default="default",
         help="default: our genetic algorithm; paper: the paper's, with linear genes and no "
-        "refinement, as published; cma: CMA-ES; de: scipy's differential evolution",
+        "refinement, as published; "
+        + "; ".join(f"{name}: {method.title}" for name, method in ga.OTHERS.items()),
     )
 
 

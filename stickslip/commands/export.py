@@ -1,4 +1,4 @@
-"""``stickslip export``: what was learned, designed or coupled, for other tools."""
+"""``stickslip export``: export the tuned compensator, a linear system or a whole loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip fleet``: many drives learned at once, from a table of logs or drive variants."""
+"""``stickslip fleet``: learn many drives at once, from a table of logs or drive variants."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip identify``: the three experiments of section 2.4 on the drive FMU."""
+"""``stickslip identify``: identify the parameters of the drive FMU."""
 
 from __future__ import annotations
 

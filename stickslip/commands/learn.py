@@ -1,4 +1,4 @@
-"""``stickslip learn``: a drive's parameters, and how well each is known, from one log."""
+"""``stickslip learn``: learn a drive's parameters from one log, with confidence intervals."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.worth import print_worth
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import (
+    CriterionName,
     Estimation,
-    JudgeName,
     Search,
 )
 from stickslip.logs import (
@@ -41,7 +41,7 @@ from stickslip.pipeline.log_learning import (
 )
 from stickslip.results.folder import reserved
 
-CRITERIA: dict[str, JudgeName] = {
+CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
     "loop": "output error",
     "inverse": "inverse model",
@@ -114,7 +114,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         learned = learn(
             options.log,
             description,
-            judge=CRITERIA[options.criterion],
+            criterion=CRITERIA[options.criterion],
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
@@ -152,7 +152,7 @@ def _print_findings(findings: Iterable[Finding]) -> None:
 
 def print_estimation(estimation: Estimation) -> None:
     """Print criterion, parameters with intervals, and relative errors."""
-    print(f"\ncriterion: {estimation.judge} ({estimation.reason})")
+    print(f"\ncriterion: {estimation.criterion} ({estimation.reason})")
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:

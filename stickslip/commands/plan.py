@@ -1,4 +1,4 @@
-"""``stickslip plan``: a velocity command from which a drive's parameters can be learned."""
+"""``stickslip plan``: write the command of an experiment from which a drive can be learned."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip reproduce``: the paper from beginning to end."""
+"""``stickslip reproduce``: reproduce the paper: identify, learn, validate, report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip simulate``: run a system of FMUs, or one FMU."""
+"""``stickslip simulate``: run a system of FMUs (.ssp) or one FMU."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip validate``: the trapezoid of section 4.2 with a compensator of your own."""
+"""``stickslip validate``: evaluate a compensator's parameters on the drive FMU, as in Table 4."""
 
 from __future__ import annotations
 

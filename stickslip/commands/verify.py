@@ -1,4 +1,4 @@
-"""``stickslip verify``: whether results are still what was written."""
+"""``stickslip verify``: check folders of results against their manifests."""
 
 from __future__ import annotations
 

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.files import read_limited
-from stickslip.logs.matlab import read_matlab
-from stickslip.logs.parquet import read_parquet
+from stickslip.logs import formats
 from stickslip.logs.table import LogTable
 from stickslip.logs.text import read_text
 
 MOST = 1 << 30
 """Bytes of a log; of one as text see ``text``."""
-_MATLAB = (b"MATLAB ", b"\x89HDF")
 _ARCHIVE = b"PK\x03\x04"
+_FORMATS = [
+    import_module(f"{formats.__name__}.{each.name}") for each in iter_modules(formats.__path__)
+]
 
 
 def read_table(path: Path, delimiter: str | None = None, decimal: str | None = None) -> LogTable:
-    """Read a log: Parquet and MAT by what they begin with or are called, else text.
+    """Read a log of one of the formats, else text.
 
     Raises
     ------
@@ -32,10 +35,11 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
     name, suffix = str(path), path.suffix.lower()
     if not data:
         raise RecordingError(f"{name}: empty; expected columns of numbers")
-    if data.startswith(b"PAR1") or suffix in (".parquet", ".pq"):
-        return read_parquet(name, data)
-    if data.startswith(_MATLAB) or suffix == ".mat":
-        return read_matlab(name, data)
+    for ending in ("", suffix):  # the content decides before the name does
+        for each in _FORMATS:
+            if each.recognises(data, ending):
+                table: LogTable = each.read(name, data)
+                return table
     if data.startswith(_ARCHIVE):
         raise RecordingError(f"{name}: an archive or a spreadsheet; export the log as CSV")
     return read_text(name, data, delimiter, decimal)

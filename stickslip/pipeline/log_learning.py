@@ -11,7 +11,13 @@ from typing import Any
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.fmi.files import atomic_write
-from stickslip.identification.estimation import Estimation, JudgeName, Search, Task, candidate_fmus
+from stickslip.identification.estimation import (
+    CriterionName,
+    Estimation,
+    Search,
+    Task,
+    candidate_fmus,
+)
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import (
@@ -116,7 +122,7 @@ def learn(
     path: Path | str,
     description: Description | None = None,
     *,
-    judge: JudgeName = "auto",
+    criterion: CriterionName = "auto",
     seed: int = 0,
     seeds: int = 1,
     search: Search | None = None,
@@ -149,7 +155,7 @@ def learn(
             fmus,
             reading.recording,
             reading.controller.parameters(),
-            judge=judge,
+            criterion=criterion,
             seed=seed,
             seeds=seeds,
             search=search or Search(),

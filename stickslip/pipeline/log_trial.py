@@ -55,7 +55,7 @@ def try_compensator(reading: Reading, estimation: Estimation) -> LogTrial | None
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
     duration = command.corners()[-1] + command.begin
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
-    strongest = float(np.max(np.abs(estimation.figures.shown)))
+    strongest = float(np.max(np.abs(estimation.figures.measured)))
     sheet = Datasheet(
         peak_force=reading.force_limit or 1e3 * strongest,
         tau_i=loop.axis.tau_i,

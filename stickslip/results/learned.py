@@ -133,7 +133,7 @@ def estimation_document(
         "delta": {"value": estimation.delta, "unit": "1"},
         "log": estimation.recording.source,
         "motion": estimation.recording.motion,
-        "judge": estimation.judge,
+        "judge": estimation.criterion,
         "reason": estimation.reason,
         "relative_errors": {
             name: _finite(value) for name, value in estimation.figures.errors().items()

@@ -160,7 +160,7 @@ class _Text(html.parser.HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        self.text += f"{data} "
+        self.text += data
 
 
 def test_the_documentation_is_the_readme(fmu):
@@ -169,13 +169,8 @@ def test_the_documentation_is_the_readme(fmu):
     page.feed(content["documentation/index.html"].decode())
     assert page.open == []
     rooms = [fmu.model.folder, *([fmu.model.law.folder] if fmu.model.law else [])]
-    readme = "".join((room / "README.md").read_text() for room in rooms)
-    words = " ".join(readme.replace("#", " ").replace("`", "").split())
-    for mark in ("|", "---", "- "):
-        words = words.replace(mark, " ")
-    shown = set(page.text.replace("|", " ").replace("- ", " ").split())
-    lost = {word for word in words.split() if "](" not in word and "[" not in word} - shown
-    assert not {word for word in lost if word.isalpha()}
+    for room in rooms:
+        assert (room / "README.md").read_text(encoding="utf-8") in page.text
     assert "MIT" in page.text
     assert content["documentation/licenses/license.txt"].decode() == (ROOT / "LICENSE").read_text()
 

@@ -34,7 +34,7 @@ def repacked(path, change):
 
 
 def test_it_comes_back_bit_for_bit(tmp_path):
-    # of all kinds that facades and couplings remember
+    # of all kinds that the general path and couplings keep
     kinds = {f"/{kind}": np.ones(3, kind) for kind in ("f8", "f4", "i4", "i8", "u1", "u8", "b1")}
     saved = Checkpoint({"step": "id \xe4"}, 7, np.arange(2.0), {"a": b"\0\1"}, {"a.k": 1.5}, kinds)
     again = Checkpoint.read(saved.write(tmp_path / "state"))

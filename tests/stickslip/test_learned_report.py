@@ -13,7 +13,7 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER, friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import ControllerCheck
-from stickslip.identification.criteria.goodness_of_fit import Figures
+from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
@@ -77,7 +77,7 @@ def made(kind="loop", n=30_000):
     known["F_s"] = certainty("F_s", "not visible")
     return Estimation(
         recording=recording,
-        judge="inverse model" if kind == "friction" else "output error",
+        criterion="inverse model" if kind == "friction" else "output error",
         reason="for a reason < others",
         start=Start(VALUES, space),
         fit=fit,
@@ -87,7 +87,7 @@ def made(kind="loop", n=30_000):
         profiles=pd.concat([profile(name, 100.0 if name == "sigma_1" else 1.0) for name in LUGRE]),
         searches=pd.DataFrame([{"seed": 0, "evaluations": 252, "cost": 0.02, **PAPER}]),
         algorithm=algorithm(),
-        figures=Figures(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
+        figures=GoodnessOfFit(0.1234, 0.2, *loop, t, force + noise, force, simulated, v),
         controller=None if simulated is None else ControllerCheck(force, 6e-4, 1, {}),
         model_error=0.6,
         remarks=("the sign was turned",),
@@ -144,7 +144,7 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
 def test_the_page_names_judge_reason_and_errors(written):
     kind, estimation, folder = written
     said = words(folder)
-    assert f"Criterion: {estimation.judge}, since {estimation.reason}." in said
+    assert f"Criterion: {estimation.criterion}, since {estimation.reason}." in said
     assert "12.3 %" in said
     assert ("0.015 %" in said) == (kind != "friction")
     assert "nan" not in said.lower()

@@ -48,18 +48,19 @@ bool motion_step(double h, Motion *motion, LawState *state, const Mass *mass, co
         return false;
     const int count = h > SUBSTEP ? (int)(h / SUBSTEP + 1.0 - 1e-6) : 1;
     const double step = h / count;
+    Law rough;
+    const Law *here = mass->roughness ? &rough : law;
     for (int n = 0; n < count; n++) {
         const double middle = motion->x + 0.5 * step * motion->v;
         const double u = mass->u + (mass->ripple ? mass->ripple(middle, mass->context) : 0.0);
         const double direction = motion->v != 0.0 ? motion->v : u;
-        Law here = *law;
         if (mass->roughness)
-            here = law_scaled(law, mass->roughness(middle, direction, mass->context));
+            rough = law_scaled(law, mass->roughness(middle, direction, mass->context));
         double left = step;
         if (motion->v != 0.0)
-            left = slide(step, motion, u, mass, &here);
+            left = slide(step, motion, u, mass, here);
         if (left > 0.0)
-            stand(left, motion, state, u, mass, &here);
+            stand(left, motion, state, u, mass, here);
         if (motion->v != 0.0)
             state->F_h = 0.0;
     }

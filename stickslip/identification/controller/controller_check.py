@@ -1,4 +1,4 @@
-"""Whether the controller that is said to have made a log commands the force that was logged."""
+"""Whether the given controller commands the force that was logged."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.identification.controller.controller_forms import OWN, forms
-from stickslip.identification.controller.initial_state import memory_force, remembered
+from stickslip.identification.controller.initial_state import initial_state, memory_force
 from stickslip.identification.criteria.known_loop import NO_LIMIT
 from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
@@ -76,8 +76,8 @@ def check_controller(
             return ControllerCheck(commanded(gains), float("nan"), 0, gains)
         force, T_s = recording.force, recording.T_s
         checks = [
-            _compared(force, T_s, commanded(said), said, form)
-            for form, said in forms(gains, T_s).items()
+            _compared(force, T_s, commanded(trial), trial, form)
+            for form, trial in forms(gains, T_s).items()
         ]
     check = _believed(checks[0], min(checks, key=lambda check: check.error))
     return replace(check, factor=_factor(force, T_s, check))
@@ -109,11 +109,11 @@ def _compared(
         for shift in SHIFTS:
             late = force[shift : shift + len(force) - max(SHIFTS)]
             missing = late - commanded[: len(late)]
-            said = {**gains, **(remembered(missing, gains, T_s) if running else {})}
-            rest = missing - memory_force(said, len(late), T_s)
+            started = {**gains, **(initial_state(missing, gains, T_s) if running else {})}
+            rest = missing - memory_force(started, len(late), T_s)
             error = _slow(rest, T_s) / (_slow(late - late.mean(), T_s) or 1.0)
-            shown = commanded + memory_force(said, len(commanded), T_s)
-            checks.append(ControllerCheck(shown, error, shift, said, form))
+            shown = commanded + memory_force(started, len(commanded), T_s)
+            checks.append(ControllerCheck(shown, error, shift, started, form))
         return min(checks, key=lambda check: check.error)
 
     return _believed(best(running=False), best(running=True))

@@ -1,4 +1,4 @@
-"""One controller as others sample it, said in gains of the controller FMU.
+"""Other discretisations of the controller, expressed in gains of the controller FMU.
 
 The FMU adds an error to its integral before it uses that, and its low-pass is exact for a held
 input. Controllers that use the integral first, or the mean of both, are the same with less
@@ -29,14 +29,14 @@ def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]
     found: dict[str, dict[str, float]] = {}
     for integral, lacking in _INTEGRALS.items():
         for low_pass in _FILTERS:
-            said = {
+            form = {
                 **gains,
                 "K_p": gains.get("K_p", 0.0) - lacking * T_s * gains.get("K_i", 0.0),
                 "P_x": gains.get("P_x", 0.0) - lacking * T_s * gains.get("I_x", 0.0),
                 "tau_f": _time_constant(low_pass, gains.get("tau_f", 0.0), T_s),
             }
-            if min(said["K_p"], said["P_x"]) >= 0.0 and said not in found.values():
-                found[", ".join(filter(None, (integral, low_pass)))] = said
+            if min(form["K_p"], form["P_x"]) >= 0.0 and form not in found.values():
+                found[", ".join(filter(None, (integral, low_pass)))] = form
     return found
 
 

@@ -1,4 +1,4 @@
-"""By what candidates are judged: as the recording allows, with the reason."""
+"""The choice of a criterion: the one that the recording allows, with the reason."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation.estimation import Task
 
 AGREES = 0.01
-"""Relative error of the commanded force up to which a controller counts as known."""
+"""Largest relative error of the commanded force of a known controller."""
 
 
 def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
-    """Return the judge and why."""
+    """Return the criterion and why."""
     loop, inverse = OutputError.name, InverseModel.name
-    if task.judge == loop and check is None:
+    if task.criterion == loop and check is None:
         raise UsageError(
             "the output error needs the controller that made the log: give its gains, "
             "or use the inverse model as the criterion"
         )
-    if task.judge != "auto":
-        return task.judge, "asked for"
+    if task.criterion != "auto":
+        return task.criterion, "asked for"
     if task.recording.friction is not None and task.recording.force is None:
         return inverse, "friction itself was measured"
     if check is None:

@@ -1,4 +1,4 @@
-"""A controller that was running before the log began: what its memory adds to the force.
+"""The initial state of a controller that was running before the log began.
 
 Its integrals held a force then, and its low-pass a velocity. Both add to what it commands along the
 log: the one stays, the other fades with tau_f.
@@ -16,7 +16,7 @@ HELD, FADING = "F_held", "F_fading"
 """What the log began with, beside the gains of the controller FMU [N]."""
 
 
-def remembered(missing: Array, gains: Mapping[str, float], T_s: float) -> dict[str, float]:
+def initial_state(missing: Array, gains: Mapping[str, float], T_s: float) -> dict[str, float]:
     """Return what suits best a force (n,) [N] that a controller with empty memory lacks."""
     columns = np.column_stack([np.ones_like(missing), _fading(len(missing), gains, T_s)])
     held, fading = np.linalg.lstsq(columns, missing, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""How near a model comes to a recording, in the figures of the field."""
+"""Goodness of fit: the relative errors of a model against a recording."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from stickslip.servo.measurement import Array
 
 
 @dataclass(frozen=True)
-class Figures:
+class GoodnessOfFit:
     """Relative errors: root mean square of the difference over that of the recorded signal.
 
     Attributes
     ----------
-    force : of the inverse model, recorded and implied force low-passed alike
-    force_unfiltered : the same, with the recorded force as it is
+    force : of the inverse model, measured and predicted force low-passed alike
+    force_unfiltered : the same, with the measured force as it is
     position, velocity, closed_loop_force : of the closed loop run with the recorded commands; NaN
         when the controller is not known
     t : (n,) [s]
-    shown, implied : (n,) force, recorded and implied [N]; of the inverse model
+    measured, predicted : (n,) force, measured and predicted [N]; of the inverse model
     simulated : (n,) position of the closed loop [m]; None when the controller is not known
     velocity_recorded : (n,) of the recorded motion, low-passed [m/s]
     """
@@ -40,8 +40,8 @@ class Figures:
     velocity: float
     closed_loop_force: float
     t: Array
-    shown: Array
-    implied: Array
+    measured: Array
+    predicted: Array
     simulated: Array | None
     velocity_recorded: Array
 
@@ -55,55 +55,64 @@ class Figures:
             "closed_loop_force": self.closed_loop_force,
         }
 
-    def scaled(self, scale: Scale) -> Figures:
+    def scaled(self, scale: Scale) -> GoodnessOfFit:
         """Return the signals in other units; relative errors stay."""
         simulated = None if self.simulated is None else self.simulated * scale.length
         return replace(
             self,
-            shown=self.shown * scale.force,
-            implied=self.implied * scale.force,
+            measured=self.measured * scale.force,
+            predicted=self.predicted * scale.force,
             simulated=simulated,
             velocity_recorded=self.velocity_recorded * scale.length,
         )
 
 
-def figures(
+def goodness_of_fit(
     fmus: Path,
     recording: Recording,
     inverse: InverseModel,
     values: Values,
     gains: Mapping[str, float] | None,
     check: ControllerCheck | None,
-) -> Figures:
-    """Compute them all for values by name."""
+) -> GoodnessOfFit:
+    """Return the goodness of fit of values by name."""
     delay = _delay(inverse, values)
     at = {**values, "delay": delay}
-    shown, implied = inverse.measured(at), inverse.predicted(at)
+    measured, predicted = inverse.measured(at), inverse.predicted(at)
     raw = np.interp(recording.t - delay, recording.t, measured_force(recording))
     used = inverse.used
-    force = relative(shown[used], implied[used])
-    unfiltered = relative(raw[used], implied[used])
+    force = relative(measured[used], predicted[used])
+    unfiltered = relative(raw[used], predicted[used])
     nan = float("nan")
     if gains is None or check is None:
-        return Figures(
-            force, unfiltered, nan, nan, nan, recording.t, shown, implied, None, inverse.motion.v
+        return GoodnessOfFit(
+            force,
+            unfiltered,
+            nan,
+            nan,
+            nan,
+            recording.t,
+            measured,
+            predicted,
+            None,
+            inverse.motion.v,
         )
     with KnownLoop(fmus, recording, gains) as loop:
         result = loop.run({**values, "delay": max(values["delay"], 0.0)})
-    simulated, measured = result["candidate.x"], position_of(recording)
-    velocity = [np.diff(signal) / recording.T_s for signal in (measured, simulated)]
+    simulated, position = result["candidate.x"], position_of(recording)
+    velocity = [np.diff(signal) / recording.T_s for signal in (position, simulated)]
     commanded = np.append(result["controller.u"][1:], 0.0) + values["F_0"]
     n = len(commanded) - check.shift - 1
     logged = measured_force(recording)[check.shift : check.shift + n]
-    return Figures(
+    return GoodnessOfFit(
         force,
         unfiltered,
-        relative(measured, simulated),
+        relative(position, simulated),
         relative(*velocity),
         relative(logged, commanded[:n]),
         recording.t,
-        shown,
-        implied,
+        measured,
+        predicted,
         simulated,
         inverse.motion.v,
     )

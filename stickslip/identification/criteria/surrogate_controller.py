@@ -1,8 +1,9 @@
-"""What the inverse model gets wrong, found with a stand-in for a controller that is not known.
+"""The bias of the inverse model, estimated with a surrogate for the unknown controller.
 
-The encoder's steps, the low-pass and the sampling bend the inverse model's fit. A drive with the
-fitted values is led along the recorded motion by a controller of our own, recorded with the same
-encoder, and fitted in the same way by one Gauss step; what that finds too much is taken off.
+Encoder quantisation, the low-pass and sampling bias the fit of the inverse model. A simulated drive
+with the fitted values follows the recorded motion under a surrogate controller, is recorded with
+the same encoder, and is fitted by one Gauss step; the difference from the known values is
+subtracted.
 """
 
 from __future__ import annotations
@@ -25,20 +26,20 @@ from stickslip.servo.measurement import Array, smoothed
 RUNS = 8
 ROUNDS = 3
 BANDWIDTH = 0.02
-"""Of the stand-in's velocity loop, as a share of the sample rate."""
+"""Bandwidth of the surrogate's velocity loop, as a share of the sample rate."""
 LOOSE = 0.5
-"""Standard error of a coordinate beyond which it stays where it is."""
+"""Standard error of a coordinate above which it is not corrected."""
 COARSE = 0.005
-"""Share of the top speed that one step in one sample makes, from which on steps bend the fit."""
+"""Speed of one encoder step per sample, as share of the top speed, that biases the fit."""
 ALIKE = 2.0
-"""By which factor the mean squares of replicas and recording may differ."""
+"""Largest ratio of the mean squares of bootstrap samples and recording."""
 
 
 def coarse(inverse: InverseModel, recording: Recording) -> bool:
-    """Tell whether the encoder's steps are large enough to be worth a correction.
+    """Return whether encoder quantisation is coarse enough to require a correction.
 
-    Where they are not, what the replicas differ by is the stand-in, and taking that off was seen
-    to make a measured axis (EMPS) worse.
+    Where it is not, the bootstrap samples differ mainly by the surrogate controller, and a
+    correction made the result for a measured axis (EMPS) worse.
     """
     top = float(np.quantile(np.abs(inverse.motion.v), 0.99))
     return recording.encoder_step / inverse.T_s > COARSE * top
@@ -47,10 +48,11 @@ def coarse(inverse: InverseModel, recording: Recording) -> bool:
 def correct_inverse(
     inverse: InverseModel, fitted: Fit, fmus: Path, recording: Recording, seed: int
 ) -> tuple[Fit, Array, bool]:
-    """Return the fit without its bias, and the bias (9,) that was taken off the coordinates.
+    """Return the fit without its bias, and the bias (k,) that was subtracted from its coordinates.
 
-    The last tells whether replicas of the fit leave about as much as the recording does. If not,
-    the stand-in shakes the drive in another way than its controller did, and so does the bias.
+    The last value is whether the residuals of bootstrap samples are about as large as those of the
+    recording. If not, the surrogate excites the drive differently from its real controller, and
+    the bias is not valid.
     """
     space = fitted.space
     rng = np.random.default_rng(seed)
@@ -75,7 +77,7 @@ def correct_inverse(
 
 
 def _gains(values: Values, T_s: float) -> dict[str, float]:
-    """Return a cascade for the fitted mass, that bears the constant force from the begin on."""
+    """Return a cascade for the fitted mass whose integral starts at the constant force."""
     rate = 2.0 * np.pi * BANDWIDTH / T_s  # [rad/s]
     K_p = rate * values["m"]
     gains = {"K_p": K_p, "K_i": K_p * rate / 8.0, "K_x": rate / 4.0, "tau_f": T_s, "T_s": T_s}
@@ -90,7 +92,7 @@ def _residual(
     values: Values,
     offset: float,
 ) -> Array:
-    """Record a drive anew, displaced [m]; return what the inverse model leaves of it (k,) [N]."""
+    """Return the residual (k,) [N] of a drive that is resimulated with a displacement [m]."""
     start = position_of(recording)[0] + offset
     further = {"candidate.x": start, "candidate.noise_x": 1e-9 * abs(offset)}
     result = loop.run({**values, "delay": 0.0}, further)

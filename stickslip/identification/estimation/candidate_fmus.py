@@ -1,4 +1,4 @@
-"""The FMUs that stand for a drive while its parameters are sought."""
+"""The FMUs that represent a drive while its parameters are estimated."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ MODELS = ("compensator", "drive", CONTROLLER)
 
 @contextmanager
 def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
-    """Build them, as their models are, into a folder that goes with the block.
+    """Build them with a friction law into a folder that is deleted at the end of the block.
 
-    They know nothing of the drive that made a recording, not even which of its extras are on.
+    They contain nothing of the drive that made a recording, not even which of its extras are on.
     """
     with temporary_folder() as folder:
         for name in MODELS:

@@ -1,4 +1,4 @@
-"""What is asked of an estimation, and what it gives."""
+"""The task of an estimation, and its result."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pandas as pd
 from stickslip import ga
 from stickslip.catalog.parameters import DRIVE
 from stickslip.identification.controller.controller_check import ControllerCheck
-from stickslip.identification.criteria.goodness_of_fit import Figures
+from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Certainty
@@ -21,29 +21,29 @@ from stickslip.identification.fitting.search import Search
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
 
-JudgeName = Literal["auto", "output error", "inverse model"]
+CriterionName = Literal["auto", "output error", "inverse model"]
 
 
 @dataclass(frozen=True)
 class Task:
-    """What to learn from.
+    """The task of an estimation.
 
     Attributes
     ----------
     fmus : folder of the FMUs
     gains : of the controller FMU by name; None when the controller is not known
-    judge : how candidates are judged; ``auto`` takes what the recording allows
+    criterion : compares candidates with the recording; ``auto`` takes the one that it allows
     search : which algorithm, where it runs
     seed : of the search
     seeds : how many searches, each with a seed of its own
     law : friction law of the FMUs
-    faults : what the checks found that spoils intervals or values
+    faults : findings of the checks that invalidate intervals or values
     """
 
     fmus: Path
     recording: Recording
     gains: Mapping[str, float] | None = None
-    judge: JudgeName = "auto"
+    criterion: CriterionName = "auto"
     search: Search = field(default_factory=Search)
     seed: int = 0
     seeds: int = 1
@@ -52,32 +52,32 @@ class Task:
 
     @property
     def workers(self) -> int:
-        """How many runs of an experiment go on side by side."""
+        """Number of parallel runs of an experiment."""
         return self.search.execution.workers
 
 
 @dataclass(frozen=True)
 class Estimation:
-    """What was learned.
+    """The result of an estimation.
 
     Attributes
     ----------
-    judge, reason : how candidates were judged in the end, and why
+    criterion, reason : the criterion of the result, and why
     fit : with coordinates, residual and covariance
     known : certainty by name: the law's parameters, m and b
     parameters, errors : all values by name and their standard errors, SI
     profiles : see ``certainty.profiles``
     searches : a row for each seed: seed, evaluations, cost, the values of the local fit
     algorithm : the search that led to the result
-    figures : how near the model comes to the recording
+    figures : goodness of fit
     controller : the check of the controller; None when it is not known
-    remarks : what was done to the recording
-    model_error : residual of the loop over what encoder and noise explain; NaN without the loop
+    remarks : changes made to the recording
+    model_error : residual of the loop over that from encoder and noise; NaN without the loop
     faults : those of the task, and those that learning found; no parameter is well known then
     """
 
     recording: Recording
-    judge: str
+    criterion: str
     reason: str
     start: Start
     fit: Fit
@@ -87,7 +87,7 @@ class Estimation:
     profiles: pd.DataFrame
     searches: pd.DataFrame
     algorithm: ga.Optimiser
-    figures: Figures
+    figures: GoodnessOfFit
     controller: ControllerCheck | None
     model_error: float
     gains: Mapping[str, float] | None = None
@@ -97,8 +97,8 @@ class Estimation:
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.
 
-        It is of the fits that finish the searches, by the inverse model: what differs there shows
-        valleys beside each other, where standard errors know of one only.
+        It is that of the fits after the searches, by the inverse model. A difference shows
+        several local minima, while standard errors take only one into account.
         """
         values = self.searches[list(self.fit.space.reported)]
         return {name: float(np.ptp(values[name]) / values[name].abs().max()) for name in self.known}
@@ -125,7 +125,7 @@ class Estimation:
 
 
 def restored(estimation: Estimation, scale: Scale) -> Estimation:
-    """Return what was learned of a scaled recording in SI units; ``fit`` stays scaled."""
+    """Return the estimation of a scaled recording in SI units; ``fit`` stays scaled."""
     if scale == Scale():
         return estimation
     known = {

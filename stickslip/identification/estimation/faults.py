@@ -1,4 +1,4 @@
-"""What learning finds wrong with a recording: no parameter of it is called well known."""
+"""Faults of a recording that the estimation finds; no parameter is then well identified."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ NEAR = 0.01
 """Distance from a bound of the delay that counts as none [samples]."""
 
 
-def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iterator[Finding]:
-    """Yield what is wrong, with its figure and what to do.
+def found_faults(fitted: Fit, criterion: str, check: ControllerCheck | None) -> Iterator[Finding]:
+    """Yield each fault, with its figure and what to do.
 
     Parameters
     ----------
-    fitted : by the judge of that name
+    fitted : by the criterion of that name
     check : of the controller; None where it is not known
     """
     u = fitted.space
     index = u.index("delay")
     delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))
-    at_low = delay - low < NEAR and judge != OutputError.name  # no lag is a drive without one
+    at_low = delay - low < NEAR and criterion != OutputError.name  # no lag is a drive without one
     if at_low or high - delay < NEAR:
         figure = f"{delay:.3g} samples or {1e3 * delay * u.units[index]:.3g} ms"
         advice = "log force and position of the same instants, or shift the force by its delay"
@@ -33,5 +33,5 @@ def found_faults(fitted: Fit, judge: str, check: ControllerCheck | None) -> Iter
     if check is not None and check.factor != 1.0:
         what = "the logged force is out of scale with the force that the controller commands"
         figure = f"{check.factor:.3g} times as large"
-        advice = f"say --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
+        advice = f"give --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
         yield Finding("warning", what, figure, advice, spoils="values")

@@ -1,7 +1,7 @@
-"""From one recording to a drive's parameters, with how well each is known.
+"""From one recording to a drive's parameters, with the identifiability of each.
 
 Search (genetic algorithm, inverse model) -> fit (least squares) -> for a known loop: output error,
-whitened, and corrected by replicas of the experiment -> certainty.
+whitened, and corrected by a parametric bootstrap -> identifiability.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import Values
 from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.controller.criterion_choice import choose
-from stickslip.identification.criteria.goodness_of_fit import figures
+from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.output_error import OutputError
@@ -64,15 +64,15 @@ from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
 MODEL_ERROR = 2.0
-"""How many times larger than encoder and noise explain the residual of the loop may be."""
+"""Largest ratio of the loop's residual to that from encoder and noise."""
 SAME = 1.01
 """Ratio of mean squares up to which two fits count as one."""
 LAG = 0.2
-"""What the force is taken to lag behind its command at first, in samples."""
-F_0_DOUBT = 0.01
-"""Standard deviation that the constant force of the inverse model has at least, in F_c."""
-DOUBT = 0.12
-"""Share of the bias taken off that stays as doubt."""
+"""Initial lag of the force behind its command, in samples."""
+F_0_DEVIATION = 0.01
+"""Least prior standard deviation of the constant force from the inverse model, in F_c."""
+BIAS_ERROR = 0.12
+"""Standard error of the bias that is subtracted, as share of it."""
 
 
 def learn(
@@ -85,16 +85,16 @@ def learn(
     Raises
     ------
     IdentificationError
-        When the recording does not show a drive that slides.
+        When the drive does not slide in the recording.
     UsageError
-        When it lacks a signal that the judge needs.
+        When it lacks a signal that the criterion needs.
     ga.NothingLearned
         When no candidate could be run.
     """
     scale = _scale(task.recording)
     gains = None if task.gains is None else scale.values(task.gains)
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
-    # Sums that are split over threads round differently, and a search makes more of that.
+    # Sums that are split over threads round differently, and a search amplifies that.
     with threadpool_limits(limits=1, user_api="blas"):
         estimation = _learn(scaled, on_stage, on_generation)
     return restored(estimation, scale)
@@ -123,7 +123,7 @@ def _learn(
         task = replace(task, gains=check.gains)
     recording, remarks = _against_motion(recording)
     task = replace(task, recording=recording)
-    judge, reason = choose(task, check)
+    criterion, reason = choose(task, check)
     law = friction_law(task.law)
     with InverseModel(task.fmus, recording, workers=task.workers, law=law) as model:
         start = begin(model, recording)
@@ -131,11 +131,11 @@ def _learn(
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
         corrected = None
-        if judge == OutputError.name and task.gains is not None:
+        if criterion == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
             corrected, ambiguity = _output_error(task, task.gains, start, found)
-            if corrected.model_error > MODEL_ERROR and task.judge == "auto":
-                judge = InverseModel.name
+            if corrected.model_error > MODEL_ERROR and task.criterion == "auto":
+                criterion = InverseModel.name
                 reason = (
                     f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
                     "noise explain, so the drive has what the model has not, and the mean force "
@@ -143,7 +143,7 @@ def _learn(
                 )
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")
-        if judge == OutputError.name and corrected and task.gains is not None:
+        if criterion == OutputError.name and corrected and task.gains is not None:
             errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
         else:
@@ -152,16 +152,16 @@ def _learn(
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: certainty(name, best, errors, degrees) for name in names}
-        faults = (*task.faults, *found_faults(best, judge, check))
+        faults = (*task.faults, *found_faults(best, criterion, check))
         if faults:
             known = {name: unreliable(one) for name, one in known.items()}
         known = harmless(known, start.space)
         bounded = {name: known[name].value for name in start.space.bounded}
         values = {**best.parameters, **bounded}
-        shown = figures(task.fmus, recording, inverse, values, task.gains, check)
+        goodness = goodness_of_fit(task.fmus, recording, inverse, values, task.gains, check)
     return Estimation(
         recording,
-        judge,
+        criterion,
         reason,
         start,
         best,
@@ -171,7 +171,7 @@ def _learn(
         table,
         rows,
         algorithm,
-        shown,
+        goodness,
         check,
         model_error,
         task.gains,
@@ -192,7 +192,7 @@ def _search(
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
-        # Steps that shake the drive bend the curve more than its exponent does.
+        # Coarse encoder steps bias the curve more than its exponent does.
         sure = 0.0 if coarse(inverse, task.recording) else SURE
         selection = select(variants(inverse, found), sure)
         found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
@@ -211,7 +211,7 @@ def _search(
 
 
 def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
-    """Turn a measured friction that drives the motion, by the sign of its work."""
+    """Change the sign of a measured friction whose work is positive."""
     if recording.force is not None or recording.friction is None:
         return recording, ()
     position = position_of(recording)
@@ -234,8 +234,8 @@ def _output_error(
 ) -> tuple[Corrected, Array]:
     """Fit the loop from the inverse model's values on: plain, then whitened, then corrected.
 
-    A constant force hides in the controller's integral; the mean of the logged force tells it.
-    Returned beside it: what the exponent's ambiguity adds to the covariance (9, 9).
+    The controller's integral compensates a constant force; its prior is the mean of the logged
+    force. Returned beside it: the covariance (k, k) from the ambiguity of the exponent.
     """
     delay, F_0 = start.space.index("delay"), start.space.index("F_0")
     lower, mean, deviation = (
@@ -244,7 +244,7 @@ def _output_error(
     )
     lower[delay] = 1e-3  # a lag, in samples; the inverse model's delay may be negative
     mean[F_0] = found.q[F_0]
-    deviation[F_0] = max(F_0_DOUBT, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
+    deviation[F_0] = max(F_0_DEVIATION, 3.0 * float(np.sqrt(found.covariance[F_0, F_0])))
     space = replace(
         start.space,
         constants=found.space.constants,
@@ -253,21 +253,21 @@ def _output_error(
         prior_deviation=deviation,
     )
     with OutputError(task.fmus, task.recording, gains, task.workers, space.law) as criterion:
-        judge = criterion.over(space)
+        criterion = criterion.over(space)
         lag = LAG * task.recording.T_s
         begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
-        fits = [fit(judge, [q]) for q in begins]
+        fits = [fit(criterion, [q]) for q in begins]
         least, most = sorted(fits, key=lambda one: one.noise)
-        fitted = select(variants(judge, least), 1.0).fit
+        fitted = select(variants(criterion, least), 1.0).fit
         # Where local minima differ before whitening, the deepest need not be the one after it.
         begins = begins if most.noise > SAME * least.noise else []
-        judge = judge.over(fitted.space)
-        judge.whiten(fitted.parameters)
-        selection = select(variants(judge, fit(judge, [fitted.q, *begins])))
-        judge = judge.over(selection.fit.space)
-        judge.whiten(selection.fit.parameters)
-        fitted = fit(judge, [selection.fit.q])
-        corrected = correct(judge, fitted, task.fmus, task.recording, gains, task.seed)
+        criterion = criterion.over(fitted.space)
+        criterion.whiten(fitted.parameters)
+        selection = select(variants(criterion, fit(criterion, [fitted.q, *begins])))
+        criterion = criterion.over(selection.fit.space)
+        criterion.whiten(selection.fit.parameters)
+        fitted = fit(criterion, [selection.fit.q])
+        corrected = correct(criterion, fitted, task.fmus, task.recording, gains, task.seed)
         return corrected, selection.ambiguity
 
 
@@ -276,10 +276,10 @@ def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, 
     if inverse.measures_friction or not coarse(inverse, task.recording):
         return found, found.errors()
     best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
-    if not alike:  # it is no correction, but tells how much is in doubt
+    if not alike:  # not a valid correction, but a measure of the uncertainty
         return found, value_errors(found.space, found.q, found.covariance + np.outer(bias, bias))
-    doubt = np.outer(bias, bias) * DOUBT**2
-    return best, value_errors(best.space, best.q, found.covariance + doubt)
+    spread = np.outer(bias, bias) * BIAS_ERROR**2
+    return best, value_errors(best.space, best.q, found.covariance + spread)
 
 
 def _known_loop(
@@ -287,7 +287,7 @@ def _known_loop(
 ) -> tuple[dict[str, float], pd.DataFrame]:
     """Return standard errors by name [SI], and the profiles."""
     best = corrected.fit
-    bias = np.outer(corrected.bias, corrected.bias) * DOUBT**2
+    bias = np.outer(corrected.bias, corrected.bias) * BIAS_ERROR**2
     errors = value_errors(best.space, best.q, best.covariance + bias + ambiguity)
     with OutputError(task.fmus, task.recording, gains, task.workers, best.space.law) as criterion:
         criterion.whitening = corrected.whitening

@@ -1,10 +1,10 @@
-"""The experiment run again, with the encoder that it had: what the fit gets wrong, and by how much.
+"""Parametric bootstrap of the output error: the bias of the fit, and its covariance.
 
-In a recording the encoder's steps went around the loop and shook the drive a little, which makes
-friction look lower at slow speeds. The fit's own loop is smooth. So recordings are made anew with
-the fitted values, with the encoder's steps and as much noise as the residual asks for. The values
-are moved until the recording's residual is like those of its replicas, as far as Gauss steps can
-tell; the scatter of these steps is the covariance.
+In a recording, encoder quantisation passes through the loop and excites the drive a little, so that
+friction looks lower at slow speeds. The loop that the fit simulates is smooth. So recordings are
+simulated with the fitted values, with the encoder's steps and the noise of the residual. Gauss
+steps move the values until the residual of the recording is like those of the bootstrap samples;
+the scatter of these steps is the covariance.
 
 Source
 ------
@@ -30,7 +30,7 @@ from stickslip.servo.measurement import Array
 RUNS = 30
 ROUNDS = 3
 NUMERICS = 5e-6
-"""Share of the motion by which a simulated loop may be wrong; logs of simulations show it."""
+"""Numerical error of a simulated loop, as share of the motion."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,13 @@ class Corrected:
 
     Attributes
     ----------
-    fit : at the corrected values, with the covariance of the replicas
-    bias : (9,) that was taken off the coordinates
-    mean : (k,) what replicas leave on average, whitened [m]
-    whitening : of the judge
-    expected : standard deviation [m] of the residual before whitening, in the worst replica,
-        or what a simulation may be wrong by
-    found : and in the recording
+    fit : at the corrected values, with the covariance of the bootstrap
+    bias : (k,) that was subtracted from the coordinates
+    mean : (n,) mean residual of the bootstrap samples, whitened [m]
+    whitening : of the criterion
+    expected : largest standard deviation [m] of the residual before whitening in a bootstrap
+        sample, or the numerical error of a simulation
+    found : the same of the recording
     noise : standard deviation on the position, beside the encoder's steps [m]
     unexplained : standard deviation of the whitened residual, over that of the position's own
         steps and noise
@@ -62,55 +62,59 @@ class Corrected:
 
     @property
     def model_error(self) -> float:
-        """How many times larger the residual is than encoder and noise explain.
+        """Ratio of the residual to that from encoder and noise, the larger of two.
 
-        Before whitening it shows what is slow; whitened, what replicas would take for noise.
+        Before whitening it shows slow errors; whitened, those that the bootstrap takes for noise.
         """
         return max(self.found / self.expected, self.unexplained)
 
 
 def correct(
-    judge: OutputError,
+    criterion: OutputError,
     fitted: Fit,
     fmus: Path,
     recording: Recording,
     gains: Mapping[str, float],
     seed: int,
 ) -> Corrected:
-    """Take off the bias of a whitened fit, by replicas of the experiment."""
-    judge, step = judge.over(fitted.space), recording.encoder_step
+    """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment."""
+    criterion, step = criterion.over(fitted.space), recording.encoder_step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
-    workers = judge.loop.workers
+    workers = criterion.loop.workers
     with KnownLoop(fmus, recording, gains, encoder=True, workers=workers) as loop:
         for _ in range(ROUNDS):
-            raws = _replicas(judge, loop, at.parameters, step, noise, rng)
-            moves = np.array([at.shift(judge.white(raw)) for raw in raws])
+            raws = _resimulated(criterion, loop, at.parameters, step, noise, rng)
+            moves = np.array([at.shift(criterion.white(raw)) for raw in raws])
             own = at.step() - moves.mean(axis=0)
-            q = judge.space.inside(at.q + own)
-            at = linearised(judge, q, fitted.variance)
+            q = criterion.space.inside(at.q + own)
+            at = linearised(criterion, q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    own = NUMERICS * float(np.std(judge.position))
-    expected = max(own, *(float(np.std(raw[judge.used])) for raw in raws))
-    found = float(np.std(judge.raw(at.parameters)[judge.used]))
-    mean = judge.white(raws.mean(axis=0))
+    own = NUMERICS * float(np.std(criterion.position))
+    expected = max(own, *(float(np.std(raw[criterion.used])) for raw in raws))
+    found = float(np.std(criterion.raw(at.parameters)[criterion.used]))
+    mean = criterion.white(raws.mean(axis=0))
     corrected = replace(at, covariance=spread)
     bias = fitted.q - at.q
-    unexplained = float(np.sqrt(fitted.variance)) / max(own, position_noise(judge.position, step))
-    return Corrected(corrected, bias, mean, judge.whitening, expected, found, noise, unexplained)
+    unexplained = float(np.sqrt(fitted.variance)) / max(
+        own, position_noise(criterion.position, step)
+    )
+    return Corrected(
+        corrected, bias, mean, criterion.whitening, expected, found, noise, unexplained
+    )
 
 
-def _replicas(
-    judge: OutputError,
+def _resimulated(
+    criterion: OutputError,
     loop: KnownLoop,
     values: Values,
     step: float,
     noise: float,
     rng: np.random.Generator,
 ) -> Array:
-    """Return what the smooth loop leaves of recordings made anew (RUNS, n) [m]."""
-    smooth = judge.loop.run(values)["candidate.x"]
+    """Return the residuals (RUNS, n) [m] of resimulated recordings."""
+    smooth = criterion.loop.run(values)["candidate.x"]
 
     def left(drawn: tuple[float, int]) -> Array:
         offset, seed = drawn

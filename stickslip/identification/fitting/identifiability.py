@@ -1,7 +1,7 @@
-"""How well a parameter is known: interval, profile likelihood, and a sentence.
+"""Identifiability of a parameter: interval, profile likelihood, and a sentence.
 
-The profile asks how much worse the recording is explained when one parameter is held elsewhere and
-all others give way. In the units of the fit its parabola is (distance / standard error)^2.
+The profile is the deviance when one parameter is held at another value and all others are fitted
+again. Near its minimum it is (distance / standard error)^2.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ PRIOR_DOMINATED = 0.5
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
 LOOSE = 0.5
-"""Standard error of a coordinate beyond which it stays where it is while others are profiled."""
+"""Standard error of a coordinate above which it is held while others are profiled."""
 AT_BOUND = 1e-6
-"""A coordinate so near to a bound stays there, too."""
+"""Distance from a bound below which a coordinate is held there."""
 
 
 @dataclass(frozen=True)
 class Certainty:
-    """What is known of one parameter, in SI units.
+    """Estimate of one parameter, in SI units.
 
     Attributes
     ----------
     value, standard_error : of the fit
     low, high : 95 % interval
-    visible : ``well known``, ``weakly known`` or ``not visible``
-    sentence : the same for people, with the experiment that would help
+    visible : ``well known``, ``weakly known`` or ``not visible``: well, poorly or not identifiable
+    sentence : the same for people, with the experiment that shows the parameter
     """
 
     value: float
@@ -52,7 +52,7 @@ class Certainty:
 
 
 def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty:
-    """Judge one parameter.
+    """Return the identifiability of one parameter.
 
     Parameters
     ----------

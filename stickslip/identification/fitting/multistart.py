@@ -63,7 +63,8 @@ def variants(criterion: Criterion, found: Fit) -> list[Fit]:
     """
     space, fits = found.space, [found]
     for name, parameter in space.law.parameters.items():
-        if name not in space.constants or (parameter.requires and space.is_level):
+        is_constant = name in space.constants and parameter.choices
+        if not is_constant or (parameter.requires and space.is_level):
             continue
         for choice in parameter.choices:
             change = choice - space.constants[name]

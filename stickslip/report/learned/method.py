@@ -54,7 +54,7 @@ def criterion(estimation: Estimation) -> Section:
 
 def _criterion(estimation: Estimation) -> Html:
     place, push = WORDS[estimation.recording.motion]
-    if estimation.judge == OutputError.name:
+    if estimation.criterion == OutputError.name:
         sentence = (
             "The controller ran again with the recorded commands, on a drive with each candidate’s "
             f"parameters; the differences between recorded and simulated {place} were whitened and "

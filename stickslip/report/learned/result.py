@@ -66,7 +66,7 @@ def _verdict(estimation: Estimation) -> Html:
         "div",
         paragraph(join(sentences, " ")),
         element("div", join(tiles, "\n"), class_="tiles"),
-        paragraph(f"Criterion: {estimation.judge}, since {estimation.reason}."),
+        paragraph(f"Criterion: {estimation.criterion}, since {estimation.reason}."),
         *(paragraph(f"{str(fault).capitalize()}.") for fault in estimation.faults),
         class_="verdict",
     )

@@ -52,7 +52,7 @@ def parts(estimation: Estimation) -> Parts:
     used = slice(edge, n - edge)
     m = estimation.parameters["m"] if "m" in estimation.known else 0.0
     rest = m * derivative(v, recording.T_s) + estimation.parameters["F_0"]
-    signals = (figures.t, position_of(recording), v, figures.shown, figures.implied, rest)
+    signals = (figures.t, position_of(recording), v, figures.measured, figures.predicted, rest)
     return Parts(*(np.asarray(signal[used]) for signal in signals))
 
 

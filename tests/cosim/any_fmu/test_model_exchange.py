@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.assembly import general_path as facade
+from stickslip.cosim.assembly import general_path
 
 G = 9.81
 FINE = 1e-8
@@ -168,7 +168,7 @@ def test_a_run_that_is_looked_at_ends_where_the_fmu_ends_it(export, version):
 
 
 def test_without_its_solver_one_line_says_where_there_is_one(export, version, monkeypatch):
-    facade._cvode_table.cache_clear()
+    general_path._cvode_table.cache_clear()
     monkeypatch.setitem(sys.modules, "fmpy.sundials", None)  # as on aarch64-linux
     with pytest.raises(
         cosim.FmuError, match=r"needs the solver CVode.*its Co-Simulation interface"

@@ -74,7 +74,7 @@ def test_a_simulation_collected_while_another_gives_up_does_not_wait_for_itself(
         return present()
 
     monkeypatch.setattr(once, "_present", collecting)
-    thread = threading.Thread(target=once.give_up, args=(object(),), daemon=True)
+    thread = threading.Thread(target=once.release, args=(object(),), daemon=True)
     thread.start()
     thread.join(10)
     assert not thread.is_alive()

@@ -1,4 +1,4 @@
-"""Saving and resuming FMUs behind facades: events, arrays, other types; Model Exchange anew."""
+"""Saving and resuming FMUs on the general path: events, arrays, types; Model Exchange anew."""
 
 from __future__ import annotations
 

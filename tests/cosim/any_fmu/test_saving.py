@@ -1,4 +1,4 @@
-"""Behind a facade, too: steps after a restore equal the steps after the save."""
+"""On the general path, too: steps after a restore equal the steps after the save."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def test_restored_steps_equal_the_saved(export, version, interface):
     simulation.run()
     save, restore, free = (
         ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
-        for address in simulation._facades["a"].state_calls()
+        for address in simulation._general_components["a"].state_calls()
     )
     instance = simulation._slots["a"].instance
-    step, get = kernel.load().facade_DoStep, kernel.load().facade_GetReal
+    step, get = kernel.load().general_DoStep, kernel.load().general_GetReal
     state, value = ctypes.c_void_p(), ctypes.c_double()
 
     def heights():

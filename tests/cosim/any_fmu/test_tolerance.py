@@ -13,7 +13,7 @@ PROPOSED = 'tolerance="1e-3"'
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize(("experiment", "told"), [("", 0.0), (PROPOSED, 1e-3)])
-@pytest.mark.parametrize("recorded", ["a.told", "a.*"])  # as the loop takes it, behind a facade
+@pytest.mark.parametrize("recorded", ["a.told", "a.*"])  # as the loop takes it, on the general path
 def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
     export, version, experiment, told, recorded
 ):

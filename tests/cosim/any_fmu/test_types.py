@@ -74,7 +74,7 @@ def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
 
 
 @pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("recorded", ["a.Float64_out", "a.*"])  # as it is, behind a facade
+@pytest.mark.parametrize("recorded", ["a.Float64_out", "a.*"])  # as it is, on the general path
 def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version, recorded):
     system = cosim.System()
     system.add("a", export("feedthrough", version), {"Float64_in": 3.0})  # it fails before

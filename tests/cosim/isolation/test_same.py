@@ -85,7 +85,7 @@ def test_a_result_outlives_the_next_run_and_the_child(fmus):
     assert np.array_equal(one.values, kept)
 
 
-def test_events_and_model_exchange_behind_a_facade(tmp_path):
+def test_events_and_model_exchange_behind_the_general_path(tmp_path):
     models = pytest.importorskip("models")
     system = cosim.System("push")
     system.add("stage", models.build_fmu("stage", tmp_path), interface="model_exchange")

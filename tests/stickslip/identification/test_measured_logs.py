@@ -103,7 +103,7 @@ def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, wr
 
 def test_the_hysteresis_of_a_tribometer():
     estimation = learned("tribometer", "test_data_2.txt", "tribometer.toml").estimation
-    assert estimation.judge == "inverse model"
+    assert estimation.criterion == "inverse model"
     assert estimation.figures.force < 0.2
     assert estimation.known["sigma_0"].visible != "not visible"
     assert "sign was turned" in estimation.remarks[0]

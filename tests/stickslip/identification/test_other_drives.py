@@ -73,7 +73,7 @@ def test_the_loop_gives_the_exponent_and_all_parameters(delta, pull, held, skipp
     """On a vertical axis that was held before the log began; in a log that begins in motion."""
     recording = recorded(delta, 1e-6, pull=pull, held=held, skipped=skipped)
     learned = learn(Task(candidates, recording, GAINS))
-    assert learned.judge == "output error"
+    assert learned.criterion == "output error"
     assert "integral by forward Euler and was running when the log began" in learned.reason
     assert learned.delta == learned.compensator["delta"] == delta
     assert abs(learned.F_0 - pull) < 0.5
@@ -89,9 +89,9 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
         stiff = {"F_c": 0.3, "F_s": 0.7, "v_s": 100.0, "sigma_0": 300.0, "sigma_1": 0.04}
         return {**start.line, **{name: by * start.line[name] for name, by in stiff.items()}}
 
-    monkeypatch.setattr(module, "with_linear", stuck)
+    monkeypatch.setattr(module, "solve_linear", stuck)
     learned = learn(Task(candidates, recorded(1.0, 1e-7)))
-    assert learned.judge == "inverse model"
+    assert learned.criterion == "inverse model"
     for name in ("m", "F_c", "F_s", "sigma_0"):
         assert learned.parameters[name] == pytest.approx(DRIVE[name], rel=0.06), name
 
@@ -99,6 +99,6 @@ def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, mo
 def test_a_log_of_another_simulation_is_judged_by_its_loop(candidates):
     """Without encoder and noise only both programs' own errors are left."""
     learned = learn(Task(candidates, recorded(1.0, 0.0, 6.0, sub=500), GAINS))
-    assert learned.judge == "output error"
+    assert learned.criterion == "output error"
     for name, value in DRIVE.items():
         assert learned.parameters[name] == pytest.approx(value, rel=0.01), name

@@ -54,7 +54,8 @@ LAWS = {
     + table("F_c", "N", 5.0, shown_by="constant speeds")
     + table("k_1", "N/m", 1e5, shown_by="presliding moves")
     + table("k_2", "N/m", 1e5, shown_by="presliding moves")
-    + table("offset", "N", 0.0, shown_by="constant speeds", coordinate="linear"),
+    + table("offset", "N", 0.0, shown_by="constant speeds", coordinate="linear")
+    + table("k_3", "N/m", 7.0),
 }
 T_S = 1e-3
 T = T_S * np.arange(4000)
@@ -131,13 +132,14 @@ def test_dahl_is_estimated_with_its_exponent(space_of, i):
 
 
 def test_a_law_of_linear_coordinates_and_bounds_is_estimated(space_of):
-    truth = {"F_2": 6.5, "F_c": 6.0, "k_1": 3e5, "k_2": 2e3, "offset": 0.0, **DRIVE}
+    truth = {"F_2": 6.5, "F_c": 6.0, "k_1": 3e5, "k_2": 2e3, "offset": 0.0, "k_3": 7.0, **DRIVE}
     space = space_of("branches").fixed(F_0=0.3)  # the same as the offset
     blank = Force(space, branches, np.zeros_like(T))
     noise = np.random.default_rng(0).normal(0.0, 0.01, len(T))
     criterion = Force(space, branches, noise - blank.residual(truth))
     begin = {**truth, "F_2": 8.0, "F_c": 5.0, "k_1": 2e5, "k_2": 1.5e3, "offset": -1.0}
     found = fit(criterion, [space.encode(begin)])
+    assert variants(criterion, found) == [found]
     assert found.parameters == pytest.approx(truth, rel=0.01, abs=0.01)
     assert found.parameters["F_2"] >= found.parameters["F_c"]
 

@@ -31,11 +31,11 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
     best = learned.fit
     q = best.q.copy()
     q[best.space.index("F_c")] += off
-    with OutputError(candidates, learned.recording, learned.gains) as judge:
-        judge.whiten(best.parameters)
+    with OutputError(candidates, learned.recording, learned.gains) as criterion:
+        criterion.whiten(best.parameters)
         values = best.space.decode(q)
-        variance = float(np.var(judge.residual(values)))
-        bad = linearised(judge.over(best.space), q, variance)
-        told = correct(judge, bad, candidates, learned.recording, learned.gains, 0)
+        variance = float(np.var(criterion.residual(values)))
+        bad = linearised(criterion.over(best.space), q, variance)
+        told = correct(criterion, bad, candidates, learned.recording, learned.gains, 0)
     assert told.found / told.expected < MODEL_ERROR
     assert (told.model_error > MODEL_ERROR) == (off > 0.0)

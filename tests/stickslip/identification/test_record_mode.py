@@ -23,7 +23,7 @@ def test_parameters_are_found(recorded, name, limit):
 
 
 def test_the_known_loop_judges_and_its_residual_is_what_encoder_and_noise_explain(recorded):
-    assert recorded.estimation.judge == "output error"
+    assert recorded.estimation.criterion == "output error"
     assert "controller is known" in recorded.estimation.reason
     assert recorded.estimation.model_error < 2.0
 

@@ -13,34 +13,34 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(params=["inverse model", "output error"])
-def judge_of(request, recorded, candidates):
-    """Return a function that makes a judge with so many workers."""
+def criterion_of(request, recorded, candidates):
+    """Return a function that makes a criterion with so many workers."""
     learned = recorded.estimation
     if request.param == "inverse model":
         return lambda workers: InverseModel(candidates, learned.recording, workers=workers)
     return lambda workers: OutputError(candidates, learned.recording, learned.gains, workers)
 
 
-def test_as_many_run_at_once_as_there_are_workers(judge_of, recorded):
+def test_as_many_run_at_once_as_there_are_workers(criterion_of, recorded):
     values, met = recorded.estimation.parameters, threading.Barrier(3)
 
-    with judge_of(3) as judge:
-        residual = judge.residual
+    with criterion_of(3) as criterion:
+        residual = criterion.residual
 
         def run(values):
             met.wait(timeout=60.0)  # broken if no two others come
             return residual(values)
 
-        judge.residual = run
-        first, *others = judge.map([values] * 3)
+        criterion.residual = run
+        first, *others = criterion.map([values] * 3)
         assert all(np.array_equal(first, other) for other in others)
 
 
-def test_a_slope_has_the_same_bits(judge_of, recorded):
+def test_a_slope_has_the_same_bits(criterion_of, recorded):
     best = recorded.estimation.fit
-    with judge_of(1) as alone, judge_of(3) as together:
+    with criterion_of(1) as alone, criterion_of(3) as together:
         one, other = (
-            linearised(judge.over(best.space), best.q, 1.0) for judge in (alone, together)
+            linearised(criterion.over(best.space), best.q, 1.0) for criterion in (alone, together)
         )
     np.testing.assert_array_equal(one.jacobian, other.jacobian)
     np.testing.assert_array_equal(one.residual, other.residual)

@@ -39,7 +39,7 @@ def watched(candidates, recording):
 
 
 def test_the_inverse_model_finds_what_shows_well(alone, recorded):
-    assert alone.judge == "inverse model"
+    assert alone.criterion == "inverse model"
     assert "not known" in alone.reason
     for name, limit in {"m": 0.01, "F_c": 0.01, "sigma_0": 0.03, "sigma_1": 0.03}.items():
         assert alone.parameters[name] == pytest.approx(recorded.truth[name], rel=limit)
@@ -75,7 +75,7 @@ def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):
 
 
 def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
-    task = Task(candidates, recorded.estimation.recording, judge="output error")
+    task = Task(candidates, recorded.estimation.recording, criterion="output error")
     with pytest.raises(UsageError, match="needs the controller"):
         learn(task)
 

@@ -1,4 +1,4 @@
-"""The structures of ``facade.h`` and the functions behind them."""
+"""The structures of ``general_path.h`` and the functions behind them."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Clock(Structure):
     )
 
 
-class Facade(Structure):
+class GeneralComponent(Structure):
     """An FMU seen by the kernel as a plain one."""
 
     _fields_ = (
@@ -141,15 +141,15 @@ class Facade(Structure):
         ("clocks", POINTER(Clock)),
         ("running", c_int64),
         ("states_changed", c_int64),
-        ("careful", c_int64),
+        ("retries_steps", c_int64),
         ("begun", c_void_p),
-        ("said", Answers),
+        ("answers", Answers),
     )
 
 
-def facade_calls(version: int) -> list[tuple[str, str]]:
+def general_calls(version: int) -> list[tuple[str, str]]:
     """Return for each call its name, None where the version has none, and what needs it."""
-    function = load().facade_calls
+    function = load().general_calls
     function.restype = c_char_p
     lines = function().decode().splitlines()
     return [(words[version - 2], words[2]) for words in map(str.split, lines)]

@@ -1,10 +1,10 @@
 /* An FMU that does more than step on doubles, seen by the kernel as a plain FMI 2.0 one.
  *
- * The kernel's loop knows SetReal, DoStep and GetReal on rows of doubles. A facade gives it these
- * for FMUs with other types, arrays, event mode or Model Exchange. References are then places in
- * its lists of ports. cosim/kernel/facade.py mirrors these structures. */
-#ifndef COSIM_FACADE_H
-#define COSIM_FACADE_H
+ * The kernel's loop knows SetReal, DoStep and GetReal on rows of doubles. The general path gives it
+ * these for FMUs with other types, arrays, event mode or Model Exchange. References are then places
+ * in its lists of ports. cosim/kernel/general_path.py mirrors these structures. */
+#ifndef COSIM_GENERAL_PATH_H
+#define COSIM_GENERAL_PATH_H
 
 #include "arithmetic.h"
 #include "course.h"
@@ -18,7 +18,7 @@ typedef void AnyCall(void);
 /* place, name in FMI 2.0, name in FMI 3.0, what it is needed for: (C)o-simulation, (M)odel
  * exchange, (E)vent mode, (S)tructural parameters, (R)ollback, cloc(K)s. A dash: the version has no
  * such call. */
-#define FACADE_CALLS(X)                                                                            \
+#define GENERAL_CALLS(X)                                                                           \
     X(INSTANTIATE_CS, "fmi2Instantiate", "fmi3InstantiateCoSimulation", "C")                       \
     X(INSTANTIATE_ME, "fmi2Instantiate", "fmi3InstantiateModelExchange", "M")                      \
     X(FREE_INSTANCE, "fmi2FreeInstance", "fmi3FreeInstance", "CM")                                 \
@@ -50,7 +50,7 @@ typedef void AnyCall(void);
     X(GET_INTERVAL, "-", "fmi3GetIntervalDecimal", "K")
 
 #define PLACE(place, fmi2, fmi3, interfaces) place,
-enum Call { FACADE_CALLS(PLACE) N_CALLS };
+enum Call { GENERAL_CALLS(PLACE) N_CALLS };
 
 /* How a variable's value is stored, by its C type. Strings and Binary are only ever start values.
  */
@@ -115,7 +115,7 @@ typedef struct Integrator Integrator;
 typedef struct Cvode Cvode;
 
 typedef struct {
-    Log log; /* first, and its callbacks are: by their address Instantiate finds the facade */
+    Log log; /* first, and its callbacks are: by their address Instantiate finds the component */
     int64_t version;
     int64_t model_exchange;
     int64_t event_mode;  /* Co-Simulation: eventModeUsed and earlyReturnAllowed */
@@ -149,44 +149,47 @@ typedef struct {
     Clock *clocks;
     int64_t running; /* initialisation is over */
     int64_t states_changed;
-    int64_t careful; /* a discarded step is taken back, and tried in parts */
-    void *begun;     /* the state at the begin of a part */
-    Answers said;
-} Facade;
+    int64_t retries_steps; /* a discarded step is taken back, and tried in parts */
+    void *begun;           /* the state at the begin of a part */
+    Answers answers;
+} GeneralComponent;
 
 /* Beside TERMINATED and the others of enum Reason. */
 enum { TOO_MANY_EVENTS = 110, SOLVER_FAILED, OUT_OF_MEMORY, NO_SUCH_TIME };
 
 /* Each returns an FMI status or a Reason. */
 #ifdef MARKED
-AnyCall *calling(const Facade *f, enum Call place);
+AnyCall *calling(const GeneralComponent *f, enum Call place);
 #else
 #define calling(f, place) ((f)->call[place])
 #endif
-fmi2Status plain(Facade *f, enum Call place);
-fmi2Status noted(Facade *f, enum Call place, int status);     /* what the FMU returned */
-fmi2Status answered(Facade *f, const char *call, int status); /* likewise */
-fmi2Status blamed(Facade *f, enum Call place, int reason);    /* a Reason */
-fmi2Status step_once(Facade *f, double t, double h);          /* DoStep; its answers are in said */
-fmi2Status transfer(Facade *f, const Group *group);
-fmi2Status set_groups(Facade *f, const Groups *groups);
-fmi2Status handle_event(Facade *f, bool with_inputs);
-fmi2Status update_discrete_states(Facade *f);
+fmi2Status plain(GeneralComponent *f, enum Call place);
+fmi2Status noted(GeneralComponent *f, enum Call place, int status);     /* what the FMU returned */
+fmi2Status answered(GeneralComponent *f, const char *call, int status); /* likewise */
+fmi2Status blamed(GeneralComponent *f, enum Call place, int reason);    /* a Reason */
+fmi2Status step_once(GeneralComponent *f, double t,
+                     double h); /* DoStep; its answers are in answers */
+fmi2Status transfer(GeneralComponent *f, const Group *group);
+fmi2Status set_groups(GeneralComponent *f, const Groups *groups);
+fmi2Status handle_event(GeneralComponent *f, bool with_inputs);
+fmi2Status update_discrete_states(GeneralComponent *f);
 void store(const Group *group, int64_t place, double value);
 
-fmi2Status begin_clocks(Facade *f);
-void schedule_ticks(Facade *f); /* find the next tick of all clocks */
-fmi2Status tick_clocks(Facade *f);
-fmi2Status after_ticks(Facade *f);
+fmi2Status begin_clocks(GeneralComponent *f);
+void schedule_ticks(GeneralComponent *f); /* find the next tick of all clocks */
+fmi2Status tick_clocks(GeneralComponent *f);
+fmi2Status after_ticks(GeneralComponent *f);
 
-fmi2Status begin_exchange(Facade *f);
-fmi2Status step_exchange(Facade *f, double t, double h);
-fmi2Status restart_exchange(Facade *f);
-void seek_jump(Facade *f); /* find the next jump after those that were passed */
-void end_exchange(Facade *f);
+fmi2Status begin_exchange(GeneralComponent *f);
+fmi2Status step_exchange(GeneralComponent *f, double t, double h);
+fmi2Status restart_exchange(GeneralComponent *f);
+void seek_jump(GeneralComponent *f); /* find the next jump after those that were passed */
+void end_exchange(GeneralComponent *f);
 
 /* An event that is not due lies at infinity. */
-static inline bool is_due(const Facade *f, double event, double t) { return event <= t + f->near; }
+static inline bool is_due(const GeneralComponent *f, double event, double t) {
+    return event <= t + f->near;
+}
 
 /* Rounding makes two times differ by so much. */
 static inline double rounding_of(double t) { return 4.0 * DBL_EPSILON * fabs(t); }
@@ -200,29 +203,29 @@ static inline double rounding_of(double t) { return 4.0 * DBL_EPSILON * fabs(t);
         }                                                                                          \
     } while (0)
 
-EXPORT const char *facade_calls(void);
+EXPORT const char *general_calls(void);
 
 /* Set tunable parameters between two steps, as an event where the FMU knows events. */
-EXPORT fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                              const void *group);
+EXPORT fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                               const void *group);
 
-/* After the FMU was brought into a saved state, and the facade's own fields with it. */
-EXPORT fmi2Status facade_go_on(Facade *f);
+/* After the FMU was brought into a saved state, and the fields of the general path with it. */
+EXPORT fmi2Status general_go_on(GeneralComponent *f);
 
 /* Under these names the kernel's table of FMI 2.0 calls finds them. */
-EXPORT fmi2InstantiateTYPE facade_Instantiate;
-EXPORT fmi2FreeInstanceTYPE facade_FreeInstance;
-EXPORT fmi2ResetTYPE facade_Reset;
-EXPORT fmi2SetupExperimentTYPE facade_SetupExperiment;
-EXPORT fmi2EnterInitializationModeTYPE facade_EnterInitializationMode;
-EXPORT fmi2ExitInitializationModeTYPE facade_ExitInitializationMode;
-EXPORT fmi2SetRealTYPE facade_SetReal;
-EXPORT fmi2SetRealInputDerivativesTYPE facade_SetRealInputDerivatives;
-EXPORT fmi2GetRealTYPE facade_GetReal;
-EXPORT fmi2DoStepTYPE facade_DoStep;
-EXPORT fmi2TerminateTYPE facade_Terminate;
-EXPORT fmi2GetFMUstateTYPE facade_GetFMUstate;
-EXPORT fmi2SetFMUstateTYPE facade_SetFMUstate;
-EXPORT fmi2FreeFMUstateTYPE facade_FreeFMUstate;
+EXPORT fmi2InstantiateTYPE general_Instantiate;
+EXPORT fmi2FreeInstanceTYPE general_FreeInstance;
+EXPORT fmi2ResetTYPE general_Reset;
+EXPORT fmi2SetupExperimentTYPE general_SetupExperiment;
+EXPORT fmi2EnterInitializationModeTYPE general_EnterInitializationMode;
+EXPORT fmi2ExitInitializationModeTYPE general_ExitInitializationMode;
+EXPORT fmi2SetRealTYPE general_SetReal;
+EXPORT fmi2SetRealInputDerivativesTYPE general_SetRealInputDerivatives;
+EXPORT fmi2GetRealTYPE general_GetReal;
+EXPORT fmi2DoStepTYPE general_DoStep;
+EXPORT fmi2TerminateTYPE general_Terminate;
+EXPORT fmi2GetFMUstateTYPE general_GetFMUstate;
+EXPORT fmi2SetFMUstateTYPE general_SetFMUstate;
+EXPORT fmi2FreeFMUstateTYPE general_FreeFMUstate;
 
 #endif

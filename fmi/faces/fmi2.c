@@ -1,7 +1,5 @@
-/* FMI 2.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
+/* FMI 2.0, what both interfaces share, and Co-Simulation: names and types over face.h. */
 #include "fmi2.h"
-
-#include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
                  const char *message) {
@@ -31,7 +29,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         logger.callback = (void (*)(void))functions->logger;
         logger.environment = functions->componentEnvironment;
     }
-    return instance_new(instanceName, fmuGUID, fmuType == fmi2ModelExchange, logger);
+    return instance_new(instanceName, fmuGUID, fmuResourceLocation, fmuType == fmi2ModelExchange,
+                        logger);
 }
 
 void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
@@ -39,7 +38,7 @@ void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
                                fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     REQUIRE(INSTANTIATED);
-    return (fmi2Status)instance_set_time(c, startTime);
+    return (fmi2Status)instance_set_up(c, startTime, stopTimeDefined, stopTime);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -67,12 +66,11 @@ fmi2Status fmi2Reset(fmi2Component c) {
                              fmi2Type_ value[]) {                                                  \
         REQUIRE(ANY);                                                                              \
         NEED(!nvr || (vr && value));                                                               \
-        Instance *i = c;                                                                           \
-        instance_refresh(i);                                                                       \
         for (size_t k = 0; k < nvr; k++) {                                                         \
-            if (instance_check(i, vr[k], TYPE, __func__) != OK)                                    \
+            double value_k;                                                                        \
+            if (instance_get(c, vr[k], TYPE, &value_k, __func__) != OK)                            \
                 return fmi2Error;                                                                  \
-            value[k] = (fmi2Type_)i->now.values[vr[k]];                                            \
+            value[k] = (fmi2Type_)value_k;                                                         \
         }                                                                                          \
         return fmi2OK;                                                                             \
     }                                                                                              \
@@ -81,11 +79,11 @@ fmi2Status fmi2Reset(fmi2Component c) {
         REQUIRE(ALIVE);                                                                            \
         NEED(!nvr || (vr && value));                                                               \
         for (size_t k = 0; k < nvr; k++)                                                           \
-            if (instance_check(c, vr[k], TYPE, __func__) != OK ||                                  \
-                instance_accepts(c, vr[k], (double)value[k], __func__) != OK)                      \
+            if (instance_accepts(c, vr[k], TYPE, (double)value[k], __func__) != OK)                \
                 return fmi2Error;                                                                  \
         for (size_t k = 0; k < nvr; k++)                                                           \
-            instance_put(c, vr[k], (double)value[k]);                                              \
+            if (instance_put(c, vr[k], (double)value[k]) != OK)                                    \
+                return fmi2Error;                                                                  \
         return fmi2OK;                                                                             \
     }
 
@@ -93,7 +91,7 @@ ACCESS(Real, fmi2Real, REAL)
 ACCESS(Integer, fmi2Integer, INTEGER)
 ACCESS(Boolean, fmi2Boolean, BOOLEAN)
 
-/* No model here has a string: only an empty request can be met. */
+/* There are no strings: only an empty request can be met. */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                          fmi2String value[]) {
     REQUIRE(ANY);
@@ -162,11 +160,11 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
-    REQUIRE(STEPPING | FAILED | TERMINATED);
+    REQUIRE(STEPPING | BROKEN | ENDED);
     NEED(value);
     if (s != fmi2LastSuccessfulTime)
         return fmi2Discard;
-    *value = ((Instance *)c)->now.values[0];
+    *value = instance_time(c);
     return fmi2OK;
 }
 
@@ -175,7 +173,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
-    REQUIRE(STEPPING | FAILED | TERMINATED);
+    REQUIRE(STEPPING | BROKEN | ENDED);
     NEED(value);
     if (s != fmi2Terminated)
         return fmi2Discard;
@@ -191,7 +189,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t nUnknown, const fmi2ValueReference known[],
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED);
     NEED((!nUnknown || (unknown && dvUnknown)) && (!nKnown || (known && dvKnown)));
     return (fmi2Status)slopes_multiply(c, DIRECTIONAL, (Chosen){unknown, nUnknown},
                                        (Chosen){known, nKnown}, dvKnown, dvUnknown, __func__);

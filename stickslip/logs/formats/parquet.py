@@ -10,7 +10,12 @@ from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
 
-def read_parquet(path: str, data: bytes) -> LogTable:
+def recognises(data: bytes, suffix: str) -> bool:
+    """Tell whether a log is of this format."""
+    return data.startswith(b"PAR1") or suffix in (".parquet", ".pq")
+
+
+def read(path: str, data: bytes) -> LogTable:
     """Read the numeric columns of a Parquet file; points in time become seconds.
 
     Raises

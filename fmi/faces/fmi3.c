@@ -1,7 +1,5 @@
-/* FMI 3.0, what both interfaces share, and Co-Simulation: names and types over instance.h. */
+/* FMI 3.0, what both interfaces share, and Co-Simulation: names and types over face.h. */
 #include "fmi3.h"
-
-#include "slopes.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
                  const char *message) {
@@ -25,7 +23,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
     fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
     const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
-    return instance_new(instanceName, instantiationToken, false, logger);
+    return instance_new(instanceName, instantiationToken, resourcePath, false, logger);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
@@ -34,7 +32,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
     const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
-    return instance_new(instanceName, instantiationToken, true, logger);
+    return instance_new(instanceName, instantiationToken, resourcePath, true, logger);
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
@@ -43,7 +41,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
                                        fmi3Float64 tolerance, fmi3Float64 startTime,
                                        fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     REQUIRE(INSTANTIATED);
-    if (instance_set_time(instance, startTime) != OK)
+    if (instance_set_up(instance, startTime, stopTimeDefined, stopTime) != OK)
         return fmi3Error;
     return (fmi3Status)instance_enter_initialization(instance);
 }
@@ -69,12 +67,11 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
         REQUIRE(ANY);                                                                              \
         REQUIRE_COUNT(count, nValues);                                                             \
         NEED(!count || (references && values));                                                    \
-        Instance *i = instance;                                                                    \
-        instance_refresh(i);                                                                       \
         for (size_t k = 0; k < count; k++) {                                                       \
-            if (instance_check(i, references[k], TYPE, __func__) != OK)                            \
+            double value_k;                                                                        \
+            if (instance_get(instance, references[k], TYPE, &value_k, __func__) != OK)             \
                 return fmi3Error;                                                                  \
-            values[k] = (fmi3##Name)i->now.values[references[k]];                                  \
+            values[k] = (fmi3##Name)value_k;                                                       \
         }                                                                                          \
         return fmi3OK;                                                                             \
     }                                                                                              \
@@ -84,11 +81,12 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
         REQUIRE_COUNT(count, nValues);                                                             \
         NEED(!count || (references && values));                                                    \
         for (size_t k = 0; k < count; k++)                                                         \
-            if (instance_check(instance, references[k], TYPE, __func__) != OK ||                   \
-                instance_accepts(instance, references[k], (double)values[k], __func__) != OK)      \
+            if (instance_accepts(instance, references[k], TYPE, (double)values[k], __func__) !=    \
+                OK)                                                                                \
                 return fmi3Error;                                                                  \
         for (size_t k = 0; k < count; k++)                                                         \
-            instance_put(instance, references[k], (double)values[k]);                              \
+            if (instance_put(instance, references[k], (double)values[k]) != OK)                    \
+                return fmi3Error;                                                                  \
         return fmi3OK;                                                                             \
     }
 
@@ -100,7 +98,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         size_t nUnknowns, const fmi3ValueReference knowns[],
                                         size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
                                         fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED);
     REQUIRE_COUNT(nKnowns, nSeed);
     REQUIRE_COUNT(nUnknowns, nSensitivity);
     NEED((!nUnknowns || (unknowns && sensitivity)) && (!nKnowns || (knowns && seed)));
@@ -112,7 +110,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
                                     size_t nUnknowns, const fmi3ValueReference knowns[],
                                     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
                                     fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED);
     REQUIRE_COUNT(nUnknowns, nSeed);
     REQUIRE_COUNT(nKnowns, nSensitivity);
     NEED((!nUnknowns || (unknowns && seed)) && (!nKnowns || (knowns && sensitivity)));
@@ -172,6 +170,6 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     *eventHandlingNeeded = false;
     *terminateSimulation = false;
     *earlyReturn = false;
-    *lastSuccessfulTime = ((const Instance *)instance)->now.values[0];
+    *lastSuccessfulTime = instance_time(instance);
     return (fmi3Status)status;
 }

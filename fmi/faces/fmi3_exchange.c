@@ -1,5 +1,4 @@
-/* FMI 3.0 for Model Exchange over exchange.h. */
-#include "exchange.h"
+/* FMI 3.0 for Model Exchange over face.h. */
 #include "fmi3.h"
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
@@ -53,7 +52,7 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 cont
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
                                              size_t nContinuousStates) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nContinuousStates || derivatives);
     return (fmi3Status)exchange_get_derivatives(instance, derivatives, nContinuousStates);
 }
@@ -61,21 +60,21 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
 /* The equations are continuous in all their variables: there is nothing to indicate. */
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[],
                                   size_t nEventIndicators) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     REQUIRE_COUNT(0, nEventIndicators);
     return fmi3OK;
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
                                    size_t nContinuousStates) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nContinuousStates || continuousStates);
     return (fmi3Status)exchange_get_states(instance, continuousStates, nContinuousStates);
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
                                              size_t nContinuousStates) {
-    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nContinuousStates || nominals);
     return (fmi3Status)exchange_get_nominals(instance, nominals, nContinuousStates);
 }
@@ -90,6 +89,6 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
     REQUIRE(ANY);
     NEED(nContinuousStates);
-    *nContinuousStates = DERIVATIVES_COUNT;
+    *nContinuousStates = exchange_count(instance);
     return fmi3OK;
 }

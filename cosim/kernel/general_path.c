@@ -1,5 +1,5 @@
-/* The life of an FMU behind a facade, from instantiation to its end, with its events. */
-#include "facade.h"
+/* The life of an FMU on the general path, from instantiation to its end, with its events. */
+#include "general_path.h"
 #include <math.h>
 
 /* More in a row mean that events never come to an end. */
@@ -7,20 +7,20 @@ enum { MAX_ITERATIONS = 10000 };
 
 #define FMI2(place, fmi2, fmi3, interfaces) fmi2,
 #define FMI3(place, fmi2, fmi3, interfaces) fmi3,
-static const char *const NAMES[][N_CALLS] = {{FACADE_CALLS(FMI2)}, {FACADE_CALLS(FMI3)}};
+static const char *const NAMES[][N_CALLS] = {{GENERAL_CALLS(FMI2)}, {GENERAL_CALLS(FMI3)}};
 
 #define LINE(place, fmi2, fmi3, interfaces) fmi2 " " fmi3 " " interfaces "\n"
-const char *facade_calls(void) { return FACADE_CALLS(LINE); }
+const char *general_calls(void) { return GENERAL_CALLS(LINE); }
 
 #ifdef MARKED
-AnyCall *calling(const Facade *f, enum Call place) {
+AnyCall *calling(const GeneralComponent *f, enum Call place) {
     MARK_CALL(NAMES[f->version - 2][place]);
     return f->call[place];
 }
 #endif
 
 /* A warning is noted here and OK for the kernel. */
-fmi2Status answered(Facade *f, const char *call, int status) {
+fmi2Status answered(GeneralComponent *f, const char *call, int status) {
     restore_sums();
     if (status == fmi2OK) {
         return fmi2OK;
@@ -40,24 +40,24 @@ fmi2Status answered(Facade *f, const char *call, int status) {
     return (fmi2Status)status;
 }
 
-fmi2Status noted(Facade *f, enum Call place, int status) {
+fmi2Status noted(GeneralComponent *f, enum Call place, int status) {
     return answered(f, NAMES[f->version - 2][place], status);
 }
 
-fmi2Status blamed(Facade *f, enum Call place, int reason) {
+fmi2Status blamed(GeneralComponent *f, enum Call place, int reason) {
     f->called = NAMES[f->version - 2][place];
     f->log.reason = reason;
     return (fmi2Status)reason;
 }
 
-fmi2Status plain(Facade *f, enum Call place) {
+fmi2Status plain(GeneralComponent *f, enum Call place) {
     return noted(f, place, ((int (*)(void *))calling(f, place))(f->instance));
 }
 
-fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
-                                 fmi2String resources, const fmi2CallbackFunctions *callbacks,
-                                 fmi2Boolean visible, fmi2Boolean logging) {
-    Facade *f = (Facade *)(uintptr_t)callbacks;
+fmi2Component general_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
+                                  fmi2String resources, const fmi2CallbackFunctions *callbacks,
+                                  fmi2Boolean visible, fmi2Boolean logging) {
+    GeneralComponent *f = (GeneralComponent *)(uintptr_t)callbacks;
     void *environment = callbacks->componentEnvironment;
     AnyCall *call = calling(f, f->model_exchange ? INSTANTIATE_ME : INSTANTIATE_CS);
     if (f->version == 2) {
@@ -76,8 +76,8 @@ fmi2Component facade_Instantiate(fmi2String name, fmi2Type type, fmi2String toke
     return f->instance ? f : NULL;
 }
 
-void facade_FreeInstance(fmi2Component c) {
-    Facade *f = c;
+void general_FreeInstance(fmi2Component c) {
+    GeneralComponent *f = c;
     end_exchange(f);
     if (f->instance && f->begun) {
         ((StateCall *)calling(f, FREE_STATE))(f->instance, &f->begun);
@@ -89,15 +89,15 @@ void facade_FreeInstance(fmi2Component c) {
     f->instance = NULL;
 }
 
-fmi2Status facade_Reset(fmi2Component c) {
-    Facade *f = c;
+fmi2Status general_Reset(fmi2Component c) {
+    GeneralComponent *f = c;
     end_exchange(f);
     return plain(f, RESET);
 }
 
-fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
-                                  fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
-    Facade *f = c;
+fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                   fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
+    GeneralComponent *f = c;
     f->time = f->start = start;
     f->stop = stop;
     f->told_tolerance = has_tolerance ? tolerance : 0.0;
@@ -113,8 +113,8 @@ fmi2Status facade_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fm
                                                         start, has_stop, stop));
 }
 
-fmi2Status facade_EnterInitializationMode(fmi2Component c) {
-    Facade *f = c;
+fmi2Status general_EnterInitializationMode(fmi2Component c) {
+    GeneralComponent *f = c;
     if (f->structure.n) {
         TRY_STATUS(plain(f, ENTER_CONFIGURATION));
         TRY_STATUS(set_groups(f, &f->structure));
@@ -133,8 +133,8 @@ fmi2Status facade_EnterInitializationMode(fmi2Component c) {
     return set_groups(f, &f->late);
 }
 
-fmi2Status facade_ExitInitializationMode(fmi2Component c) {
-    Facade *f = c;
+fmi2Status general_ExitInitializationMode(fmi2Component c) {
+    GeneralComponent *f = c;
     TRY_STATUS(plain(f, EXIT_INITIALIZATION));
     if (f->model_exchange || f->event_mode) {
         TRY_STATUS(begin_clocks(f));
@@ -148,10 +148,10 @@ fmi2Status facade_ExitInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
-fmi2Status facade_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
+fmi2Status general_Terminate(fmi2Component c) { return plain(c, TERMINATE); }
 
 /* Once: whether another call is due, and whether the FMU wants to end. */
-static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
+static fmi2Status update_once(GeneralComponent *f, bool *again, bool *terminate) {
     AnyCall *call = calling(f, UPDATE_DISCRETE_STATES);
     bool nominals, states, defined;
     double next;
@@ -178,7 +178,7 @@ static fmi2Status update_once(Facade *f, bool *again, bool *terminate) {
 }
 
 /* Until nothing is due any more. */
-fmi2Status update_discrete_states(Facade *f) {
+fmi2Status update_discrete_states(GeneralComponent *f) {
     f->states_changed = 0;
     bool again = false, terminate;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
@@ -195,7 +195,7 @@ fmi2Status update_discrete_states(Facade *f) {
     return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
 }
 
-fmi2Status handle_event(Facade *f, bool with_inputs) {
+fmi2Status handle_event(GeneralComponent *f, bool with_inputs) {
     TRY_STATUS(plain(f, ENTER_EVENT_MODE));
     if (with_inputs) {
         TRY_STATUS(set_groups(f, &f->inputs));
@@ -204,9 +204,9 @@ fmi2Status handle_event(Facade *f, bool with_inputs) {
     return plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE);
 }
 
-fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                       const void *group) {
-    Facade *f = c;
+fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                        const void *group) {
+    GeneralComponent *f = c;
     (void)references, (void)n;
     if (!(f->event_mode || f->model_exchange)) {
         return transfer(f, group);
@@ -215,37 +215,37 @@ fmi2Status facade_tune(fmi2Component c, const fmi2ValueReference references[], s
     TRY_STATUS(transfer(f, group));
     TRY_STATUS(update_discrete_states(f));
     TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
-    return facade_go_on(f);
+    return general_go_on(f);
 }
 
-static fmi2Status step_fmi2(Facade *f, double t, double h) {
+static fmi2Status step_fmi2(GeneralComponent *f, double t, double h) {
     TRY_STATUS(step_once(f, t, h));
     f->time = t + h;
     return fmi2OK;
 }
 
 /* An FMU that returns early is sent on its way again until the step is done; it stops at ticks. */
-static fmi2Status step_fmi3(Facade *f, double t, double h) {
+static fmi2Status step_fmi3(GeneralComponent *f, double t, double h) {
     const double last = t + h;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
         const bool ticks = f->next_tick < last && !is_due(f, last, f->next_tick);
         const double end = ticks ? f->next_tick : last;
         h = ticks ? end - t : h;
         TRY_STATUS(step_once(f, t, h));
-        const Answers *said = &f->said;
-        const double reached = said->last_successful_time;
-        if (said->early && !(reached >= t && reached <= end + f->near)) {
+        const Answers *answers = &f->answers;
+        const double reached = answers->last_successful_time;
+        if (answers->early && !(reached >= t && reached <= end + f->near)) {
             return blamed(f, DO_STEP, NO_SUCH_TIME);
         }
-        const bool whole = !said->early || end - reached <= rounding_of(end);
+        const bool whole = !answers->early || end - reached <= rounding_of(end);
         f->time = whole ? end : reached;
-        if (said->terminate) {
+        if (answers->terminate) {
             return blamed(f, DO_STEP, TERMINATED);
         }
-        if (said->early && !f->event_mode) {
+        if (answers->early && !f->event_mode) {
             return blamed(f, DO_STEP, RETURNED_EARLY);
         }
-        if (f->event_mode && (said->event_handling_needed || is_due(f, f->next_tick, f->time))) {
+        if (f->event_mode && (answers->event_handling_needed || is_due(f, f->next_tick, f->time))) {
             TRY_STATUS(handle_event(f, false));
         }
         if (whole && !ticks) {
@@ -257,8 +257,8 @@ static fmi2Status step_fmi3(Facade *f, double t, double h) {
     return blamed(f, DO_STEP, TOO_MANY_EVENTS);
 }
 
-fmi2Status facade_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {
-    Facade *f = c;
+fmi2Status general_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {
+    GeneralComponent *f = c;
     (void)no_return;
     if (f->model_exchange) {
         return step_exchange(f, t, h);

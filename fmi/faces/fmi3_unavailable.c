@@ -2,11 +2,11 @@
  * answers fmi3Error with a message. */
 #include <fmi3Functions.h>
 
-#include "instance.h"
+#include "face.h"
 
 #define UNAVAILABLE return (fmi3Status)instance_unavailable(instance, __func__)
 
-/* No model here has variables of these types. */
+/* There are no variables of these types. */
 #define REFUSE(Name)                                                                               \
     fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
                              size_t count, fmi3##Name values[], size_t nValues) {                  \

@@ -4,10 +4,7 @@
 
 #include <fmi3Functions.h>
 
-#include "instance.h"
-
-#define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | EVENT | CONTINUOUS | TERMINATED)
-#define ANY (ALIVE | FAILED)
+#include "face.h"
 
 /* Leave the calling function unless the instance exists and is in one of these phases. */
 #define REQUIRE(phases)                                                                            \

@@ -1,5 +1,4 @@
-/* FMI 2.0 for Model Exchange over exchange.h. */
-#include "exchange.h"
+/* FMI 2.0 for Model Exchange over face.h. */
 #include "fmi2.h"
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
@@ -47,25 +46,25 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nx || derivatives);
     return (fmi2Status)exchange_get_derivatives(c, derivatives, nx);
 }
 
 /* The equations are continuous in all their variables: there is nothing to indicate. */
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     return ni ? (fmi2Status)instance_mismatch(c, 0, ni, __func__) : fmi2OK;
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nx || x);
     return (fmi2Status)exchange_get_states(c, x, nx);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
-    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | ENDED);
     NEED(!nx || x_nominal);
     return (fmi2Status)exchange_get_nominals(c, x_nominal, nx);
 }

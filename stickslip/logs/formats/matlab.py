@@ -19,7 +19,12 @@ from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
 
-def read_matlab(path: str, data: bytes) -> LogTable:
+def recognises(data: bytes, suffix: str) -> bool:
+    """Tell whether a log is of this format."""
+    return data.startswith((b"MATLAB ", b"\x89HDF")) or suffix == ".mat"
+
+
+def read(path: str, data: bytes) -> LogTable:
     """Read the vectors and scalars of a MAT file; fields of structs are called ``struct.field``.
 
     Raises

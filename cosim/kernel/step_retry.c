@@ -1,0 +1,52 @@
+/* DoStep on the general path. A step that is discarded, where this is enabled, is taken back and
+ * tried in parts. */
+#include "general_path.h"
+
+enum { MOST_PARTS = 1024 };
+
+static int do_step(GeneralComponent *f, double t, double h) {
+    AnyCall *call = calling(f, DO_STEP);
+    Answers *answers = &f->answers;
+    if (f->version == 2) {
+        return (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, !f->retries_steps);
+    }
+    *answers = (Answers){false, false, false, t + h};
+    return (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, !f->retries_steps,
+                                         &answers->event_handling_needed, &answers->terminate,
+                                         &answers->early, &answers->last_successful_time);
+}
+
+static fmi2Status begin(GeneralComponent *f) {
+    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, &f->begun)));
+    return f->begun ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
+}
+
+static fmi2Status go_back(GeneralComponent *f) {
+    AnyCall *call = calling(f, SET_STATE);
+    return noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, f->begun));
+}
+
+fmi2Status step_once(GeneralComponent *f, double t, double h) {
+    if (!f->retries_steps) {
+        return noted(f, DO_STEP, do_step(f, t, h));
+    }
+    for (int done = 0, parts = 1; done < parts;) {
+        const double from = t + h * done / parts, to = t + h * (done + 1) / parts;
+        TRY_STATUS(begin(f));
+        const int status = do_step(f, from, parts == 1 ? h : to - from);
+        if (status == fmi2Discard && parts < MOST_PARTS) {
+            TRY_STATUS(go_back(f));
+            parts *= 2;
+            done *= 2;
+            continue;
+        }
+        TRY_STATUS(noted(f, DO_STEP, status));
+        if (f->answers.terminate || f->answers.early ||
+            (f->event_mode && f->answers.event_handling_needed)) {
+            f->answers.early = f->answers.early || done + 1 < parts;
+            return fmi2OK;
+        }
+        done++;
+    }
+    return fmi2OK;
+}
