@@ -70,7 +70,7 @@ def test_a_delay_is_taken_out(drive, samples):
     log = recording(drive[1], np.roll(drive[1]["applied"], samples))
     late = samples_late(log)
     assert abs(late - samples) <= 1  # a sampled loop has half a sample of its own
-    [said] = [str(finding) for finding in check_recording(log) if "before learning" in finding.advice]
+    [said] = [str(finding) for finding in check_recording(log) if "removed" in finding.advice]
     assert said.startswith("warning: force is ")
     assert f"{0.5 * late:.4g} ms are removed" in said
     again = aligned(log, late)
