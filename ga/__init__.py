@@ -15,7 +15,7 @@ as published.
         CostError(ValueError)          costs do not fit the candidates asked
         StateError(ValueError)         a checkpoint of another problem, or none at all
         CallOrderError(RuntimeError)   ask and tell out of turn
-        CandidateFailed                a candidate cannot be judged; raised by the cost
+        CandidateFailed                a candidate cannot be evaluated; raised by the cost
         NothingLearned                 every candidate of the first generation failed
     Interrupted(KeyboardInterrupt)     Ctrl-C; says what is kept and how to go on
 """
@@ -27,12 +27,7 @@ from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
 from stickslip.ga.algorithms.limits import Limits
 from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.algorithms.settings import (
-    DEFAULT,
-    PAPER,
-    PRESETS,
-    Settings,
-)
+from stickslip.ga.algorithms.settings import DEFAULT, PAPER, PRESETS, Settings
 from stickslip.ga.errors import (
     CallOrderError,
     CandidateFailed,
@@ -45,8 +40,7 @@ from stickslip.ga.errors import (
 )
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import Learned, learn
-from stickslip.ga.operators.adaptive import crossover_probability
-from stickslip.ga.operators.fitness import fitness
+from stickslip.ga.operators.crossover import crossover_probability, fitness
 from stickslip.ga.problem.gene import Gene
 from stickslip.ga.problem.problem import Problem
 from stickslip.ga.problem.repair import AtLeast

@@ -28,7 +28,7 @@ class CallOrderError(GaError, RuntimeError):
 
 
 class CandidateFailed(GaError):
-    """A candidate cannot be judged: it costs infinity, and its message is the recorded reason."""
+    """A candidate cannot be evaluated: its cost is infinite, and its message is the reason."""
 
 
 class NothingLearned(GaError):

@@ -1,4 +1,4 @@
-"""CMA-ES of the package ``cma``, behind the common face; it starts anew where it comes to rest."""
+"""CMA-ES of the package ``cma``, behind the common interface; it restarts after convergence."""
 
 from __future__ import annotations
 

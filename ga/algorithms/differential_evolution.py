@@ -29,7 +29,7 @@ by far within a thousand evaluations."""
 class DifferentialEvolution(Optimiser):
     """scipy's ``best1bin``, which updates the population once in a generation.
 
-    Where all of a population cost the same it starts anew.
+    Where all of a population cost the same it restarts.
 
     Source
     ------
@@ -90,7 +90,7 @@ class _Conversation:
         try:
             while True:
                 differential_evolution(
-                    np.sum,  # never called: `costs` stands between
+                    np.sum,  # never called: `costs` comes first
                     bounds,
                     popsize=share,
                     maxiter=2**31,

@@ -14,14 +14,9 @@ from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.algorithms.settings import DEFAULT, Settings
 from stickslip.ga.arrays import Array
 from stickslip.ga.execution.checkpoint import seed_of
-from stickslip.ga.operators.breeding import Brood, breed
-from stickslip.ga.operators.initial import first_generation
+from stickslip.ga.operators.breeding import Brood, breed, first_generation
 from stickslip.ga.operators.rates import MutationRate
-from stickslip.ga.operators.surrogates import (
-    BRED,
-    Origins,
-    Surrogates,
-)
+from stickslip.ga.operators.surrogates import BRED, Origins, Surrogates
 from stickslip.ga.problem.encoding import Encoding
 from stickslip.ga.problem.gene import Gene
 from stickslip.ga.problem.problem import Problem
@@ -32,7 +27,7 @@ COLLAPSED = 1e-3
 
 SETTLED = 6
 """Generations without 1 % of progress that it then has to go on, and as many again to find another
-valley along the genes, before it begins anew."""
+valley along the genes, before it restarts."""
 
 
 class GeneticAlgorithm(Optimiser):
@@ -72,18 +67,18 @@ class GeneticAlgorithm(Optimiser):
         self._encoding = Encoding(self.genes, settings.encoding, settings.resolution)
         self._rng = np.random.Generator(np.random.PCG64(seed))
         self._surrogates = Surrogates(len(self.genes)) if settings.surrogates else None
-        self._begin_anew(restarts=0)
+        self._restart(restarts=0)
         self._earlier: Candidate | None = None
         self._chosen: Candidate | None = None
 
-    def _begin_anew(self, restarts: int) -> None:
+    def _restart(self, restarts: int) -> None:
         self._restarts = restarts
         self._current: Generation | None = None
         self._brood: Brood | None = None
         self._bred: Brood | None = None
         self._mutation = MutationRate(self.settings)
         if self._surrogates is not None:
-            self._surrogates.begin_anew()
+            self._surrogates.restart()
         self._stale = 0, np.inf  # generations without progress, and the cost they have to beat
         self._settled_for = 0  # generations of these in which the population was collapsed
 
@@ -120,9 +115,9 @@ class GeneticAlgorithm(Optimiser):
         return Brood(strings, values, rates, origins)
 
     def _first(self) -> Brood:
-        """Return a first generation: around the start, or anew.
+        """Return a first generation: around the start, or after a restart.
 
-        The first search anew is around where the cost is lowest by and large, the second anywhere,
+        The first restart is around where the cost is lowest by and large, the second anywhere,
         and so on in turns.
         """
         n = self.settings.population
@@ -184,14 +179,14 @@ class GeneticAlgorithm(Optimiser):
         return found
 
     def _watch(self, current: Generation) -> None:
-        """Count generations without progress, and begin anew when it is time."""
+        """Count generations without progress, and restart when it is time."""
         stale, goal = self._stale
         lowest = float(current.costs[0])
         self._stale = (0, lowest * (1 - PROGRESS)) if lowest <= goal else (stale + 1, goal)
         self._settled_for = self._settled_for + 1 if self._collapsed() and self._stale[0] else 0
         if self._at_rest() and self._restarts < self.settings.restarts:
             self._earlier = self._chosen
-            self._begin_anew(self._restarts + 1)
+            self._restart(self._restarts + 1)
 
     def _at_rest(self) -> bool:
         patience = self.settings.patience

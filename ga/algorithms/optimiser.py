@@ -21,11 +21,7 @@ from numpy.typing import ArrayLike
 from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.limits import PROGRESS, Limits
 from stickslip.ga.arrays import Array
-from stickslip.ga.errors import (
-    CallOrderError,
-    CostError,
-    StateError,
-)
+from stickslip.ga.errors import CallOrderError, CostError, StateError
 from stickslip.ga.execution import checkpoint
 from stickslip.ga.execution.record import Record
 from stickslip.ga.problem.problem import Problem
@@ -153,7 +149,7 @@ class Optimiser(ABC):
         """What the next `ask` will return, as far as that is known before this one's costs.
 
         Shape (m, k), in the genes' units. Whoever has nothing better to do may begin with it. There
-        is none if the limits leave no next generation, and a method that starts anew forgets it.
+        is none if the limits leave no next generation, and a method that restarts discards it.
         """
         asked = 0 if self._asked is None else len(self._asked)
         none_left = self.limits.spent(

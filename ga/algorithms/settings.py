@@ -37,7 +37,7 @@ class Settings:
     surrogates : some children are where models of the cost are lowest, see
         ``ga/operators/surrogates.py``
     patience : generations in which the best cost has not fallen by 1 % after which the search
-        begins anew, where a bowl through all candidates is lowest or anywhere; None never does
+        restarts, where a bowl through all candidates is lowest or anywhere; None never does
     restarts : how often at most. A search that then comes to rest again is at its end.
     noisy : each run differs: the elite is evaluated in each generation again, and costs its mean
 

@@ -101,7 +101,7 @@ def seed_of(state: Mapping[str, Any]) -> int:
 
 
 def write(path: Path, state: Mapping[str, Any], about: str) -> None:
-    """Write a checkpoint, whole or not at all.
+    """Write a checkpoint atomically.
 
     Raises
     ------

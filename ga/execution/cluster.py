@@ -136,15 +136,15 @@ def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
                 )
             scheduler = stack.enter_context(started)
         else:
-            _knock(where)
+            _require_reachable(where)
         client = stack.enter_context(distributed.Client(scheduler))
         yield stack.enter_context(DaskWorkers(client))
 
 
-def _knock(address: str) -> None:
+def _require_reachable(address: str) -> None:
     """Raise SettingsError unless a scheduler answers.
 
-    A Client would say so too, but one that fails is closed by the garbage collector, whose thread
+    A Client also raises, but one that fails is closed by the garbage collector, whose thread
     may then wait ten seconds for the lock with which the next Client starts that thread.
     """
     distributed: Any = import_module("distributed")
@@ -164,7 +164,7 @@ def _knock(address: str) -> None:
         fault = "" if "workers" in peer else f"there is a {peer.get('type')}"
     except TimeoutError:  # with a message or without
         fault = f"timed out after {limit:g} s"
-    except (OSError, ValueError, TypeError) as error:  # as Dask says that an address is none
+    except (OSError, ValueError, TypeError) as error:  # Dask's errors for an invalid address
         fault = str(error)
     if fault:
         raise SettingsError(

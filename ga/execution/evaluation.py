@@ -33,7 +33,7 @@ _FATAL: tuple[type[Exception], ...] = (OSError, ImportError, MemoryError, Cancel
 """The machine's fault, not the candidate's: the run ends, and can be resumed."""
 
 
-class Judge:
+class Evaluator:
     """Evaluates generation after generation, in the caller's own thread or by workers.
 
     Workers that have nothing to do begin with what is known of the next generation, so none waits
@@ -69,7 +69,7 @@ class Judge:
         Exception : what the start raises, or what no candidate is to blame for
         """
         if self._executor is None:
-            return judge(self._evaluate, population, begins)
+            return evaluate_rows(self._evaluate, population, begins)
         places = [self._begun.pop(row.tobytes(), None) for row in population]
         self.dismiss()
         missing = [index for index, place in enumerate(places) if place is None]
@@ -80,18 +80,18 @@ class Judge:
             begun = self._send(ahead, self._executor, begins=False)
             self._begun = {row.tobytes(): place for row, place in zip(ahead, begun, strict=True)}
             self._wait([place.task for place in places if place is not None])
-            judged = [place.outcome() for place in places if place is not None]
+            outcomes = [place.outcome() for place in places if place is not None]
         except BaseException:
             cancel_all(place.task.future for place in sent)
             raise
-        self._last = places  # Dask would be told of those let go first, and 10 ms later of the next
+        self._last = places  # Dask would release these first, and send the next 10 ms later
         return [
             self._alone(row, self._executor, begins and index == 0) if outcome is None else outcome
-            for index, (row, outcome) in enumerate(zip(population, judged, strict=True))
+            for index, (row, outcome) in enumerate(zip(population, outcomes, strict=True))
         ]
 
     def dismiss(self) -> None:
-        """Call off what was begun and is not wanted any more."""
+        """Cancel what was begun and is no longer wanted."""
         cancel_all(
             task.future for task in dict.fromkeys(place.task for place in self._begun.values())
         )
@@ -104,9 +104,9 @@ class Judge:
         parts = np.array_split(rows, min(getattr(executor, "parts", len(rows)), len(rows)))
         calls = [(self._evaluate, part, begins and not n) for n, part in enumerate(parts)]
         if together := getattr(executor, "submit_all", None):
-            futures = together(judge, calls)
+            futures = together(evaluate_rows, calls)
         else:
-            futures = [executor.submit(judge, *call) for call in calls]
+            futures = [executor.submit(evaluate_rows, *call) for call in calls]
         return [
             _Place(task, index)
             for task, part in zip(map(_Task, futures), parts, strict=True)
@@ -177,7 +177,7 @@ class Packed:
     Attributes
     ----------
     name : of the content, a hash
-    content : of `pickle`; None where each process has been told to `keep` it
+    content : of `pickle`; None where each process has received it by `keep`
     """
 
     name: str
@@ -211,14 +211,14 @@ _kept: dict[str, bytes] = {}
 _unpacked: dict[str, Evaluate] = {}
 
 
-def judge(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> list[Outcome]:
+def evaluate_rows(evaluate: Evaluate | Packed, rows: Array, begins: bool) -> list[Outcome]:
     """Return cost and reason of rows (n, k), one after the other; runs where the worker is."""
     if isinstance(evaluate, Packed):
         evaluate = evaluate.unpacked()
-    return [_judge_one(evaluate, row, begins and index == 0) for index, row in enumerate(rows)]
+    return [_evaluate_one(evaluate, row, begins and index == 0) for index, row in enumerate(rows)]
 
 
-def _judge_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
+def _evaluate_one(evaluate: Evaluate, row: Array, is_start: bool) -> Outcome:
     try:
         return float(evaluate(row)), ""
     except CandidateFailed as failure:

@@ -71,10 +71,10 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 
 
 class Processes(Executor):
-    """A pool of processes that is made anew when one of them dies.
+    """A pool of processes that is replaced when one of them dies.
 
     Its processes leave Ctrl-C to their parent, and end with it however it ends. When its block
-    fails they are told to end by SIGTERM.
+    fails they are ended by SIGTERM.
     """
 
     def __init__(self, workers: int) -> None:

@@ -1,4 +1,4 @@
-"""Learning: ask, evaluate, tell, until the optimiser has had enough."""
+"""Learning: ask, evaluate, tell, until the optimiser stops."""
 
 from __future__ import annotations
 
@@ -11,13 +11,9 @@ from typing import TypeVar
 from stickslip.fmi.process import held
 from stickslip.ga.algorithms.generation import Candidate
 from stickslip.ga.algorithms.optimiser import Optimiser
-from stickslip.ga.errors import (
-    Interrupted,
-    NothingLearned,
-    StateError,
-)
+from stickslip.ga.errors import Interrupted, NothingLearned, StateError
 from stickslip.ga.execution import checkpoint as files
-from stickslip.ga.execution.evaluation import Evaluate, Judge
+from stickslip.ga.execution.evaluation import Evaluate, Evaluator
 
 AnyOptimiser = TypeVar("AnyOptimiser", bound=Optimiser)
 
@@ -59,7 +55,7 @@ def learn(
         ``OSError`` and what `evaluate` calls ``fatal``. Must pickle for workers in other processes.
     executor : see `executor`, or any of ``concurrent.futures``; the caller's own thread by default
     on_generation : called after every generation, e.g. to move a bar
-    checkpoint : file that is written after every generation, whole or not at all
+    checkpoint : file that is written atomically after every generation
     resume : go on from `checkpoint`, if that exists, bit for bit as if nothing had happened
     about : what else the costs depend on; a checkpoint of something else is refused
 
@@ -73,7 +69,7 @@ def learn(
     if path is not None and path.exists():
         if not resume:
             raise StateError(
-                f"{path}: holds an earlier learning run; resume it, or delete it to start afresh"
+                f"{path}: holds an earlier learning run; resume it, or delete it to start again"
             )
         state = files.read(path, about)
         try:
@@ -102,11 +98,11 @@ def _run(
     executor: Executor | None,
     on_generation: Callable[[AnyOptimiser], object],
 ) -> str:
-    judge = Judge(evaluate, executor)
+    evaluator = Evaluator(evaluate, executor)
     try:
         while (stopped := algorithm.stopped) is None:
             begins = algorithm.generation == 0
-            outcomes = judge.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
+            outcomes = evaluator.outcomes(algorithm.ask(), algorithm.ahead, begins=begins)
             with held():  # the checkpoint has what the optimiser was told
                 algorithm.tell([cost for cost, _ in outcomes], [reason for _, reason in outcomes])
                 if algorithm.best.cost == float("inf"):
@@ -116,5 +112,5 @@ def _run(
                     )
                 on_generation(algorithm)
     finally:
-        judge.dismiss()
+        evaluator.dismiss()
     return stopped

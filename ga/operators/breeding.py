@@ -1,4 +1,4 @@
-"""From one generation's strings to the next candidates: crossover, mutation, back into bounds."""
+"""From the first generation to the next: initial strings, crossover, mutation, and bounds."""
 
 from __future__ import annotations
 
@@ -11,6 +11,28 @@ from stickslip.ga.arrays import Array
 from stickslip.ga.operators.crossover import CROSSOVERS
 from stickslip.ga.operators.mutation import MUTATIONS
 from stickslip.ga.operators.surrogates import Origins
+
+
+def first_generation(start: Array, settings: Settings, rng: np.random.Generator) -> Array:
+    """Draw the strings of the first generation: the start, some around it, the rest anywhere.
+
+    Parameters
+    ----------
+    start : string of the identified values, shape (k,)
+
+    Returns
+    -------
+    ndarray, shape (population, k); may leave [0, 1] around the start
+
+    Source
+    ------
+    Paper, Step 1.
+    """
+    others = settings.population - 1
+    near = round(settings.near_share * others)
+    around = start + settings.near_spread * rng.standard_normal((near, start.size))
+    anywhere = rng.random((others - near, start.size))
+    return np.vstack([start, around, anywhere])
 
 
 def breed(

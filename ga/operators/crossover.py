@@ -1,4 +1,4 @@
-"""Crossover: a child string for every place that the elite leaves free."""
+"""Crossover: fitness, adaptive probability, and a child for every place outside the elite."""
 
 from __future__ import annotations
 
@@ -8,8 +8,61 @@ import numpy as np
 
 from stickslip.ga.algorithms.settings import Settings
 from stickslip.ga.arrays import Array
-from stickslip.ga.operators.adaptive import crossover_probability
-from stickslip.ga.operators.fitness import fitness
+
+
+def fitness(costs: Array) -> Array:
+    """Return the fitness J = 1 / cost of every candidate, as a fraction of the best one's.
+
+    Selection and the crossover probability (7) depend on ratios of J only, and a fraction stays
+    finite when the best cost is 0.
+
+    Parameters
+    ----------
+    costs : shape (n,), 0 .. inf
+
+    Returns
+    -------
+    ndarray, shape (n,), 0 .. 1. A failed candidate, whose cost is inf, has 0, unless all failed.
+
+    Source
+    ------
+    Paper, (6), where the cost is the sum of (v - v_r)^2.
+    """
+    best = float(costs.min())
+    if best == 0 or np.isinf(best):
+        return np.where(costs == best, 1.0, 0.0)
+    return np.divide(best, costs)
+
+
+def crossover_probability(
+    parents: Array, *, best: float, mean: float, k1: float, k2: float
+) -> Array:
+    """Return the probability that a pair of parents is crossed rather than copied.
+
+    P_c = k1 (f_max - f') / (f_max - f_mean)   if f' >= f_mean
+    P_c = k2                                   if f' <  f_mean
+
+    When the whole generation is equally fit the fraction is 0/0. No parent is then better
+    than the others, and the probability is k2.
+
+    Parameters
+    ----------
+    parents : f', the larger fitness of each pair, shape (n,), finite
+    best, mean : f_max and f_mean, fitness of the current generation
+    k1, k2 : constants, 0 .. 1
+
+    Returns
+    -------
+    ndarray, shape (n,), 0 .. max(k1, k2)
+
+    Source
+    ------
+    Paper, (7), after Srinivas and Patnaik, IEEE Trans. SMC 24 (1994) 656.
+    """
+    if best <= mean:
+        return np.full(parents.shape, k2)
+    return np.where(parents >= mean, k1 * (best - parents) / (best - mean), k2)
+
 
 Crossover = Callable[[Array, Array, Settings, np.random.Generator], Array]
 """(strings (n, k), best first; costs (n,), ...) -> children (n - elites, k)"""

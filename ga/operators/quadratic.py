@@ -1,7 +1,7 @@
 """Where the cost should be lowest, by all that was seen: in its valley, and by and large.
 
 Near its lowest point a smooth cost is a paraboloid. One fitted to the cheapest candidates so far
-says where the bottom lies, for the price of one evaluation; as better candidates come in, the fit
+gives its minimum, for the price of one evaluation; as better candidates come in, the fit
 closes in on it. Least squares over more points than unknowns averages what noise there is.
 
 A round bowl has only k + 2 unknowns. Fitted to many candidates it averages small valleys as well.

@@ -1,7 +1,7 @@
-"""Children where models of the cost are lowest, beside those that crossover and mutation breed.
+"""Children where models of the cost are lowest, besides those of crossover and mutation.
 
-A quadratic finds the bottom of one valley in a few steps. A round bowl has so few coefficients that
-it sees past small valleys to where the large one is lowest. Sections search gene by gene.
+A quadratic finds the minimum of one valley in a few steps. A round bowl has so few coefficients
+that it averages out small valleys and finds the large one. Sections search gene by gene.
 """
 
 from __future__ import annotations
@@ -13,10 +13,34 @@ from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
 from stickslip.ga.arrays import Array
-from stickslip.ga.operators.archive import Archive
 from stickslip.ga.operators.quadratic import bottom, bowl
 from stickslip.ga.operators.rates import Shares
 from stickslip.ga.operators.sections import Sections
+
+ARCHIVED = 4096
+"""Candidates kept."""
+
+
+class Archive:
+    """Keeps the cheapest candidates on k genes.
+
+    Attributes
+    ----------
+    strings : the cheapest first, shape (n, k)
+    costs : shape (n,), 0 .. inf
+    """
+
+    def __init__(self, genes: int) -> None:
+        self.strings = np.empty((0, genes))
+        self.costs = np.empty(0)
+
+    def add(self, strings: Array, costs: Array) -> None:
+        """Take candidates, shape (n, k), and their costs, shape (n,)."""
+        all_costs = np.concatenate([self.costs, costs])
+        order = np.argsort(all_costs, kind="stable")[:ARCHIVED]
+        self.strings = np.vstack([self.strings, strings])[order]
+        self.costs = all_costs[order]
+
 
 BRED, SECTION, BOWL, QUADRATIC = range(4)
 """Where a child comes from."""
@@ -43,15 +67,15 @@ class Surrogates:
         self._genes = genes
         self._all = Archive(genes)
         self._shares = Shares(FIRST)
-        self.begin_anew()
+        self.restart()
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Forget where the search is, but not what was seen."""
         self._near = Archive(self._genes)
         self._sections: Sections | None = None
 
     def centre(self) -> Array | None:
-        """Return where the cost is lowest by and large, shape (k,), if that can be said."""
+        """Return where the cost is lowest by and large, shape (k,) if the model has one."""
         return bowl(self._all.strings, self._all.costs)
 
     def add(self, strings: Array, costs: Array) -> None:

@@ -1,4 +1,4 @@
-"""Candidates judged by running a cosim simulation: the one place here that knows cosim."""
+"""Candidates evaluated by running a cosim simulation: the one place here that knows cosim."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _open: dict[tuple[str, _Worker], cosim.Simulation] = {}
 
 @dataclass(frozen=True)
 class SimulatedCost:
-    """Cost of a candidate: set its values as parameters, run the system, judge the result.
+    """Cost of a candidate: set its values as parameters, run the system, evaluate the result.
 
-    It pickles. Every worker, thread or process, prepares one simulation when it judges its first
+    It pickles. Every worker, thread or process, prepares one simulation when it evaluates its first
     candidate and keeps it for the others. `close`, or leaving a ``with`` block, frees those of
     this process; the ones of other processes end with them.
 
@@ -33,7 +33,7 @@ class SimulatedCost:
     ----------
     specification : the system, step, stop and recorded variables
     names : the parameter ``component.variable`` that each value of a candidate sets
-    cost : judges a result, 0 .. inf; picklable (a function of a module, not a lambda) if the
+    cost : evaluates a result, 0 .. inf; picklable (a function of a module, not a lambda) if the
         workers are processes
     inputs : exposed input -> array, signal or number, the same for every candidate
     isolation : ``process`` lets a candidate's FMUs crash without harm, see `cosim.Isolation`; that

@@ -44,6 +44,6 @@ class Gene:
             )
         if not self.lower <= self.start <= self.upper:
             raise SettingsError(
-                f"gene {self.name}: start {self.start} lies outside its bounds "
+                f"gene {self.name}: start {self.start} is outside its bounds "
                 f"{self.lower} .. {self.upper}; widen them or move the start"
             )

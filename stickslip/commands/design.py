@@ -12,11 +12,7 @@ from stickslip.results.folder import staged
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.systems import nominal_parameters
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

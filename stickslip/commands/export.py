@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from stickslip.commands import (
-    export_compensator,
-    export_lti,
-    export_system,
-)
+from stickslip.commands import export_compensator, export_lti, export_system
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

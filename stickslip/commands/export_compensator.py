@@ -13,9 +13,9 @@ import numpy as np
 from stickslip import models
 from stickslip.catalog.parameters import friction_law
 from stickslip.commands.platforms import add_platform_option, parse_platforms
-from stickslip.commands.worth import print_worth
+from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.evaluation.guards import Trial, inspect, try_out
+from stickslip.evaluation.guards import Trial, benefit_of, inspect
 from stickslip.fmi.process import temporary_folder
 from stickslip.models.firmware import write_compensator
 from stickslip.results.learned import LearnedFile
@@ -101,21 +101,21 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
         trial = Trial(
             folder, loop, learned.friction, compensator, v_cmd, learned.feed, learned.datasheet
         )
-        worth = try_out(trial, rotary=learned.rotary)
+        benefit = benefit_of(trial, rotary=learned.rotary)
         written = replace(
-            trial, compensator=friction_law().share(compensator, 1.0 if force else worth.share)
+            trial, compensator=friction_law().share(compensator, 1.0 if force else benefit.share)
         )
         for finding in inspect(written, learned.standard_errors):
             _warn(str(finding))
-    if not worth.harmless:
-        print_worth(worth, sys.stderr)
+    if not benefit.harmless:
+        print_benefit(benefit, sys.stderr)
         if not force:
-            raise HarmfulError(f"{path}: {worth.refusal}; --force exports it anyway")
-        _warn(worth.refusal)
-    elif worth.share < 1.0:
-        fate = "the whole force" if force else f"{worth.share:g} of the force"
-        _warn(f"{fate} is exported: {worth.reason}")
-    return 1.0 if force else worth.share
+            raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")
+        _warn(benefit.refusal)
+    elif benefit.share < 1.0:
+        fate = "the whole force" if force else f"{benefit.share:g} of the force"
+        _warn(f"{fate} is exported: {benefit.reason}")
+    return 1.0 if force else benefit.share
 
 
 def _warn(message: str) -> None:

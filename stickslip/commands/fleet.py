@@ -12,13 +12,7 @@ import pandas as pd
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.fleet import (
-    Drive,
-    Fleet,
-    fleet_table,
-    learn_fleet,
-    read_fleet,
-)
+from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import files_of, write_fleet
 from stickslip.results.folder import reserved

@@ -20,25 +20,11 @@ from stickslip.commands.execution import (
 )
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.worth import print_worth
+from stickslip.commands.tables import print_benefit
 from stickslip.errors import UsageError
-from stickslip.identification.estimation import (
-    CriterionName,
-    Estimation,
-    Search,
-)
-from stickslip.logs import (
-    Description,
-    Finding,
-    raise_errors,
-)
-from stickslip.pipeline.log_learning import (
-    FILES,
-    LogLearning,
-    learn,
-    read_and_check,
-    write_learned,
-)
+from stickslip.identification.estimation import CriterionName, Estimation, Search
+from stickslip.logs import Description, Finding, raise_errors
+from stickslip.pipeline.log_learning import FILES, LogLearning, learn, read_and_check, write_learned
 from stickslip.results.folder import reserved
 
 CRITERIA: dict[str, CriterionName] = {
@@ -123,7 +109,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         )
         print_estimation(learned.estimation)
         if learned.trial:
-            print_worth(learned.trial.worth)
+            print_benefit(learned.trial.benefit)
         for warning in learned.warnings:
             print(f"stickslip: warning: {warning}", file=sys.stderr)
         if options.out:
@@ -134,14 +120,14 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
 
 
 def _print_written(learned: LogLearning, options: argparse.Namespace) -> None:
-    worth = learned.trial.worth if learned.trial else None
+    benefit = learned.trial.benefit if learned.trial else None
     if learned.refusal:
         fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
         warning = f"compensator.fmu is {fate}: {learned.refusal}{how}"
         print(f"stickslip: warning: {warning}", file=sys.stderr)
-    elif worth and worth.share < 1.0:
-        share = "1, as --force asks for" if options.force else f"{worth.share:g}"
-        print(f"share of the force in compensator.fmu: {share}; {worth.reason}")
+    elif benefit and benefit.share < 1.0:
+        share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
+        print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")
     print(f"all results are in {options.out}; open report.html first")
 
 

@@ -10,13 +10,7 @@ from typing import Any, get_args
 
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
-from stickslip.logs import (
-    ROLES,
-    Column,
-    Description,
-    Kind,
-    load_description,
-)
+from stickslip.logs import ROLES, Column, Description, Kind, load_description
 from stickslip.logs.controller import GAINS
 from stickslip.logs.description import CONFIRMED
 

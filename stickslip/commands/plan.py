@@ -11,14 +11,7 @@ import pandas as pd
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
-from stickslip.planning import (
-    LINEAR,
-    ROTARY,
-    Stretch,
-    arrange,
-    draw_plan,
-    plan,
-)
+from stickslip.planning import LINEAR, ROTARY, Stretch, arrange, draw_plan, plan
 
 _OPTIONS = {
     "stroke": ("M", "distance between the two farthest positions"),

@@ -24,18 +24,12 @@ from stickslip.commands.execution import (
 )
 from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.published import print_published
-from stickslip.commands.table4 import print_table4
+from stickslip.commands.tables import print_published, print_table4
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.identification.stages import identify
 from stickslip.pipeline.record_mode import reproduce_from_recording
-from stickslip.pipeline.reproduction import (
-    Options,
-    Reproduction,
-    drive_truth,
-    reproduce,
-)
+from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth, reproduce
 from stickslip.pipeline.studies import with_studies
 from stickslip.results.folder import reserved
 from stickslip.results.published_folder import FILES as PUBLISHED_FILES

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.table4 import print_table4
+from stickslip.commands.tables import print_table4
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import validate
 from stickslip.fmi.files import atomic_write

@@ -82,7 +82,7 @@ def evaluate(
     feed: Feed = "nominal",
     motions: Sequence[Motion] = MOTIONS,
 ) -> Evaluation:
-    """Run each motion with each entry. This judges; it may see the truth."""
+    """Run each motion with each entry. It may use the true values."""
     further = {
         (name, place): Entry(entry.loop, values)
         for name, entry in entries.items()

@@ -8,11 +8,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from stickslip.catalog.parameters import LUGRE
-from stickslip.evaluation.comparison import (
-    Entry,
-    Evaluation,
-    evaluate,
-)
+from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
 from stickslip.evaluation.sensitivity import sensitivity
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
@@ -57,7 +53,9 @@ def study_motions(
     truth: Mapping[str, float],
     feed: Feed = "nominal",
 ) -> MotionStudy:
-    """Run all motions. This judges; it may see the truth.
+    """Run all motions.
+
+    It may use the true values, since it evaluates and does not learn.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Section 4.2: the trapezoid with and without compensation, judged by (8a), (8b) and (9)."""
+"""Section 4.2: the trapezoid with and without compensation, evaluated by (8a), (8b) and (9)."""
 
 from __future__ import annotations
 
@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
-from stickslip.evaluation.motions import (
-    Motion,
-    Regions,
-    Span,
-    regions_after,
-    trapezoid,
-    windows,
-)
+from stickslip.evaluation.motions import Motion, Regions, Span, regions_after, trapezoid, windows
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed, paper_loop
@@ -147,7 +140,9 @@ def validate(
     feed: Feed = "nominal",
     plain: VelocityLoop | None = None,
 ) -> Validation:
-    """Run the trapezoid without and with compensation. This judges; it may see the truth.
+    """Run the trapezoid without and with compensation.
+
+    It may use the true values, since it evaluates and does not learn.
 
     Parameters
     ----------

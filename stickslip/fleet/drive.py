@@ -11,7 +11,7 @@ from stickslip.servo.systems import Changes
 
 @dataclass(frozen=True)
 class LogSource:
-    """A recording that lies in a file.
+    """A recording in a file.
 
     Attributes
     ----------

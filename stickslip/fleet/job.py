@@ -16,19 +16,9 @@ from threadpoolctl import threadpool_limits
 from stickslip.errors import StickslipError
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fmi.process import interrupted_by, interruptible
-from stickslip.identification.estimation import (
-    Estimation,
-    Task,
-    candidate_fmus,
-)
-from stickslip.identification.estimation import (
-    learn as estimate,
-)
-from stickslip.logs import (
-    Description,
-    check_recording,
-    load_description,
-)
+from stickslip.identification.estimation import Estimation, Task, candidate_fmus
+from stickslip.identification.estimation import learn as estimate
+from stickslip.logs import Description, check_recording, load_description
 from stickslip.pipeline.log_learning import learn, learned_document
 from stickslip.pipeline.record_mode import gains_of, record_drive
 from stickslip.results.learned import estimation_document

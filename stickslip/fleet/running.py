@@ -63,11 +63,11 @@ def run_jobs(
                 on_done(drive, job(drive, seed))
             return
         stop = threading.Event()
-        told = (_stopper(stop),) if isinstance(executor, Threads) else ()
+        further = (_stopper(stop),) if isinstance(executor, Threads) else ()
         at_once = len(drives) if hasattr(executor, "parts") else workers
 
         def submit(drive: Drive) -> Future[Outcome]:
-            return executor.submit(job, drive, seed, *told)
+            return executor.submit(job, drive, seed, *further)
 
         try:
             suspects = _together(submit, drives, at_once, on_done)

@@ -13,12 +13,7 @@ from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fleet.job import Outcome, learn_drive
 from stickslip.fleet.running import Job, run_jobs
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
-from stickslip.results.folder import (
-    MANIFEST,
-    complete,
-    refuse_foreign,
-    staged,
-)
+from stickslip.results.folder import MANIFEST, complete, refuse_foreign, staged
 from stickslip.results.learned import versions
 from stickslip.tuning.execution import Execution
 
@@ -60,7 +55,7 @@ def learn_fleet(
     ----------
     seed : the same for each drive
     execution : where, and whether to go on from what is in the folder
-    on_done : told of each drive when it is learned, or has failed
+    on_done : called for each drive when it is learned, or has failed
 
     Raises
     ------

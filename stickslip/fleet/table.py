@@ -13,11 +13,7 @@ from typing import NoReturn
 from stickslip import models
 from stickslip.commands.assignments import drive_changes
 from stickslip.errors import UsageError
-from stickslip.fleet.drive import (
-    Drive,
-    LogSource,
-    Variant,
-)
+from stickslip.fleet.drive import Drive, LogSource, Variant
 from stickslip.fmi.files import MOST_TEXT, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.pipeline.reproduction import drive_truth
@@ -106,8 +102,8 @@ class _Row:
             changes = drive_changes(shlex.split(text))
             drive_truth(changes)
         except (ValueError, models.ModelError) as error:  # a UsageError is a ValueError
-            said = str(error).removeprefix("--set ")
-            raise UsageError(f"{self.path}: row {self.number}, column set: {said}") from None
+            reason = str(error).removeprefix("--set ")
+            raise UsageError(f"{self.path}: row {self.number}, column set: {reason}") from None
         return changes
 
     def _refuse(self, column: str, expected: str, got: str) -> NoReturn:

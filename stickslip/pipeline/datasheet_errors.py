@@ -60,9 +60,9 @@ def vary_datasheet(
         cases += [(quantity, f, replace(sheet, **{quantity: f * right})) for f in wrong]
 
     def row(case: tuple[str, float, Datasheet]) -> dict[str, object]:
-        quantity, factor, told = case
-        value = getattr(told, quantity) if quantity else None
-        rig = Rig(fmus, told, LOOP.T_s)
+        quantity, factor, assumed = case
+        value = getattr(assumed, quantity) if quantity else None
+        rig = Rig(fmus, assumed, LOOP.T_s)
         return {"quantity": quantity, "factor": factor, "value": value, **_outcome(rig, feed)}
 
     with Threads(workers) as threads:

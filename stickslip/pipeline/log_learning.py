@@ -62,15 +62,15 @@ class LogLearning:
     @property
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
-        share = self.trial.worth.share if self.trial else 1.0
+        share = self.trial.benefit.share if self.trial else 1.0
         return friction_law().share(self.estimation.compensator, share)
 
     def with_whole_force(self) -> LogLearning:
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self
-        worth = self.trial.worth
-        whole = replace(self.trial, worth=replace(worth, share=1.0, rows=worth.full))
+        benefit = self.trial.benefit
+        whole = replace(self.trial, benefit=replace(benefit, share=1.0, rows=benefit.full))
         return replace(self, trial=whole)
 
     @property
@@ -83,7 +83,7 @@ class LogLearning:
         for fault in self.estimation.faults:
             if fault.spoils == "values":
                 return f"{fault.what}: {fault.figure}; {fault.advice}"
-        return self.trial.worth.refusal if self.trial and not self.trial.worth.harmless else ""
+        return self.trial.benefit.refusal if self.trial and not self.trial.benefit.harmless else ""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -106,7 +106,7 @@ class LogLearning:
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
-    """Read a log and return it with what is to be said of it, errors included.
+    """Read a log and return it with its findings, errors included.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def write_learned(learned: LogLearning, folder: Path, *, force: bool = False) ->
         )
         if force or not learned.refusal:
             models.build_fmu("compensator", staging, start=learned.compensator)
-        further = [compensation(learned.trial.worth)] if learned.trial else []
+        further = [compensation(learned.trial.benefit)] if learned.trial else []
         write_estimation_report(learned.estimation, learned.findings, staging, further)
 
 
@@ -195,5 +195,5 @@ def learned_document(learned: LogLearning) -> dict[str, Any]:
     document = estimation_document(learned.estimation, loop, learned.seed)
     document["refusal"] = learned.refusal
     if trial:
-        document |= trial_document(trial.worth, trial.command, trial.datasheet)
+        document |= trial_document(trial.benefit, trial.command, trial.datasheet)
     return document

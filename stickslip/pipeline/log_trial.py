@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import Trial, Worth, inspect, try_out
+from stickslip.evaluation.guards import Benefit, Trial, benefit_of, inspect
 from stickslip.fmi.process import temporary_folder
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Reading
@@ -32,7 +32,7 @@ class LogTrial:
     loop : the velocity loop of the log's controller, or one designed for the learned axis
     known : whether it is the former
     command, datasheet : what it was tried on
-    worth : tracking errors, and the share of the compensator's force that is harmless
+    benefit : tracking errors, and the share of the compensator's force that is harmless
     warnings : what the guards found, a line each
     """
 
@@ -40,7 +40,7 @@ class LogTrial:
     known: bool
     command: Trapezoid
     datasheet: Datasheet
-    worth: Worth
+    benefit: Benefit
     warnings: tuple[str, ...]
 
 
@@ -70,10 +70,10 @@ def try_compensator(reading: Reading, estimation: Estimation) -> LogTrial | None
     with temporary_folder() as folder:
         build_fmus(folder, {})
         trial = Trial(folder, loop, learned, learned, v_cmd, datasheet=sheet)
-        worth = try_out(trial, rotary=reading.recording.motion == "rotary")
-        written = replace(trial, compensator=friction_law().share(learned, worth.share))
+        benefit = benefit_of(trial, rotary=reading.recording.motion == "rotary")
+        written = replace(trial, compensator=friction_law().share(learned, benefit.share))
         found = tuple(str(finding) for finding in inspect(written, errors))
-    return LogTrial(loop, controlled is not None, command, sheet, worth, found)
+    return LogTrial(loop, controlled is not None, command, sheet, benefit, found)
 
 
 def _controlled(reading: Reading, estimation: Estimation) -> VelocityLoop | None:

@@ -20,7 +20,6 @@ from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
 from stickslip.identification.stages import Estimate, Identification, identify
-from stickslip.pipeline.extras import Extras
 from stickslip.pipeline.steps import with_steps
 from stickslip.results.tables import table2
 from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
@@ -64,7 +63,7 @@ class Options:
 
     @property
     def may_skip(self) -> bool:
-        """Whether nothing is searched where the drive shows that it would not be worth it.
+        """Whether the search is skipped if the drive shows that it would not be useful.
 
         An algorithm that was asked for always searches.
         """
@@ -72,13 +71,29 @@ class Options:
 
 
 class Progress(Protocol):
-    """Is told how far a reproduction is."""
+    """Receives the progress of a reproduction."""
 
     def stage(self, name: str) -> None:
         """Begin a stage."""
 
     def generation(self, algorithm: ga.Optimiser) -> None:
         """One more generation of candidates is done."""
+
+
+@dataclass(frozen=True)
+class Extras:
+    """The result on the drive with all effects on, which the compensator does not model.
+
+    Attributes
+    ----------
+    validation : None where identification or learning failed
+    table4 : with a column for each step
+    reason : why they failed
+    """
+
+    validation: Validation | None
+    table4: pd.DataFrame | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -176,7 +191,7 @@ def reproduce(
         algorithm=options.preset,
         seed=options.seed,
     )
-    progress.stage("trying what learning could bring")
+    progress.stage("checking whether a search is useful")
     learned = without_search(study) if options.may_skip else None
     progress.stage("learning")
     limits = ga.Limits(generations=1) if learned else None

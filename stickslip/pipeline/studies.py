@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pandas as pd
 
-from stickslip import ga
+from stickslip import ga, models
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.motion_study import study_motions
 from stickslip.fmi.errors import Fault
 from stickslip.identification.stages import Identification
 from stickslip.pipeline.datasheet_errors import vary_datasheet
-from stickslip.pipeline.extras import Extras, all_effects
 from stickslip.pipeline.record_mode import learn_from_recording
-from stickslip.pipeline.reproduction import Options, Progress, Reproduction, reproduce
+from stickslip.pipeline.reproduction import Extras, Options, Progress, Reproduction, reproduce
 from stickslip.pipeline.steps import TRAPEZOID, Recorded, steps, with_steps
 from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.servo.rig import Rig
@@ -122,6 +121,12 @@ def _recorded(rig: Rig, options: Options, progress: Progress, execution: Executi
     """Return both loops and the parameters that one recording of the drive gives."""
     learned = learn_from_recording(rig, options, progress, execution)
     return learned.plain, learned.loop, learned.estimation.compensator
+
+
+def all_effects() -> dict[str, float]:
+    """Return every Boolean parameter of the drive, switched on."""
+    variables = models.load_model("drive").variables
+    return {v.name: True for v in variables if v.role == "parameter" and v.type == "boolean"}
 
 
 def reproduce_with_extras(

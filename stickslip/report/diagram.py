@@ -113,11 +113,11 @@ class Sheet:
         if note:
             self.text((block.x, block.y - 2.7 + 0.1 * further), note, small=True)
 
-    def text(self, at: Point, said: str, *, small: bool = False, align: str = "center") -> None:
+    def text(self, at: Point, content: str, *, small: bool = False, align: str = "center") -> None:
         """Write a text with its middle (or its left end) at a point."""
         self.axes.text(
             *at,
-            said,
+            content,
             ha="left" if align == "left" else "center",
             va="center",
             fontsize=SMALL if small else None,

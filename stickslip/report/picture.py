@@ -47,7 +47,7 @@ class Picture:
         return cls(png.getvalue(), svg.getvalue(), width)
 
     def embedded(self) -> str:
-        """Return the picture as a data URI, which needs no file beside the page.
+        """Return the picture as a data URI, which needs no further file.
 
         As an image of its own its ids and styles do not meet those of the page.
         """

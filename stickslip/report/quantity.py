@@ -26,7 +26,7 @@ FORMULAS = {name: parameter(name).symbol for name in SYMBOLS}
 MEANINGS = {
     "m": "inertia",
     "b": "viscous friction",
-    "F_s": "stick force",
+    "F_s": "static friction",
     "F_c": "Coulomb friction",
     "v_s": "Stribeck velocity",
     "sigma_0": "bristle stiffness",

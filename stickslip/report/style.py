@@ -90,6 +90,6 @@ def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
     return Figure(figsize=size, layout=None if free else "constrained")
 
 
-def name_panel(axes: Axes, letter: str, said: str) -> None:
+def name_panel(axes: Axes, letter: str, title: str) -> None:
     """Put (a), (b) and what is shown above a panel."""
-    axes.set_title(f"({letter}) {said}")
+    axes.set_title(f"({letter}) {title}")

@@ -25,7 +25,7 @@ from stickslip.catalog.parameters import LUGRE, UNITS, friction_law, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
-from stickslip.evaluation.guards import Worth
+from stickslip.evaluation.guards import Benefit
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.identification.estimation import Estimation
 from stickslip.pipeline.reproduction import Reproduction
@@ -151,13 +151,13 @@ def estimation_document(
     return document | {"versions": versions()}
 
 
-def trial_document(worth: Worth, command: Trapezoid, sheet: Datasheet) -> dict[str, Any]:
+def trial_document(benefit: Benefit, command: Trapezoid, sheet: Datasheet) -> dict[str, Any]:
     """Return what learned.json tells of how a compensator was tried.
 
     Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
     """
     return {
-        "share": {"value": worth.share, "unit": "1"},
+        "share": {"value": benefit.share, "unit": "1"},
         "validation": validation_document(command),
         "datasheet": datasheet_document(sheet),
         "tracking_error": [
@@ -167,7 +167,7 @@ def trial_document(worth: Worth, command: Trapezoid, sheet: Datasheet) -> dict[s
                 "without": _finite(row.without),
                 "with": _finite(row.compensated),
             }
-            for row in worth.rows
+            for row in benefit.rows
         ],
     }
 

@@ -57,24 +57,24 @@ def _remark(
     before, after = identification.estimates[name], learned.estimates[name]
     prior = start[name].standard_error / start[name].value
     if learned.chosen == "start":
-        said = "as learning began: the training run alone would know it to "
-        said += f"+-{100 * learned.alone[name]:.2g} %"
+        remark = "as learning began: the training run alone would know it to "
+        remark += f"+-{100 * learned.alone[name]:.2g} %"
     elif learned.alone[name] < prior:
-        said = "well known from the training run"
+        remark = "well known from the training run"
     elif learned.accepted:
-        said = (
+        remark = (
             f"hardly visible in the training run (alone +-{100 * learned.alone[name]:.2g} %): "
             "identification decides"
         )
     else:
-        said = (
+        remark = (
             f"hardly visible in the training run (+-{100 * learned.alone[name]:.2g} %): "
             "worse known than identified"
         )
     error_before, error_after = (abs(value / truth - 1.0) for value in (before.value, after.value))
     if error_after > error_before:
-        said += (
+        remark += (
             f"; farther from the drive's value than identified "
             f"({100 * error_after:.2g} % after {100 * error_before:.2g} %)"
         )
-    return said
+    return remark

@@ -46,4 +46,4 @@ VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
 """The trapezoid of Fig. 6(a) [m/s]."""
 
 REGION = (0.030, 0.070)
-"""The judged windows: from when to when after motion starts or reverses [s]."""
+"""The evaluated windows: from when to when after motion starts or reverses [s]."""

@@ -59,7 +59,7 @@ def _plant(axis: Axis, T_s: float) -> control.StateSpace:
         B = np.array([[1 / axis.m], [0]])
     sampled = control.sample_system(control.ss(A, B, np.eye(len(A)), 0), T_s, method="zoh")
     A, B = np.array(sampled.A), np.array(sampled.B)
-    A[-1, -1] = 0.0  # the last state begins anew at each sample: the way in one period
+    A[-1, -1] = 0.0  # the last state is reset at each sample: the displacement in one period
     return control.ss(
         A, B, np.eye(len(A))[-2:], 0, T_s, name="axis", inputs="u", outputs=["v", "d"]
     )

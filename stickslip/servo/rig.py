@@ -18,13 +18,7 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.ga import SimulatedCost
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import (
-    Changes,
-    Feed,
-    build_fmus,
-    paper_loop,
-    servo_loop,
-)
+from stickslip.servo.systems import Changes, Feed, build_fmus, paper_loop, servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 MEASURED = ("drive.x_enc", "drive.F_m")
@@ -72,7 +66,7 @@ class Rig:
         """Command a velocity (n,) [m/s], one value a sample, in a velocity loop."""
         return self._record(servo_loop(self.fmus, loop), loop.commands(v_cmd))
 
-    def judge(
+    def cost_of(
         self,
         v_cmd: Array,
         loop: VelocityLoop,
@@ -82,12 +76,12 @@ class Rig:
         *,
         compensated: bool = True,
     ) -> SimulatedCost:
-        """Return what runs a compensator on the drive and judges it: Fig. 3.
+        """Return the cost function of a compensator on the drive: Fig. 3.
 
         Parameters
         ----------
         v_cmd : (n,) training command, one value a sample [m/s]
-        cost : judges the recorded ``drive.x_enc`` and ``nominal.v_r``
+        cost : evaluates the recorded ``drive.x_enc`` and ``nominal.v_r``
         fixed : parameters of the compensator that no candidate has
         compensated : whether the compensator's force reaches the drive
         """

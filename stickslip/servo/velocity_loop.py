@@ -5,7 +5,7 @@
               +------------- filter <- difference over T_s <------- sampler -----+
 
 A velocity filter can take the place of difference and filter. It sees the motor force too, and
-takes from it the feedforward that it is told of.
+subtracts the feedforward force that it is given.
 
 Everything is discretised exactly for a held force, so the loop of FMUs without friction and
 quantisation follows the same difference equations.
@@ -19,12 +19,7 @@ import control
 import numpy as np
 
 from stickslip.servo import frequency
-from stickslip.servo.axis import (
-    Array,
-    Axis,
-    ControlError,
-    check,
-)
+from stickslip.servo.axis import Array, Axis, ControlError, check
 from stickslip.servo.loop_parts import known_force, plant_and_estimator
 from stickslip.servo.velocity_filter import VelocityFilter
 
@@ -209,23 +204,23 @@ def close_velocity_loop(
         controller = control.ss([], [], [], K_p, T_s, **names)
     error = control.summing_junction(["v_cmd", "-v_est"], "e", name="error")
     plant, estimator = plant_and_estimator(axis, T_s, tau_f, velocity_filter)
-    told = [] if velocity_filter is None else known_force(velocity_filter)
+    known = [] if velocity_filter is None else known_force(velocity_filter)
     force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
     parts = [plant, estimator, controller, error, force]
-    closed = control.interconnect([*parts, *told[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
+    closed = control.interconnect([*parts, *known[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
     nominal, pushed = (
         control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
     )
     compliance = pushed
-    if told:
+    if known:
         compliance = control.interconnect(
-            [*parts, *told[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
+            [*parts, *known[1:]], inputs=["v_cmd", "F_ff"], outputs=["v"]
         )[0, 1]
     fastest = max(abs(nominal.poles()))
     if not fastest < 1.0:
         raise ControlError(
             f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
-            f"a pole lies at |z| = {fastest:.4f}"
+            f"a pole is at |z| = {fastest:.4f}"
         )
     return VelocityLoop(
         axis,

@@ -1,7 +1,7 @@
 """Coarse starts: learning that does not begin at what identification found, but near it.
 
 The paper identifies its drive "coarsely" and does not say how coarsely. Here the three experiments
-find Coulomb friction to 0.02 %, and nothing is left to learn. A coarse start multiplies what they
+find Coulomb friction to 0.02 %, so there is nothing to learn. A coarse start multiplies what they
 found by factors, which stand for experiments of a stated accuracy.
 """
 

@@ -15,11 +15,7 @@ from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, UNITS, friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
-from stickslip.servo.measurement import (
-    CUTOFF,
-    Array,
-    smoothed,
-)
+from stickslip.servo.measurement import CUTOFF, Array, smoothed
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -77,15 +73,17 @@ class Study:
     seed: int = 0
 
     def cost(self) -> ga.SimulatedCost:
-        """Return what judges one candidate on the drive."""
-        judge = VelocityCost(self.rig.T_s)
-        return self.rig.judge(self.v_cmd, self.loop, judge, self.feed)
+        """Return the cost function of one candidate on the drive."""
+        criterion = VelocityCost(self.rig.T_s)
+        return self.rig.cost_of(self.v_cmd, self.loop, criterion, self.feed)
 
     def cost_without(self) -> float:
         """Return the cost of the training run without compensation [m^2/s^2]."""
-        judge = VelocityCost(self.rig.T_s)
+        criterion = VelocityCost(self.rig.T_s)
         any_values = np.array([self.start[name].value for name in LUGRE])
-        with self.rig.judge(self.v_cmd, self.loop, judge, self.feed, compensated=False) as cost:
+        with self.rig.cost_of(
+            self.v_cmd, self.loop, criterion, self.feed, compensated=False
+        ) as cost:
             return cost(any_values)
 
 

@@ -23,12 +23,7 @@ from stickslip.identification.stages.estimate import correlation_length
 from stickslip.servo.datasheet import SLOW
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.systems import feedforward
-from stickslip.tuning.learning import (
-    BOUNDS,
-    Study,
-    VelocityCost,
-    parameters,
-)
+from stickslip.tuning.learning import BOUNDS, Study, VelocityCost, parameters
 
 FLOOR = 0.01
 """Least relative error granted to identification: its models are not exact either."""

@@ -3,7 +3,7 @@
 The cost sees some parameters well and others hardly; left to the genetic algorithm the latter end
 anywhere, or where they fit what only the training run shows. So a least-squares fit, which knows
 the start with its standard errors, follows the search, and the drive decides between the results.
-The same fit tells beforehand whether a search is worth its runs.
+The same fit decides beforehand whether a search is useful.
 """
 
 from __future__ import annotations
@@ -15,16 +15,10 @@ from typing import Literal
 from stickslip.catalog.parameters import LUGRE
 from stickslip.identification.stages.estimate import Estimate
 from stickslip.tuning.learning import Study
-from stickslip.tuning.linear_fit import (
-    REPEATS,
-    Bench,
-    Fit,
-    Runs,
-    fit,
-)
+from stickslip.tuning.linear_fit import REPEATS, Bench, Fit, Runs, fit
 
-WORTHWHILE = 0.5
-"""Share of its cost below which the start must come, in a fit, for a search to be worth it."""
+SEARCH_BELOW = 0.5
+"""Share of its cost below which the start must come, in a fit, for a search to be useful."""
 ROUNDS = 2
 MARGIN = 0.1
 """By how much a fit may cost more than the cheapest: the scatter of repeated runs."""
@@ -83,16 +77,16 @@ def without_search(study: Study) -> Refinement | None:
     bench = Bench(study)
     runs = bench.run(_start(study))
     best = fit(study, runs, prior=False)
-    if best.cost < WORTHWHILE * runs.cost:
+    if best.cost < SEARCH_BELOW * runs.cost:
         return None
-    said = (
+    reason = (
         f"with the parameters it would begin at, {2 * REPEATS} runs of the training command and "
         f"its mirror image cost {runs.cost:.3g} m2/s2 in the mean, and no parameters would bring "
         f"that below {best.cost:.3g} m2/s2 ({100.0 * best.cost / runs.cost:.0f} %), as a "
         "least-squares fit of the five to these runs shows; a search is made for less than "
-        f"{100.0 * WORTHWHILE:.0f} %"
+        f"{100.0 * SEARCH_BELOW:.0f} %"
     )
-    return _refinement(study, runs, best, "start", bench, said)
+    return _refinement(study, runs, best, "start", bench, reason)
 
 
 def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) -> Refinement:
@@ -108,7 +102,7 @@ def refine(study: Study, winner: Mapping[str, float], *, fitted: bool = True) ->
     if not fitted:
         return _refinement(study, won, fit(study, won), "winner", bench)
     start = bench.run(_start(study))
-    # Where the winner lies too far off for the linear step, the start lies nearer.
+    # If the winner is too far away for the linear step, the start is closer.
     refined = min((_refined(study, bench, runs) for runs in (won, start)), key=lambda r: r.cost)
     results: dict[Chosen, Runs] = {"refined": refined, "winner": won}
     results = {

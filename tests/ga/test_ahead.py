@@ -10,7 +10,7 @@ import pytest
 from problems import GENES, quadratic
 
 from stickslip import ga
-from stickslip.ga.execution.evaluation import Judge
+from stickslip.ga.execution.evaluation import Evaluator
 
 NOISY = replace(ga.PRESETS["default"], noisy=True)
 
@@ -102,10 +102,10 @@ def test_what_was_begun_in_vain_is_called_off():
 
     rows = np.arange(1.0, 6.0).reshape(5, 1)
     with ThreadPoolExecutor(1) as threads:
-        judge = Judge(cost, threads)
-        assert judge.outcomes(rows[:1], rows[1:], begins=False) == [(1.0, "")]
-        begun = [place.task.future for place in judge._begun.values()]
-        judge.dismiss()
+        evaluator = Evaluator(cost, threads)
+        assert evaluator.outcomes(rows[:1], rows[1:], begins=False) == [(1.0, "")]
+        begun = [place.task.future for place in evaluator._begun.values()]
+        evaluator.dismiss()
         assert all(future.cancelled() for future in begun[1:])  # the first may be under way
         release.set()
 

@@ -5,15 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip.ga.operators.archive import Archive
-from stickslip.ga.operators.quadratic import (
-    LARGEST,
-    POINTS,
-    RADIUS,
-    bottom,
-    bowl,
-    unknowns,
-)
+from stickslip.ga.operators.quadratic import LARGEST, POINTS, RADIUS, bottom, bowl, unknowns
+from stickslip.ga.operators.surrogates import Archive
 
 
 def paraboloid(k, seed):
@@ -72,7 +65,7 @@ def test_what_cannot_be_said_is_not_said(costs):
 
 
 def test_an_archive_keeps_the_cheapest_in_order(monkeypatch):
-    monkeypatch.setattr("stickslip.ga.operators.archive.MOST", 12)
+    monkeypatch.setattr("stickslip.ga.operators.surrogates.ARCHIVED", 12)
     rng = np.random.default_rng(0)
     archive, added = Archive(2), []
     for _ in range(5):

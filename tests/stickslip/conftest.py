@@ -10,21 +10,12 @@ import pytest
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
 from stickslip.pipeline.datasheet_errors import vary_datasheet
-from stickslip.pipeline.extras import Extras
 from stickslip.pipeline.record_mode import COMMISSIONING
-from stickslip.pipeline.reproduction import (
-    Options,
-    Reproduction,
-    reproduce,
-)
+from stickslip.pipeline.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.pipeline.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.results.reproduction_folder import write_results
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.rig import Rig, rig_of
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop

@@ -10,30 +10,16 @@ import pytest
 
 from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
-from stickslip.evaluation.guards import (
-    Trial,
-    hunting,
-    inspect,
-    stribeck,
-    tolerance,
-    try_out,
-)
+from stickslip.evaluation.guards import Trial, benefit_of, hunting, inspect, stribeck, tolerance
+from stickslip.evaluation.guards.benefit import Benefit, Tried
 from stickslip.evaluation.guards.stribeck import growth_rate
 from stickslip.evaluation.guards.tolerance import _at_bounds
-from stickslip.evaluation.guards.worth import Tried, Worth
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import (
-    LOOP,
-    VALIDATION,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.stribeck_curve import slope
 from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import (
-    close_velocity_loop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
@@ -91,10 +77,10 @@ def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(make_trial, 
     trial = make_trial(weak(200.0, 2000.0), slow(v))
     without, compensated = errors(trial)
     assert compensated**2 > 3 * without**2
-    worth = try_out(trial)
-    assert not worth.harmless
-    assert worth.share == 1.0
-    assert "; expected at most 1.02 times, and no share of the force" in worth.refusal
+    benefit = benefit_of(trial)
+    assert not benefit.harmless
+    assert benefit.share == 1.0
+    assert "; expected at most 1.02 times, and no share of the force" in benefit.refusal
     found = {finding.guard: finding for finding in inspect(trial, ERRORS)}
     assert {"stribeck", "over-compensation"} <= set(found)
     for finding in found.values():
@@ -115,12 +101,12 @@ def test_the_same_weak_loop_is_not_warned_of_where_its_command_is_fast(make_tria
 def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     """Each error is that of a trial of its own; half the friction asks for less of the force."""
     trial = make_trial(PAPER, VALIDATION)
-    worth = try_out(trial)
-    assert worth.harmless
-    assert 0.8 <= worth.share < 1.0
-    assert max(row.ratio for row in worth.rows) <= 1.02 < max(row.ratio for row in worth.full)
-    assert {row.speed for row in worth.rows} == {0.04, 0.004, 0.0004}
-    cells = {(row.speed, row.drive): row for row in worth.full}
+    benefit = benefit_of(trial)
+    assert benefit.harmless
+    assert 0.8 <= benefit.share < 1.0
+    assert max(row.ratio for row in benefit.rows) <= 1.02 < max(row.ratio for row in benefit.full)
+    assert {row.speed for row in benefit.rows} == {0.04, 0.004, 0.0004}
+    cells = {(row.speed, row.drive): row for row in benefit.full}
     assert len(cells) == 12
     frictions = {
         "friction as fitted": TABLE_2,
@@ -132,7 +118,7 @@ def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
         slower = replace(trial, friction=friction, v_cmd=0.1 * trial.v_cmd)
         row = cells[0.004, name]
         assert (row.without, row.compensated) == pytest.approx(errors(slower), rel=1e-12)
-    assert "0.4 mm/s on a drive with friction x 0.5" in worth.reason
+    assert "0.4 mm/s on a drive with friction x 0.5" in benefit.reason
 
 
 def test_a_trial_does_not_depend_on_the_size_of_the_drive(make_trial):
@@ -165,9 +151,9 @@ def test_a_share_is_of_the_force_alone(fmus):
 @pytest.mark.slow
 def test_friction_that_is_not_there_is_refused_or_reduced(make_trial):
     """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
-    worth = try_out(make_trial(PAPER, VALIDATION, F_s=20.0 * TABLE_2["F_c"], v_s=8e-5))
-    assert not worth.harmless
-    assert max(row.ratio for row in worth.full) > 1.5
+    benefit = benefit_of(make_trial(PAPER, VALIDATION, F_s=20.0 * TABLE_2["F_c"], v_s=8e-5))
+    assert not benefit.harmless
+    assert max(row.ratio for row in benefit.full) > 1.5
 
 
 @pytest.mark.parametrize("without", [1.0, 0.0, np.inf, np.nan])
@@ -180,10 +166,10 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
     assert np.isfinite(row.ratio) == finite
     assert not np.isnan(row.ratio)
     for rows in ((fine, row), (row, fine)):
-        worth = Worth(1.0, rows, rows)
-        assert worth.harmless == (finite and compensated <= 1.02 * without)
+        benefit = Benefit(1.0, rows, rows)
+        assert benefit.harmless == (finite and compensated <= 1.02 * without)
         worst = max(rows, key=lambda row: row.ratio)  # the first of equals, as a ratio is no NaN
-        assert worst.drive in worth.reason
+        assert worst.drive in benefit.reason
 
 
 @pytest.mark.parametrize("v", [2e-4, 5e-4, 1e-3])

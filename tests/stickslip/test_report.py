@@ -30,8 +30,7 @@ from stickslip.identification.stages import (
     Presliding,
 )
 from stickslip.pipeline.datasheet_errors import FACTORS
-from stickslip.pipeline.extras import Extras
-from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth
+from stickslip.pipeline.reproduction import Extras, Options, Reproduction, drive_truth
 from stickslip.pipeline.steps import STEPS
 from stickslip.report.markup import parameter_estimate, parameter_value
 from stickslip.report.page import render

@@ -1,36 +1,32 @@
-"""Where feedforward of friction would hurt, told before a compensator leaves the house.
+"""Checks before export: where feedforward of friction would increase the tracking error.
 
-Each guard returns findings, one line each: what, figure, limit, what to do. All judge a loop whose
-axis has the friction that the compensator believes in, so they find what is wrong even then.
+Each guard returns findings, one line each: what, figure, limit, what to do. All evaluate a loop
+whose axis has exactly the friction that the compensator assumes.
 
     stribeck      friction that falls with speed, against the damping of the loop
-    tolerance     how much too large a force may be, against how well it is known
-    hunting       stick and slip while the command stands
-    worth         tracking errors without and with it, and at which share of its force it never
-                  makes them worse
+    tolerance     how much too large a force may be, compared with its confidence interval
+    hunting       stick-slip at a constant command
+    benefit       tracking errors without and with the compensator, and the largest share of its
+                  force that never increases them
 """
 
+from stickslip.evaluation.guards.benefit import Benefit, Tried, benefit_of
 from stickslip.evaluation.guards.finding import Finding
 from stickslip.evaluation.guards.hunting import hunting
 from stickslip.evaluation.guards.stribeck import stribeck
 from stickslip.evaluation.guards.tolerance import tolerance
 from stickslip.evaluation.guards.trial import Trial
-from stickslip.evaluation.guards.worth import (
-    Tried,
-    Worth,
-    try_out,
-)
 
 __all__ = [
+    "Benefit",
     "Finding",
     "Trial",
     "Tried",
-    "Worth",
+    "benefit_of",
     "hunting",
     "inspect",
     "stribeck",
     "tolerance",
-    "try_out",
 ]
 
 

@@ -1,4 +1,4 @@
-"""What a guard has to say."""
+"""The finding of a guard."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Finding:
     Attributes
     ----------
     guard : name of the guard
-    figure, limit : what was found and the most that would be borne, in ``unit``
+    figure, limit : what was found and the largest acceptable value, in ``unit``
     message : what, figure, limit and what to do, in a line
     """
 

@@ -1,4 +1,4 @@
-"""Limit cycles: stick and slip while the command stands, at rest or at a slow speed."""
+"""Limit cycles: stick-slip at a constant command, at rest or at a slow speed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PLATEAU = 0.3
 def hunting(trial: Trial) -> list[Finding]:
     """Return a finding for the plateau on which the compensated loop swings most.
 
-    The second half of each plateau is judged: its velocity may swing by its own speed, or by v_s
+    The second half of each plateau is evaluated: its velocity may swing by its own speed, or by v_s
     where it is slower than that.
     """
     held = np.full(round(HOLD / trial.loop.T_s), trial.v_cmd[-1])

@@ -61,7 +61,7 @@ def _too_large(run: Run, without: float) -> list[Finding]:
 
 def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Finding]:
     p = run.trial.compensator
-    worst, said = 0.0, ""
+    worst, case = 0.0, ""
     for name, error in errors.items():
         for sign in (1.0, -1.0):
             value = max(p[name] + sign * _BOUND * error, 1e-3 * p[name])
@@ -69,11 +69,11 @@ def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Fi
             changed["F_s"] = max(changed["F_s"], changed["F_c"])
             found = run.error(changed)
             if found > worst:
-                worst, said = found, f"{name} = {value:.4g}"
+                worst, case = found, f"{name} = {value:.4g}"
     if worst <= without or run.error() >= without:
         return []
     message = (
-        f"with {said}, a bound of its 95 % interval, the tracking error is {1e3 * worst:.3g} mm/s;"
+        f"with {case}, a bound of its 95 % interval, the tracking error is {1e3 * worst:.3g} mm/s;"
         f" expected at most that without a compensator, {1e3 * without:.3g} mm/s; learn from a"
         " recording that shows this parameter better"
     )

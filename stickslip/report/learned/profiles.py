@@ -122,9 +122,9 @@ def _tick(x: float) -> str:
     return f"$10^{{{round(math.log10(x))}}}$"
 
 
-def _capital(said: str) -> str:
+def _capital(words: str) -> str:
     """Return a text with its first letter, and no other, raised."""
-    return said[:1].upper() + said[1:]
+    return words[:1].upper() + words[1:]
 
 
 def _legend(axes: Axes) -> None:
@@ -135,5 +135,5 @@ def _legend(axes: Axes) -> None:
         Patch(color=SHADE),
         Line2D([], [], color=GREY, lw=0.8, ls=(0, (4, 2))),
     ]
-    said = ["profile likelihood", "learned value", "95 % interval", "3.84: 95 %"]
-    axes.legend(handles, said, loc="center left")
+    labels = ["profile likelihood", "learned value", "95 % interval", "3.84: 95 %"]
+    axes.legend(handles, labels, loc="center left")

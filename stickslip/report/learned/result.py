@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from stickslip.evaluation.guards import Worth
+from stickslip.evaluation.guards import Benefit
 from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.report.learned.scales import WORDS, Scale, force_scale, parameter_scale
@@ -134,14 +134,14 @@ def _exponent(estimation: Estimation) -> Html:
     )
 
 
-def compensation(worth: Worth) -> Section:
+def compensation(benefit: Benefit) -> Section:
     """Return the section with the table of tracking errors."""
     verdict = "The error is nowhere larger than 1.02 times that without the compensator."
-    if not worth.harmless:
-        verdict = f"The compensator increases the tracking error: {worth.reason}."
-    elif worth.share < 1.0:
+    if not benefit.harmless:
+        verdict = f"The compensator increases the tracking error: {benefit.reason}."
+    elif benefit.share < 1.0:
         verdict = (
-            f"It gives {number(100.0 * worth.share, 3)} % of the learned force: {worth.reason}."
+            f"It gives {number(100.0 * benefit.share, 3)} % of the learned force: {benefit.reason}."
         )
     rows = [
         (
@@ -151,7 +151,7 @@ def compensation(worth: Worth) -> Section:
             number(1e3 * row.compensated, 3),
             number(row.ratio, 3),
         )
-        for row in worth.rows
+        for row in benefit.rows
     ]
     return Section(
         "Whether compensation helps",
@@ -162,7 +162,7 @@ def compensation(worth: Worth) -> Section:
         table(
             ("Simulated drive", "Speed", "Without", "With", "Ratio"),
             rows,
-            f"RMS tracking error, all in {worth.unit}",
+            f"RMS tracking error, all in {benefit.unit}",
             (0,),
         ),
     )

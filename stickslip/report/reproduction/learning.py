@@ -103,7 +103,7 @@ def _course(reproduction: Reproduction) -> Html:
         why = learned.skipped.replace("m2/s2", "m²/s²")
         return paragraph(
             f"{text}Nothing was searched beyond a first generation of "
-            f"{number(algorithm.evaluations, 6)} candidates, and the parameters stand: {why}."
+            f"{number(algorithm.evaluations, 6)} candidates, and the start values are kept: {why}."
         )
     text += (
         f"With the best of {number(algorithm.evaluations, 6)} candidates it costs "
@@ -139,8 +139,8 @@ def _begun(reproduction: Reproduction) -> str:
 
 def _standing(reproduction: Reproduction) -> str:
     if reproduction.learned.chosen == "start":
-        return "parameters that learning began with stand"
-    return "winner stands"
+        return "start values are kept"
+    return "winner is kept"
 
 
 def _settings(reproduction: Reproduction) -> Html:

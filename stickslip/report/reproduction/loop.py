@@ -97,7 +97,7 @@ def use_section(reproduction: Reproduction) -> Section:
 
 def _fmu(opinion: SecondOpinion) -> Html:
     """Return its description as FMPy reads it, and the comparison of the runs."""
-    said = [
+    described = [
         (key, element("span", value, class_="prose")) for key, value in opinion.description.items()
     ]
     rows = [
@@ -123,7 +123,7 @@ def _fmu(opinion: SecondOpinion) -> Html:
     return join(
         [
             element("h3", "The compensator’s FMU, read and run by FMPy"),
-            table(("", f"As {opinion.tool} reads it"), said, "compensator.fmu", (0, 1)),
+            table(("", f"As {opinion.tool} reads it"), described, "compensator.fmu", (0, 1)),
             table(
                 head,
                 rows,

@@ -93,7 +93,7 @@ class Manifest:
         except OSError as error:
             raise ResultsError(f"{path}: cannot be read ({error.strerror})") from None
         except (ValueError, ResultsError) as error:
-            raise ResultsError(f"{path}: no manifest of results ({error})") from None
+            raise ResultsError(f"{path}: not a manifest of results ({error})") from None
 
     @classmethod
     def _of(cls, content: object) -> Manifest:
@@ -125,18 +125,18 @@ def hash_of(path: Path) -> str:
 
 
 def _earlier(content: object, hashes: Mapping[str, str]) -> dict[str, Share]:
-    said = "'earlier' is no list of commands, each with files that 'sha256' has"
+    message = "'earlier' is not a list of commands, each with files that 'sha256' contains"
     if not isinstance(content, list):
-        raise ResultsError(said)
+        raise ResultsError(message)
     earlier: dict[str, Share] = {}
     for entry in content:
         command, names = (
             (entry.get("command"), entry.get("files")) if isinstance(entry, dict) else (None, None)
         )
         if not isinstance(command, dict) or not isinstance(names, list):
-            raise ResultsError(said)
+            raise ResultsError(message)
         if not all(isinstance(name, str) and name in hashes for name in names):
-            raise ResultsError(said)
+            raise ResultsError(message)
         earlier[_name(command)] = (command, frozenset(names))
     return earlier
 

@@ -78,7 +78,7 @@ def staged(
     with locked(folder):
         complete(folder)
         staging = folder / f"{WRITING}{uuid4().hex}"
-        token = staging / uuid4().hex  # gone if the folder is removed and made anew meanwhile
+        token = staging / uuid4().hex  # gone if the folder is removed and made again meanwhile
         try:
             staging.mkdir()
             token.touch()

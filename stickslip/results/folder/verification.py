@@ -20,7 +20,7 @@ NOTES = {
     "unfinished/*": "of a study that did not end; continue with --resume",
     f"{OURS}*": "of a process that writes, or was killed; the next that writes deletes it",
 }
-"""Files that may be there beside results, by pattern."""
+"""Files that may accompany results, by pattern."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Verdict:
     ----------
     intact : files that are as they were written
     faults : what is not, by the name of the file: missing, changed, additional, or why not read
-    notes : what else is to be said of files
+    notes : remarks on files
     """
 
     intact: int
@@ -69,21 +69,21 @@ def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
 
 
 def _compare(folder: Path, manifest: Manifest, without: Sequence[str]) -> Verdict:
-    said = {name: _state(folder, name, digest) for name, digest in manifest.sha256.items()}
+    states = {name: _state(folder, name, digest) for name, digest in manifest.sha256.items()}
     notes = {
         name: "missing, as it may be"
-        for name, what in said.items()
+        for name, what in states.items()
         if what == "missing" and any(fnmatchcase(name, pattern) for pattern in without)
     }
     for name in files_in(folder):
-        if name not in said and name != MANIFEST:
+        if name not in states and name != MANIFEST:
             known = [note for pattern, note in NOTES.items() if fnmatchcase(name, pattern)]
             if known:
                 notes[name] = known[0]
             else:
-                said[name] = "additional"
-    faults = {name: what for name, what in said.items() if what and name not in notes}
-    return Verdict(sum(not what for what in said.values()), dict(sorted(faults.items())), notes)
+                states[name] = "additional"
+    faults = {name: what for name, what in states.items() if what and name not in notes}
+    return Verdict(sum(not what for what in states.values()), dict(sorted(faults.items())), notes)
 
 
 def _state(folder: Path, name: str, digest: str) -> str:

@@ -2,7 +2,7 @@
 
     study = study_as_published(rig, identification, seeds=range(20), reading_seeds=5, workers=2)
 
-``study.py`` learns, ``readings.py`` knows what the paper leaves open, ``whole.py`` does both.
+``study.py`` learns, ``readings.py`` lists what the paper leaves open, ``whole.py`` does both.
 """
 
 from stickslip.tuning.published.study import Published, learn_as_published

@@ -14,19 +14,11 @@ import pandas as pd
 
 from stickslip import ga
 from stickslip.evaluation.motions import regions_after, windows
-from stickslip.evaluation.validation import (
-    METRICS,
-    Run,
-    tracking_errors,
-)
+from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.tuning.learning import CONSTRAINT
-from stickslip.tuning.published.study import (
-    PAPER_COST,
-    Method,
-    Published,
-)
+from stickslip.tuning.published.study import PAPER_COST, Method, Published
 
 Velocity = Callable[[Run], Array]
 
@@ -156,8 +148,8 @@ def learning_row(reading: LearningReading, ours: Published, other: Published) ->
         "other": reading.other,
         "seeds": len(seeds),
     }
-    for said, published in (("ours", same), ("other", other)):
-        row |= {f"{name}_{said}": value for name, value in summary(published).items()}
+    for label, published in (("ours", same), ("other", other)):
+        row |= {f"{name}_{label}": value for name, value in summary(published).items()}
     return row
 
 
@@ -213,8 +205,8 @@ def evaluation_readings(published: Published) -> pd.DataFrame:
     table = []
     for place, reading, ours, region, velocity in rows:
         row: dict[str, object] = {"place": place, "reading": reading, "ours": ours}
-        for said, runs in (("without", [published.without]), ("with", learned)):
-            row |= _errors(said, runs, region, velocity)
+        for label, runs in (("without", [published.without]), ("with", learned)):
+            row |= _errors(label, runs, region, velocity)
         table.append(row)
     return pd.DataFrame(table)
 
@@ -255,7 +247,7 @@ def _encoder(T_s: float, cutoff: float | None) -> Velocity:
 
 
 def _errors(
-    said: str,
+    label: str,
     runs: Iterable[Run],
     region: tuple[float, float],
     velocity: Velocity,
@@ -266,7 +258,7 @@ def _errors(
         error = 1e3 * (run.v_cmd - velocity(run))
         for name, spans in regions_after(windows(VALIDATION), region).items():
             for metric, value in tracking_errors(run.t, error, spans).items():
-                found.setdefault(f"{said}_{name}_{metric}", []).append(value)
+                found.setdefault(f"{label}_{name}_{metric}", []).append(value)
     return {name: float(np.median(values)) for name, values in found.items()}
 
 

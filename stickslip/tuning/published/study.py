@@ -15,11 +15,7 @@ import pandas as pd
 from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, UNITS
 from stickslip.evaluation.motions import windows
-from stickslip.evaluation.validation import (
-    Run,
-    Validation,
-    run_command,
-)
+from stickslip.evaluation.validation import Run, Validation, run_command
 from stickslip.fmi.process import Threads
 from stickslip.ga.problem.repair import Repair
 from stickslip.identification.stages import Estimate
@@ -29,11 +25,7 @@ from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import (
-    VelocityCost,
-    genes,
-    parameters,
-)
+from stickslip.tuning.learning import VelocityCost, genes, parameters
 
 Result = TypeVar("Result")
 OnGeneration = Callable[[ga.Optimiser], object]
@@ -177,7 +169,7 @@ def learn_as_published(
     def validated(values: Mapping[str, float]) -> Run:
         return run_command(rig, loop, {**values, **own}, trapezoid, method.feed)
 
-    with rig.judge(v_cmd, loop, criterion, method.feed, own) as cost:
+    with rig.cost_of(v_cmd, loop, criterion, method.feed, own) as cost:
 
         def learn(seed: int, still_wanted: OnGeneration) -> SeedRun:
             start = coarsened(identified, draw_factors(seed, method.width))
@@ -190,7 +182,7 @@ def learn_as_published(
             return SeedRun(seed, values, learned, algorithm, len(once.costs), *runs)
 
         runs = tuple(side_by_side(learn, seeds, workers))
-    with rig.judge(v_cmd, loop, criterion, compensated=False) as cost:
+    with rig.cost_of(v_cmd, loop, criterion, compensated=False) as cost:
         cost_without = cost(np.array([identified[name].value for name in LUGRE]))
     without = run_command(rig, loop, None, trapezoid, method.feed)
     return Published(method, runs, without, cost_without)

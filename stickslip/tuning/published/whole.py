@@ -18,11 +18,7 @@ from stickslip.tuning.published.readings import (
     learning_row,
     threshold_reading,
 )
-from stickslip.tuning.published.study import (
-    Method,
-    Published,
-    learn_as_published,
-)
+from stickslip.tuning.published.study import Method, Published, learn_as_published
 
 TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation")
 """The names of the study's tables, as which they are written."""

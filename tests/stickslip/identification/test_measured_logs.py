@@ -8,7 +8,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cli import main
 from stickslip.commands.learn import print_estimation
-from stickslip.evaluation.guards import Worth
+from stickslip.evaluation.guards import Benefit
 from stickslip.logs import Finding, load_description
 from stickslip.pipeline.log_learning import learn, write_learned
 from stickslip.results.learned import LearnedFile
@@ -66,9 +66,9 @@ def test_what_was_learned_is_written_and_read(emps, tmp_path):
 
 
 def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
-    worth = emps.trial.worth
-    rows = tuple(replace(row, compensated=1.03 * row.without) for row in worth.rows)
-    harmful = replace(emps, trial=replace(emps.trial, worth=Worth(1.0, rows, rows)))
+    benefit = emps.trial.benefit
+    rows = tuple(replace(row, compensated=1.03 * row.without) for row in benefit.rows)
+    harmful = replace(emps, trial=replace(emps.trial, benefit=Benefit(1.0, rows, rows)))
     assert "1.03 times that without the compensator" in harmful.refusal
     assert not emps.refusal
     write_learned(emps, tmp_path)
@@ -80,8 +80,8 @@ def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
 
 
 def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
-    worth = replace(emps.trial.worth, share=0.8)
-    write_learned(replace(emps, trial=replace(emps.trial, worth=worth)), tmp_path, force=True)
+    benefit = replace(emps.trial.benefit, share=0.8)
+    write_learned(replace(emps, trial=replace(emps.trial, benefit=benefit)), tmp_path, force=True)
     whole = emps.estimation.compensator
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start

@@ -79,7 +79,7 @@ def test_the_costs_and_errors_are_those_of_single_runs(drive, published):
     rig, loop, _ = drive
     one = published.seeds[0]
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
-    with rig.judge(v_cmd, loop, VelocityCost(rig.T_s)) as cost:
+    with rig.cost_of(v_cmd, loop, VelocityCost(rig.T_s)) as cost:
         assert published.final_costs()[0] == cost(np.array([one.learned[n] for n in LUGRE]))
     table = published.table4()
     table = table[table["seed"] == one.seed].reset_index(drop=True)

@@ -48,7 +48,7 @@ class Tried:
 
 
 @dataclass(frozen=True)
-class Worth:
+class Benefit:
     """What a compensator does to the tracking error.
 
     Attributes
@@ -89,7 +89,7 @@ class Worth:
         )
 
 
-def try_out(trial: Trial, *, rotary: bool = False) -> Worth:
+def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
     """Try a compensator at every speed and on every drive, with the largest harmless share."""
     unit = "mrad/s" if rotary else "mm/s"
     cells = list(_cells(trial))
@@ -106,10 +106,10 @@ def try_out(trial: Trial, *, rotary: bool = False) -> Worth:
 
         full = tried(1.0)
         for share in SHARES:
-            worth = Worth(share, full if share == 1.0 else tried(share), full, unit)
-            if worth.harmless:
-                return worth
-    return Worth(1.0, full, full, unit)
+            benefit = Benefit(share, full if share == 1.0 else tried(share), full, unit)
+            if benefit.harmless:
+                return benefit
+    return Benefit(1.0, full, full, unit)
 
 
 def _cells(trial: Trial) -> Iterator[tuple[float, str, Trial]]:

@@ -1,0 +1,72 @@
+"""Tables of results on a terminal."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TextIO
+
+import numpy as np
+import pandas as pd
+
+from stickslip.evaluation.guards import Benefit
+from stickslip.tuning.published import Published
+from stickslip.tuning.published.readings import worse
+from stickslip.tuning.published.study import PAPER_COST
+
+
+def print_table4(table: pd.DataFrame) -> None:
+    """Print what ``Validation.table`` returns."""
+    print(
+        "velocity errors in mm/s; loop, ramps and windows were calibrated so that the simulated\n"
+        "drive of Table 2, measured, comes near the real stage without compensation\n"
+        "                         simulated drive              real stage (paper)\n"
+        "velocity region  metric  without    with reduction    without    with reduction"
+    )
+    for row in table.to_dict("records"):
+        print(
+            f"{row['velocity']:8} {row['region']:7} {row['metric']:6}"
+            f" {row['without']:8.3f} {row['with']:7.3f} {100 * row['reduction']:7.1f} %"
+            f"   {row['paper_without']:8.2f} {row['paper_with']:7.2f}"
+            f" {100 * row['paper_reduction']:7.0f} %"
+        )
+
+
+def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
+    """Print a row for each speed and a column for each drive."""
+    share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
+    print(
+        f"\nRMS tracking error of simulated drives [{benefit.unit}], "
+        f"without -> with the compensator{share}:",
+        file=file,
+    )
+    drives = list(dict.fromkeys(row.drive for row in benefit.rows))
+    print(f"{'speed':10}" + "".join(f"{drive:>22}" for drive in drives), file=file)
+    for speed, rows in groupby(benefit.rows, key=lambda row: row.speed):
+        cells = (f"{1e3 * row.without:.3g} -> {1e3 * row.compensated:.3g}" for row in rows)
+        print(f"{1e3 * speed:<10.3g}" + "".join(f"{cell:>22}" for cell in cells), file=file)
+
+
+def print_published(published: Published) -> None:
+    """Print costs and Table 4 over the seeds."""
+    start, final = published.start_costs(), published.final_costs()
+    print(f"the paper's learning as published, from coarse starts; seeds: {len(final)}")
+    print(
+        f"cost in m2/s2: {published.cost_without:.3g} without compensation, median "
+        f"{np.median(start):.3g} at the start and {np.median(final):.3g} at the end "
+        f"(paper: {PAPER_COST:.2g})"
+    )
+    print("errors in mm/s, median over seeds; worse: seeds that track worse than their start")
+    print("velocity region  metric  without   start    with   paper   worse")
+    table = published.table4()
+    keys = ["velocity", "region", "metric"]
+    for (velocity, region, metric), rows in table.groupby(keys, sort=False):
+        print(
+            f"{velocity:8} {region:7} {metric:6} {rows['without'].iloc[0]:8.3f} "
+            f"{rows['start'].median():7.3f} {rows['with'].median():7.3f} "
+            f"{rows['paper_with'].iloc[0]:7.2f} {(rows['with'] > rows['start']).sum():7d}"
+        )
+    measured = table[table["velocity"] == "measured"]
+    print(
+        f"{100 * worse(measured):.0f} % of the seeds follow the trapezoid worse than from their "
+        "start (measured E_rms of both regions), although the training cost fell"
+    )
