@@ -109,7 +109,7 @@ def test_gain_margin_is_where_the_loop_begins_to_swing(loop):
     for factor, swings in ((0.999 * gain, False), (1.001 * gain, True)):
         arguments = (loop.axis, loop.T_s, loop.tau_f, factor * loop.K_p, factor * loop.K_i)
         if swings:
-            with pytest.raises(ControlError, match=r"unstable: a pole lies at \|z\| = 1\."):
+            with pytest.raises(ControlError, match=r"unstable: a pole is at \|z\| = 1\."):
                 close_velocity_loop(*arguments)
         else:
             close_velocity_loop(*arguments)

@@ -53,7 +53,7 @@ def test_settings_and_genes_are_frozen():
     ("bounds", "message"),
     [
         ((1.0, 1.0, 1.0), "lower must be below upper"),
-        ((0.0, 1.0, 2.0), "start 2.0 lies outside"),
+        ((0.0, 1.0, 2.0), "start 2.0 is outside"),
         ((0.0, float("inf"), 1.0), "upper must be finite"),
     ],
 )

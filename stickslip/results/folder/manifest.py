@@ -98,17 +98,17 @@ class Manifest:
     @classmethod
     def _of(cls, content: object) -> Manifest:
         if not isinstance(content, dict):
-            raise ResultsError("it holds no object")
+            raise ResultsError("it does not contain an object")
         command, hashes = content.get("command", {}), content.get("sha256")
         if not isinstance(command, dict):
-            raise ResultsError("'command' is no object")
+            raise ResultsError("'command' is not an object")
         if not isinstance(hashes, dict):
-            raise ResultsError("'sha256' is missing or no object")
+            raise ResultsError("'sha256' is missing or not an object")
         for name, known in hashes.items():
             if not (_NAME.fullmatch(name) and name.isprintable()) or name == MANIFEST:
-                raise ResultsError(f"it names {name!r}, which is no name of a file in the folder")
+                raise ResultsError(f"it names {name!r}, which is not the name of a file in the folder")
             if not isinstance(known, str) or not _HASH.fullmatch(known):
-                raise ResultsError(f"the SHA-256 of {name!r} is no 64 hexadecimal digits")
+                raise ResultsError(f"the value of {name!r} is not a SHA-256 of 64 hexadecimal digits")
         return cls(command, hashes, _earlier(content.get("earlier", []), hashes))
 
 

@@ -144,7 +144,7 @@ def test_what_strangers_left_ready_moves_and_deletes_nothing_outside(folder, tmp
     (ready / "manifest.json").write_text('{"sha256": {}}')
     evil = {"sha256": {"../victim": "0" * 64, "link/victim": "0" * 64}}
     (folder / "manifest.json").write_text(json.dumps(evil))
-    with pytest.raises(UsageError, match="no manifest of results"):
+    with pytest.raises(UsageError, match="not a manifest of results"):
         verify(folder)
     (folder / "manifest.json").unlink()
     assert verify(folder).faults == {"a": "additional", "b": "additional", "link": "additional"}

@@ -65,15 +65,15 @@ def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ("", "no manifest of results"),
-        ("[" * 100_000, "no manifest of results"),
-        ("[]", "holds no object"),
-        ('{"sha256": []}', "'sha256' is missing or no object"),
-        ("{}", "'sha256' is missing or no object"),
-        ('{"command": 1, "sha256": {}}', "'command' is no object"),
-        (json.dumps({"sha256": {"a": "0"}}), "no 64 hexadecimal digits"),
-        (json.dumps({"sha256": {"a": HASH.upper().replace("0", "A")}}), "no 64 hexadecimal"),
-        (json.dumps({"sha256": {"a": 1}}), "no 64 hexadecimal"),
+        ("", "not a manifest of results"),
+        ("[" * 100_000, "not a manifest of results"),
+        ("[]", "does not contain an object"),
+        ('{"sha256": []}', "'sha256' is missing or not an object"),
+        ("{}", "'sha256' is missing or not an object"),
+        ('{"command": 1, "sha256": {}}', "'command' is not an object"),
+        (json.dumps({"sha256": {"a": "0"}}), "is not a SHA-256"),
+        (json.dumps({"sha256": {"a": HASH.upper().replace("0", "A")}}), "is not a SHA-256"),
+        (json.dumps({"sha256": {"a": 1}}), "is not a SHA-256"),
         *(
             (json.dumps({"sha256": {name: HASH}}), "no name of a file in the folder")
             for name in (
@@ -81,10 +81,10 @@ def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
                 *("a\x00b", "a\nb", "a\ud800", "manifest.json"),
             )
         ),
-        ('{"sha256": {}, "earlier": 1}', "'earlier' is no list"),
-        ('{"sha256": {}, "earlier": [1]}', "'earlier' is no list"),
-        ('{"sha256": {}, "earlier": [{"command": {}, "files": ["x"]}]}', "'earlier' is no list"),
-        (b"\xff\xfe{}", "no manifest of results"),
+        ('{"sha256": {}, "earlier": 1}', "'earlier' is not a list"),
+        ('{"sha256": {}, "earlier": [1]}', "'earlier' is not a list"),
+        ('{"sha256": {}, "earlier": [{"command": {}, "files": ["x"]}]}', "'earlier' is not a list"),
+        (b"\xff\xfe{}", "not a manifest of results"),
     ],
 )
 def test_a_damaged_manifest_ends_in_one_line(folder, capsys, content, said):
