@@ -106,9 +106,11 @@ class Manifest:
             raise ResultsError("'sha256' is missing or not an object")
         for name, known in hashes.items():
             if not (_NAME.fullmatch(name) and name.isprintable()) or name == MANIFEST:
-                raise ResultsError(f"it names {name!r}, which is not the name of a file in the folder")
+                raise ResultsError(
+                    f"it names {name!r}, which is not the name of a file in the folder"
+                )
             if not isinstance(known, str) or not _HASH.fullmatch(known):
-                raise ResultsError(f"the value of {name!r} is not a SHA-256 of 64 hexadecimal digits")
+                raise ResultsError(f"the value of {name!r} is not a SHA-256 (64 hex digits)")
         return cls(command, hashes, _earlier(content.get("earlier", []), hashes))
 
 
