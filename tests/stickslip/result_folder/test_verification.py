@@ -75,7 +75,7 @@ def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
         (json.dumps({"sha256": {"a": HASH.upper().replace("0", "A")}}), "is not a SHA-256"),
         (json.dumps({"sha256": {"a": 1}}), "is not a SHA-256"),
         *(
-            (json.dumps({"sha256": {name: HASH}}), "no name of a file in the folder")
+            (json.dumps({"sha256": {name: HASH}}), "not the name of a file in the folder")
             for name in (
                 *("../a", "/etc/passwd", "sub/../../a", "", ".", "a//b", "a/", "c:/x", "a\\b"),
                 *("a\x00b", "a\nb", "a\ud800", "manifest.json"),
