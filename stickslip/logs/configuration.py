@@ -47,7 +47,7 @@ def _description(content: Mapping[str, Any]) -> Description:
     given: dict[str, Any] = {}
     for key, value in content.items():
         if key == "columns":
-            given[key] = {role: _column(role, said) for role, said in _table(value, key).items()}
+            given[key] = {role: _column(role, one) for role, one in _table(value, key).items()}
         elif key == "controller":
             gains = dict(_table(value, key))
             given["controller"] = _text(gains.pop("kind", None), "controller.kind")
@@ -65,10 +65,10 @@ def _description(content: Mapping[str, Any]) -> Description:
     return Description(**given)
 
 
-def _column(role: str, said: object) -> Column:
-    if isinstance(said, str | int) and not isinstance(said, bool):
-        return Column(said)
-    table = _table(said, f"columns.{role}")
+def _column(role: str, value: object) -> Column:
+    if isinstance(value, str | int) and not isinstance(value, bool):
+        return Column(value)
+    table = _table(value, f"columns.{role}")
     for key in table:
         if key not in _COLUMN_KEYS:
             raise UsageError(f"columns.{role}: no key '{key}'{suggestion(key, _COLUMN_KEYS)}")

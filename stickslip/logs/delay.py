@@ -46,7 +46,7 @@ class Delay:
 
 
 def force_delay(recording: Recording) -> Delay | None:
-    """Return how much later the force shows than the motion it makes, None when nothing tells.
+    """Return the delay of the force behind the motion that it causes, None if unknown.
 
     While sliding, F(t + d) = m a + b v + F_c sign v + F_0. A delay left over shows as a part of F
     in step with the derivative of its inertial and viscous part, which is fitted and taken away,

@@ -111,5 +111,5 @@ class Description:
             raise UsageError(f"decimal = '{self.decimal}': expected . or ,")
 
     def column(self, role: str) -> Column:
-        """Return what is said of a role's column, which may be nothing."""
+        """Return the description of a role's column, which may be empty."""
         return self.columns.get(role, Column())

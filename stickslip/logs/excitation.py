@@ -20,14 +20,14 @@ from stickslip.servo.measurement import Array, smoothed
 SLOW = 0.01
 """Share of the top speed below which motion counts as slow."""
 TURNED = 0.63
-"""Share of its swing that friction makes while it turns around."""
+"""Share of its swing that friction covers during a reversal."""
 
 
 @dataclass(frozen=True)
 class TurnAround:
-    """How friction turns around after reversals, as medians over these.
+    """Reversal of friction after velocity reversals, as medians over these.
 
-    The low-pass on the way there makes quick turns longer than they are.
+    The low-pass makes quick reversals longer than they are.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Excitation:
     mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
     inertial, viscous : share of the force's standard deviation, while sliding, that accelerations
         and changes of speed make; nan, as the mass, where too little slides or no force is known
-    turn_around : of friction; None where it cannot be told
+    turn_around : reversal of friction; None where it cannot be measured
     """
 
     top_speed: float
@@ -114,7 +114,7 @@ def excitation(recording: Recording) -> Excitation:
 
 
 def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:
-    """Return the samples (k,) at which the motion turns around.
+    """Return the samples (k,) at which the velocity reverses.
 
     Those count between which it moves by three steps of the encoder or a ten-thousandth of its
     range, so that noise at rest does not.
@@ -156,7 +156,7 @@ def _rigid(recording: Recording, motion: Kinematics) -> tuple[Array, float, floa
 def _turn_around(
     recording: Recording, motion: Kinematics, turns: NDArray[np.intp], fit: Array
 ) -> TurnAround | None:
-    """Return how friction turns around between reversals."""
+    """Return the reversal of friction between velocity reversals."""
     if recording.friction is not None:
         friction = smoothed(recording.friction, recording.T_s, motion.cutoff)
     elif recording.force is not None and fit.any():

@@ -1,4 +1,4 @@
-"""Signals at other times than they were logged at."""
+"""Interpolation of signals."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from stickslip.servo.measurement import Array
 
 Method = Literal["linear", "cubic"]
 MOST = 20_000
-"""Samples that the choice is made on."""
+"""Number of samples on which the choice is based."""
 
 
 def better_method(t: Array, signal: Array) -> Method:
-    """Return what foretells every other sample from its neighbours better.
+    """Return the method that predicts every other sample from its neighbours better.
 
     A cubic spline, nearly band-limited, for smooth signals; straight lines for commands with
     corners and for signals that are mostly noise or steps.

@@ -19,7 +19,7 @@ def value_of(product: Product, names: Mapping[str, float], what: str) -> float:
     ----------
     product : to work out
     names : the scalars that the log's file holds
-    what : is said, for the message
+    what : name of the value, for the message
 
     Raises
     ------

@@ -92,7 +92,7 @@ def read_recording(
     Parameters
     ----------
     path : of the file
-    description : what its columns mean; what it leaves open is guessed and said in the findings
+    description : what its columns mean; what it leaves open is detected and reported
     strict : whether a column whose unit is wrong or missing is raised; else it is an error among
         the findings, and its numbers are kept as they are
 
@@ -216,11 +216,11 @@ def _cut(
 
 
 def _encoder_step(
-    table: LogTable, said: Product | None, signals: dict[str, Array], findings: list[Finding]
+    table: LogTable, given_as: Product | None, signals: dict[str, Array], findings: list[Finding]
 ) -> float:
-    """Return the resolution that was said, else the one that shows."""
+    """Return the resolution that was given, else the one that the positions show."""
     shown = step_of(signals["position"]) if "position" in signals else 0.0
-    given = _positive(table, said, "encoder_step")
+    given = _positive(table, given_as, "encoder_step")
     if given is None:
         return shown
     factor = near_factor(shown / given) if shown else None
@@ -230,14 +230,14 @@ def _encoder_step(
         advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
         findings.append(Finding("error", what, figure, advice))
     elif shown and abs(shown / given - max(1, round(shown / given))) > 0.05:
-        figure = f"{given:.4g} said, {shown:.4g} seen"
+        figure = f"{given:.4g} given, {shown:.4g} found"
         advice = "check scale and unit of the position"
         findings.append(Finding("warning", "the position moves in other steps", figure, advice))
     return given
 
 
 def _unwrap(signals: dict[str, Array]) -> list[Finding]:
-    """Take out the jumps of angles that start anew with each turn."""
+    """Remove the jumps of angles that restart with each revolution."""
     findings = []
     for role in ("position", "position_command"):
         signal = signals.get(role)
@@ -250,10 +250,10 @@ def _unwrap(signals: dict[str, Array]) -> list[Finding]:
     return findings
 
 
-def _positive(table: LogTable, said: Product | None, what: str) -> float | None:
-    if said is None:
+def _positive(table: LogTable, given_as: Product | None, what: str) -> float | None:
+    if given_as is None:
         return None
-    value = value_of(said, table.scalars, what)
+    value = value_of(given_as, table.scalars, what)
     if value <= 0:
         raise UsageError(f"{what} = {value:g}: expected more than 0")
     return value

@@ -1,4 +1,4 @@
-"""Which column of a log is what: said by its owner, or guessed from common names."""
+"""The roles of a log's columns: from its description, or detected from common names."""
 
 from __future__ import annotations
 

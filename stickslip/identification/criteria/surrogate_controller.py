@@ -96,8 +96,8 @@ def _residual(
     start = position_of(recording)[0] + offset
     further = {"candidate.x": start, "candidate.noise_x": 1e-9 * abs(offset)}
     result = loop.run({**values, "delay": 0.0}, further)
-    # The drive shows at the end of a sample the force that was held over it; the controller bears
-    # the constant force, so it is in what the drive shows.
+    # The drive's output at the end of a sample is the force held over it; the controller adds the
+    # constant force, so the output contains it.
     late = inverse.t + values["delay"] + 0.5 * inverse.T_s
     again = replace(
         recording,
