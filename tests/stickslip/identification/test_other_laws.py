@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from drives import GAINS, STAGE, run
 
 from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.estimation import Task, candidate_fmus, learn
 from stickslip.identification.fitting.fit import fit
 from stickslip.identification.fitting.multistart import select, variants
 from stickslip.identification.fitting.search import problem
 from stickslip.identification.fitting.start import Start
+from stickslip.logs import Recording
 from stickslip.models.export.law import read_law
+from stickslip.planning import plan
 
 DAHL = """
 title = "Dahl"
@@ -154,3 +158,26 @@ def test_the_search_has_a_gene_for_each_parameter_of_the_law(space_of):
     assert searched.names == ["F_2", "F_c", "k_1", "k_2"]
     assert (searched.repair.larger, searched.repair.smaller) == ("F_2", "F_c")
     assert [gene.unit for gene in searched.genes] == ["N", "N", "N/m", "N/m"]
+
+
+@pytest.mark.slow
+def test_a_dahl_drive_of_another_program_is_estimated_by_its_law():
+    """Recorded without damping of the bristles, which Dahl's law does not have."""
+    command = plan()["velocity_command"].to_numpy()[:16_000]
+    drive = run("dahl", command, uneven=0.0, sigma_1=0.0)
+    recording = Recording(
+        drive["t"],
+        drive["position"],
+        force=drive["applied"],
+        velocity_command=drive["v_cmd"],
+        encoder_step=4e-7,
+        source="dahl",
+    )
+    with candidate_fmus("dahl") as fmus:
+        learned = learn(Task(fmus, recording, GAINS, law="dahl"))
+    assert learned.criterion == "output error"
+    assert learned.known.keys() == {"sigma_0", "F_c", "m", "b"}
+    for name, known in learned.known.items():
+        apart = abs(known.value - STAGE[name])
+        assert apart < 3.0 * known.standard_error, name
+        assert apart < 0.05 * STAGE[name], name
