@@ -1,12 +1,12 @@
 """What can go wrong, as a tree.
 
 CosimError(Fault)
-    FmuError(ValueError)           the file is no FMU that can be run here
+    FmuError(ValueError)           the file is not an FMU that can be run here
     ConnectionFault(ValueError)    a component, connection or exposed input cannot be
     ParameterError(ValueError)     no such start value, or not this value
     SignalError(ValueError)        an input signal or a table of it is unusable
     ExperimentError(ValueError)    times that make no run
-    SspError(ValueError)           the file is no system structure package that can be read
+    SspError(ValueError)           the file is not a readable system structure package
     SimulationError(RuntimeError)  an FMU failed during a run
         FmuCrashed                 it ended its process, or had to be ended with it
     SharedSimulation(RuntimeError) two threads, or a forked process, use one simulation
@@ -20,7 +20,7 @@ class CosimError(Fault):
 
 
 class FmuError(CosimError, ValueError):
-    """The file is no FMU that can be run here."""
+    """The file is not an FMU that can be run here."""
 
 
 class ConnectionFault(CosimError, ValueError):
@@ -40,7 +40,7 @@ class ExperimentError(CosimError, ValueError):
 
 
 class SspError(CosimError, ValueError):
-    """The file is no system structure package that can be read."""
+    """The file is not a readable system structure package."""
 
 
 class SimulationError(CosimError, RuntimeError):

@@ -219,14 +219,14 @@ class Coupled:
 
     def _member(self, name: str, slot: kernel.Component) -> Any:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
-        fed = self._system.sources()
+        sources = self._system.sources()
         shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
         general, exchange = self._general_components.get(name), fmu.interface == "model_exchange"
         interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and general is None))
         links = (tables.Link * n)()
         for link, (_, target) in zip(links, self._inputs[name], strict=True):
-            link.column = self._layout.columns[fed[target]]
-            link.fresh = self._is_fresh(fed[target], name)
+            link.column = self._layout.columns[sources[target]]
+            link.fresh = self._is_fresh(sources[target], name)
             variable = self._system.variable(target)
             link.holds = variable.is_discrete
             link.feeds_through = any(

@@ -36,7 +36,7 @@ def recall(table: Any, width: int, memory: Mapping[str, Array]) -> None:
     Raises
     ------
     KeyError, ValueError
-        When it is none of this coupling.
+        When it belongs to another coupling.
     """
     for name, place in _places(table, width).items():
         if memory[name].shape != place.shape:

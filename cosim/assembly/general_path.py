@@ -45,7 +45,7 @@ class GeneralComponent:
     Parameters
     ----------
     outputs : variables or elements in the order of the component's columns
-    inputs : those that are fed, in the order in which the kernel sets them
+    inputs : those that are connected, in the order in which the kernel sets them
     ahead : for each input, whether the kernel gives its value at the end of the step
     arrays : name -> variable, of the arrays whose elements are among these
     tolerance : relative, of Model Exchange; that which the FMU proposes where None
@@ -153,7 +153,7 @@ class GeneralComponent:
             )
 
     def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
-        """Let elements of fed arrays that are not fed themselves have their start values."""
+        """Give the unconnected elements of connected arrays their start values."""
         for variable, value in values.values():
             for batch in self._inputs:
                 if variable.owner in self._arrays and batch.holds(variable):
@@ -169,7 +169,7 @@ class GeneralComponent:
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> int:
         """Go on with what ``memory`` returned, once the FMU is in its state; return an FMI status.
 
-        The solver of Model Exchange starts anew.
+        The solver of Model Exchange is initialised again.
         """
         for name, place in self._places().items():
             if memory[name].shape != place.shape:

@@ -77,7 +77,7 @@ def joined(time: Array, ends: Array, values: Array) -> Table:
 
 
 def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
-    """Return the tables that feed inputs of a component, by these and in their units."""
+    """Return the tables that inputs of a component follow, by input and in its unit."""
     found = {}
     for name, table in tables.items():
         for target in system.inputs[name]:

@@ -51,7 +51,7 @@ class Layout:
         Raises
         ------
         ConnectionFault
-            When a name or pattern of ``record`` fits nothing.
+            When a name or pattern of ``record`` matches nothing.
         """
         kept = _select(system, record.wanted)
         summed = {
@@ -79,14 +79,14 @@ def _columns(system: System, outputs: dict[str, list[str]], order: Iterable[str]
 
 
 def _neighbours(system: System) -> list[str]:
-    """Return the components so that those that feed the same one are neighbours.
+    """Return the components so that the sources of one component are neighbours.
 
     What lies side by side in a row needs not be gathered.
     """
-    feeders: dict[str, list[str]] = {component: [] for component in system.components}
+    sources: dict[str, list[str]] = {component: [] for component in system.components}
     for target, source in system.connections.items():
-        feeders[component_of(target)].append(component_of(source))
-    several = (found for found in feeders.values() if len(set(found)) > 1)
+        sources[component_of(target)].append(component_of(source))
+    several = (found for found in sources.values() if len(set(found)) > 1)
     first = [component for found in several for component in found]
     return list(dict.fromkeys([*first, *system.components]))
 

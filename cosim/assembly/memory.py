@@ -114,7 +114,7 @@ class Memory:
         row[first : first + len(outputs)] = outputs
 
     def kept(self, first: int, last: int, *, ended: bool = False) -> tuple[Array, Array]:
-        """Return the time and the record of steps first .. last, the last one surely if it ended.
+        """Return time and record of the steps from first to last; the last always if the run ended.
 
         Returns
         -------
@@ -150,7 +150,7 @@ def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> kernel.S
     steps = np.flatnonzero(Span(what.begin, what.end).covers(time))
     if not len(steps):
         raise ExperimentError(
-            f"cannot sum up {label!r}: no point in time lies in {what.begin} .. {what.end} s"
+            f"cannot sum up {label!r}: no point in time lies in {what.begin} to {what.end} s"
         )
     entry = kernel.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
     if isinstance(what.reference, str):

@@ -22,7 +22,7 @@ _Phase = Literal["structure", "early", "late"]
 
 
 class Settings:
-    """Room for a set of start values, laid out once and filled for every run.
+    """Arrays for a set of start values, allocated once and filled for every run.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ from stickslip.fmi.messages import suggestion
 def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Tables]:
     """Return what happens to signals, and what to parameters.
 
-    An input that is fed stands for what feeds it, where that feeds nothing else.
+    A connected input stands for its source, where that has no other target.
 
     Raises
     ------

@@ -145,20 +145,20 @@ def _general_component(
     """Return a general for a component that the kernel does not take as it is."""
     fmu = system.components[name]
     read = [system.variable(output) for output in outputs]
-    fed = [system.variable(target) for target, _ in targets]
-    if not (isinstance(fmu, Fmu) and (retries_steps or needs_general_path(fmu, [*read, *fed]))):
+    taken = [system.variable(target) for target, _ in targets]
+    if not (isinstance(fmu, Fmu) and (retries_steps or needs_general_path(fmu, [*read, *taken]))):
         return None
     ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
-    arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *fed] if v.array}
+    arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *taken] if v.array}
     return GeneralComponent(
-        fmu, library, read, fed, ahead, arrays, tolerance, retries_steps=retries_steps
+        fmu, library, read, taken, ahead, arrays, tolerance, retries_steps=retries_steps
     )
 
 
 def connected_inputs(
     system: System, layout: Layout, order: Sequence[str], *, jacobi: bool
 ) -> dict[str, list[tuple[int, str]]]:
-    """Return per component its fed inputs with their offsets from the row of the present time.
+    """Return per component its connected inputs with offsets from the row of the present time.
 
     The kernel sets them in this order.
 
@@ -175,7 +175,7 @@ def connected_inputs(
             fresh = system.components[component].interface == "model_exchange"
         offset = layout.columns[source] + (len(layout.columns) if fresh else 0)
         inputs[component].append((offset, target))
-    return defaultdict(list, {component: sorted(fed) for component, fed in inputs.items()})
+    return defaultdict(list, {component: sorted(found) for component, found in inputs.items()})
 
 
 def _references(system: System, names: Sequence[str]) -> ctypes.Array[ctypes.c_uint32]:

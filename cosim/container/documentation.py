@@ -1,4 +1,4 @@
-"""documentation/index.html of a container: what is inside, and who feeds whom."""
+"""documentation/index.html of a container: components and connections."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
     """Return the page."""
     fmus = [(name, system.fmus("a container")[name]) for name in order]
     components = [(name, fmu.name, f"FMI {fmu.version}.0", fmu.token) for name, fmu in fmus]
-    feeds = [(source, target) for target, source in system.sources().items()]
+    connections = [(source, target) for target, source in system.sources().items()]
     return _PAGE.format(
         title=escape(system.name),
         step=step,
         components=_table(("component", "model", "standard", "token"), components),
-        connections=_table(("from", "to"), feeds),
+        connections=_table(("from", "to"), connections),
         delay=", each late by one step" if jacobi else "",
     )
 

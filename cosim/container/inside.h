@@ -26,7 +26,7 @@ struct Instance {
 Status report(const Instance *x, Status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* In initialisation: carry outputs to the inputs that they feed, until nothing changes. */
+/* In initialisation: carry outputs to the inputs they are connected to, until nothing changes. */
 Status settle(Instance *x);
 
 /* A call on a component failed: no more steps. */

@@ -12,7 +12,7 @@ static Status failed(Instance *x) {
     return part_failed(x, (int)x->run.failed, x->run.call, (int)x->run.status);
 }
 
-/* Carry outputs to the inputs that they feed, until nothing changes any more. */
+/* Carry outputs to the inputs they are connected to, until nothing changes any more. */
 Status settle(Instance *x) {
     PLAIN_HERE;
     double before[WIDTH];

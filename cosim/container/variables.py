@@ -60,7 +60,7 @@ def shown_variables(
     Raises
     ------
     ConnectionFault, ParameterError
-        When a name or pattern fits nothing that can be shown.
+        When a name or pattern matches nothing that can be exposed.
     """
     second = Unit("s", (0, 0, 1, 0, 0, 0, 0, 0))
     time = Shown("time", "TIME", "REAL", unit=second, description="Simulation time")
@@ -153,6 +153,6 @@ def _matching(
         found = [name for name in every if name == pattern or fnmatchcase(name, pattern)]
         if not found:
             near = suggestion(pattern, every)
-            raise error(f"{pattern!r} fits nothing that a container can show{near}")
+            raise error(f"{pattern!r} matches nothing that a container can expose{near}")
         chosen |= dict.fromkeys(found)
     return list(chosen)

@@ -34,7 +34,7 @@ def linearise(
 
     An FMU with Model Exchange becomes a system in continuous time: by its directional derivatives
     where it has them, else by central differences. With a ``step``, and where there is
-    Co-Simulation only, a system in discrete time: by differences over one step, started anew from
+    Co-Simulation only, a system in discrete time: by differences over one step, each started from
     each state.
 
     Parameters

@@ -26,7 +26,7 @@ _INSTEAD = f"export it for Model Exchange and leave out step=, or {_MEASURE}"
 
 
 class StepMap:
-    """A prepared system that starts anew for every step. Attributes are as in ``Exchange``.
+    """A prepared system that is initialised for every step. Attributes are as in ``Exchange``.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ class StepMap:
         values = [system.parameters.get(name, v.start) for name, v in variables.items()]
         self.x0 = np.array([float(v) if isinstance(v, int | float) else 0.0 for v in values])
         self.x_size = np.array([abs(v.nominal or 1.0) for v in variables.values()])
-        fed = [system.variable(targets[0]) for targets in system.inputs.values()]
-        self.u0 = np.array([v.start if isinstance(v.start, float) else 0.0 for v in fed])
-        self.u_size = np.array([abs(v.nominal or 1.0) for v in fed])
+        targets = [system.variable(targets[0]) for targets in system.inputs.values()]
+        self.u0 = np.array([v.start if isinstance(v.start, float) else 0.0 for v in targets])
+        self.u_size = np.array([abs(v.nominal or 1.0) for v in targets])
 
     def put(self, x: Array, u: Array) -> None:
         """Make sure that the states are all that a step begins with.
@@ -83,14 +83,14 @@ class StepMap:
         """
         x, u, later = x + 1e-3 * self.x_size, u + 0.1 * self.u_size, u - 0.1 * self.u_size
         name, n, watched = self._simulation.spec.system.name, len(x), tuple(self._watched)
-        two = _run(self._simulation, self._start(x), self._fed(u, later, later), watched)
+        two = _run(self._simulation, self._start(x), self._held_inputs(u, later, later), watched)
         ignored = np.abs(two[0, :n] - x) > _TOLERANCE * np.maximum(np.abs(x), self.x_size)
         if ignored.any():
             raise LinearisationError(
                 f"{name} does not start from the given values of"
                 f" {', '.join(np.array(self.states)[ignored])}; {_INSTEAD}"
             )
-        one = _run(self._simulation, self._start(two[1, :n]), self._fed(later), watched)
+        one = _run(self._simulation, self._start(two[1, :n]), self._held_inputs(later), watched)
         if names := self._off(two, two[2:], one[1:2], _HIDDEN):
             raise LinearisationError(
                 f"{name} remembers more than its states, or counts time: a second step of"
@@ -126,7 +126,7 @@ class StepMap:
         times = begin * self.dt, (begin + len(u) - 1) * self.dt
         spec = replace(self._simulation.spec, start=times[0], stop=times[1])
         with spec.prepare() as simulation:
-            return _run(simulation, self._start(x), self._fed(*u), tuple(self._watched))
+            return _run(simulation, self._start(x), self._held_inputs(*u), tuple(self._watched))
 
     def _off(
         self,
@@ -151,12 +151,14 @@ class StepMap:
 
     def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return f, (n,): the states after the step."""
-        states: Array = _run(self._simulation, self._start(x), self._fed(u), self.states)[1]
+        states: Array = _run(self._simulation, self._start(x), self._held_inputs(u), self.states)[1]
         return states
 
     def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return g, (p,)."""
-        outputs: Array = _run(self._simulation, self._start(x), self._fed(u), self.outputs)[0]
+        outputs: Array = _run(self._simulation, self._start(x), self._held_inputs(u), self.outputs)[
+            0
+        ]
         return outputs
 
     def jacobian(self, x: Array, u: Array) -> None:
@@ -165,7 +167,7 @@ class StepMap:
     def _start(self, x: Array) -> dict[str, float]:
         return dict(zip(self.states, map(float, x), strict=True))
 
-    def _fed(self, *u: Array) -> dict[str, Input]:
+    def _held_inputs(self, *u: Array) -> dict[str, Input]:
         """Return inputs, each (m,), for each point in time, or one for all."""
         values = u[0] if len(u) == 1 else np.array(u).T
         return dict(zip(self.inputs, values, strict=True))

@@ -100,7 +100,7 @@ def measure_response(
     if not ((wanted > 0.0) & (wanted * step <= 1 / _LEAST)).all():
         raise ExperimentError(
             f"frequencies must lie above 0 and up to {1 / (_LEAST * step):g} Hz, a quarter of the"
-            f" sample rate; got {wanted.min():g} .. {wanted.max():g} Hz"
+            f" sample rate; got {wanted.min():g} to {wanted.max():g} Hz"
         )
     names = [input, *outputs]
     found: list[ComplexArray] = []

@@ -117,7 +117,7 @@ class UnloadedLibrary(Library):
     Raises
     ------
     FmuError
-        When the binary is no library or lacks a function.
+        When the binary is not a library or lacks a function.
     """
 
     def __init__(self, fmu: Fmu) -> None:

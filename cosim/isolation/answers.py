@@ -144,7 +144,7 @@ def send(file: int, token: bytes, content: bytes) -> None:
     Raises
     ------
     OSError
-        When nobody reads.
+        When the other end is closed.
     """
     rest = memoryview(message(token, content))
     while rest:

@@ -283,7 +283,7 @@ class Process:
 
 
 def _environment() -> dict[str, str]:
-    """Return ours, with the way to our modules, and without threads that nobody needs."""
+    """Return ours, with the path of our modules, and without threads that are not needed."""
     return os.environ | {
         "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
         "OPENBLAS_NUM_THREADS": "1",

@@ -84,7 +84,7 @@ class Made:
 
 
 def _file(size: int) -> int:
-    """Return a file without a name, as large as that; on Linux nobody can cut it short."""
+    """Return a file without a name, as large as that; on Linux it cannot be truncated."""
     if hasattr(os, "memfd_create"):
         place = os.memfd_create("stickslip", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     else:

@@ -212,7 +212,7 @@ STATUS = {
     DISCARD: "returned discard",
     ERROR: "returned error",
     FATAL: "returned fatal",
-    PENDING: "returned pending, though nobody asked it to go on by itself",
+    PENDING: "returned pending, though asynchronous steps were not requested",
     NOT_FINITE: "gave a value that is not finite",
     TERMINATED: "asked to terminate the simulation",
     RETURNED_EARLY: "returned early though that was not allowed",

@@ -81,7 +81,7 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
                                           m->derivatives));
 }
 
-/* final: nobody will go back behind t. */
+/* final: no step begins before t again. */
 static bool do_step_of(Run *run, const Component *c, double t, double h, bool final) {
     MARK_TIME(t);
     if (c->version == 2) {

@@ -27,7 +27,7 @@ from stickslip.cosim.kernel import (
     load,
 )
 
-# In the order of ``enum Stored``; what is none of these is text.
+# In the order of ``enum Stored``; other types are text.
 STORED = (
     c_double,
     c_float,

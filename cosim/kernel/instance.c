@@ -21,8 +21,8 @@ static void *register_log(Log *log) {
     static atomic_size_t next;
     for (size_t tries = 0; tries < MOST_LOGS; tries++) {
         _Atomic(Log *) *place = &logs[atomic_fetch_add(&next, 1) % MOST_LOGS];
-        Log *nobody = NULL;
-        if (atomic_compare_exchange_strong(place, &nobody, log)) {
+        Log *free_place = NULL;
+        if (atomic_compare_exchange_strong(place, &free_place, log)) {
             return place;
         }
     }
@@ -37,7 +37,7 @@ static void unregister_log(Log *log) {
     log->callbacks.componentEnvironment = NULL;
 }
 
-/* NULL where it is no place in the table, or belongs to an instance that is freed. */
+/* NULL where it is not a place in the table, or belongs to an instance that is freed. */
 static Log *registered(const void *environment) {
     const uintptr_t offset = (uintptr_t)environment - (uintptr_t)logs;
     if (offset >= sizeof logs || offset % sizeof *logs != 0) {

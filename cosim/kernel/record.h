@@ -4,7 +4,7 @@
 
 #include "calls.h"
 
-/* Of rows first .. last, those of every so many steps. */
+/* Of the rows from first to last, those of every n-th step. */
 static inline void record_rows(const Run *run, int64_t first, int64_t last) {
     const int64_t begin = (first + run->every - 1) / run->every, end = last / run->every + 1;
     const int64_t stride = run->every * run->width;

@@ -85,7 +85,7 @@ class Checkpoint:
         Raises
         ------
         SimulationError
-            When it cannot be read or is no saved state.
+            When it cannot be read or is not a saved state.
         """
         try:
             stream = io.BytesIO(read_limited(path, MOST_BYTES))

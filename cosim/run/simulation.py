@@ -101,7 +101,7 @@ class Simulation(Repeated):
             When no run was halted by ``until``, or an FMU cannot give its state away.
 
         A resumed run equals the uninterrupted one bit for bit, but for Model Exchange: its solver
-        starts anew, so that the two agree within its tolerance.
+        is initialised again, so that the two agree within its tolerance.
         """
         with self._exclusive:
             return self._save(Path(path))
@@ -229,9 +229,9 @@ class Simulation(Repeated):
             "sums of squares": self._layout.summed,
         }
         fmus = {f"component {name}": fmu.identity for name, fmu in system.components.items()}
-        fed = {
+        wiring = {
             f"input {target}": f"{source}, {system.scaling(source, target)}"
             for target, source in system.sources().items()
         }
         starts = {f"start value of {name}": value for name, value in system.parameters.items()}
-        return {what: str(value) for what, value in {**fmus, **fed, **starts, **how}.items()}
+        return {what: str(value) for what, value in {**fmus, **wiring, **starts, **how}.items()}

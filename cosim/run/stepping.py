@@ -242,5 +242,5 @@ class Stepping(Prepared):
         steps = (until - self.spec.start) / self.spec.step
         n = round(steps) if math.isfinite(steps) else 0
         if not 0 < n < len(self.time) or abs(self.time[n] - until) > slack(until, self.spec.step):
-            raise ExperimentError(f"until = {until} s is none of the points in time of the run")
+            raise ExperimentError(f"until = {until} s is not a point in time of the run")
         return n

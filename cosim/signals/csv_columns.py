@@ -1,4 +1,4 @@
-"""Columns of numbers over time from CSV files of strangers."""
+"""Columns of numbers over time from untrusted CSV files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns of Parquet files of strangers: only those that hold numbers are ever unpacked."""
+"""Columns of untrusted Parquet files: only those that hold numbers are unpacked."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Column:
     Attributes
     ----------
     kind : Arrow's name of its type
-    numbers : (n,) nan where there is none; None of what is no number, Boolean or time
+    numbers : (n,) nan where there is none; None in columns of other types
     unit : of times: s, ms, us or ns
     """
 

@@ -1,4 +1,4 @@
-"""Signals over time that feed the exposed inputs of a system."""
+"""Signals over time for the exposed inputs of a system."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class Table:
             return next(iter(tables.values()))
         if column not in tables:
             near = suggestion(column or "", tables)
-            raise SignalError(f"{path}: which column? {column!r} is none of it{near}")
+            raise SignalError(f"{path}: no column {column!r}{near}")
         return tables[column]
 
     @classmethod

@@ -36,7 +36,7 @@ def read_tables(
     Raises
     ------
     SignalError
-        When the file cannot be read, or holds what is no number.
+        When the file cannot be read, or contains a value that is not a number.
     """
     tables = _read(source)
     steps = tables.keys() if held is True else set(held or ())

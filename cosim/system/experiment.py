@@ -19,7 +19,7 @@ def count_steps(start: float, stop: float, step: float) -> int:
     ------
     ExperimentError
         When a time is not finite, the interval or the step is not positive, the step does not
-        divide the interval, or would take for ever.
+        divide the interval, or makes too many steps.
     """
     if not all(map(math.isfinite, (start, stop, step))):
         raise ExperimentError(
@@ -32,7 +32,7 @@ def count_steps(start: float, stop: float, step: float) -> int:
     exact = (stop - start) / step
     if exact > MAX_STEPS:
         raise ExperimentError(
-            f"a step of {step} s makes {exact:.3g} steps of the interval {start} .. {stop} s, at"
+            f"a step of {step} s makes {exact:.3g} steps of the interval {start} to {stop} s, at"
             f" most {MAX_STEPS:.0e} are done; choose a larger step or an earlier stop"
         )
     if 4 * math.ulp(max(abs(start), abs(stop))) > step:
@@ -43,7 +43,7 @@ def count_steps(start: float, stop: float, step: float) -> int:
     rounding = math.ulp(max(abs(start), abs(stop))) / step
     if n < 1 or abs(exact - n) > 1e-9 * n + rounding:
         raise ExperimentError(
-            f"a step of {step} s does not divide the interval {start} .. {stop} s:"
+            f"a step of {step} s does not divide the interval {start} to {stop} s:"
             f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s"
         )
     return n
@@ -80,7 +80,7 @@ def check_tolerance(tolerance: float | None) -> None:
     Raises
     ------
     ExperimentError
-        When it is no number between 0 and 1.
+        When it is not a number between 0 and 1.
     """
     if tolerance is not None and not 0 < tolerance < 1:
         raise ExperimentError(f"tolerance is {tolerance}, expected a number between 0 and 1")

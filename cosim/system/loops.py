@@ -95,7 +95,7 @@ def algebraic_loop(system: System, components: Iterable[str]) -> list[str]:
 
 def _cycle(outputs: Sequence[str], edges: Sequence[Connection]) -> list[str]:
     """Return one way round, target after source, where each output reaches another."""
-    targets = {}  # output -> an input it feeds, and an output that depends on that without delay
+    targets = {}  # output -> a target, and an output that depends on it without delay
     for source, target in edges:
         if source in outputs:
             reached = [b for a, b in edges if a == target and b in outputs]
@@ -112,7 +112,7 @@ def _within(connections: Iterable[Connection], inner: set[str]) -> list[Connecti
 
 
 def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[list[str]]:
-    """Return strongly connected components, each after those that feed it."""
+    """Return strongly connected components, each after its sources."""
     pairs = [(component_of(s), component_of(t)) for s, t in edges]
     groups = {members[0]: members for members in _strongly_connected(names, pairs)}
     first = {name: head for head, members in groups.items() for name in members}

@@ -54,7 +54,7 @@ class Record:
     Raises
     ------
     ExperimentError
-        When ``every`` or ``keep`` is none of these.
+        When ``every`` or ``keep`` has another value.
     """
 
     names: str | Sequence[str] | None = None

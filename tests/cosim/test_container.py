@@ -201,8 +201,8 @@ def test_a_container_has_no_algebraic_loop(make, coupling, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "error", "said"),
     [
-        ({"outputs": ["plant.z"]}, cosim.ConnectionFault, "'plant.z' fits nothing"),
-        ({"parameters": ["*.K"]}, cosim.ParameterError, "fits nothing that a container can show"),
+        ({"outputs": ["plant.z"]}, cosim.ConnectionFault, "'plant.z' matches nothing"),
+        ({"parameters": ["*.K"]}, cosim.ParameterError, "matches nothing that a container"),
         ({"step": 0.0}, cosim.ExperimentError, "expected a positive number"),
     ],
 )

@@ -47,7 +47,7 @@ def test_progress_is_told_the_time_reached(simulation):
 
 
 def test_a_halt_lies_on_a_point_in_time_and_needs_fmus_that_serialise(simulation, tmp_path):
-    with pytest.raises(cosim.ExperimentError, match="none of the points in time"):
+    with pytest.raises(cosim.ExperimentError, match="not a point in time"):
         simulation.run(until=0.0505)
     half = simulation.run(until=0.05)
     assert half.time[-1] == simulation.time[50]

@@ -39,7 +39,7 @@ def test_table_from_csv(tmp_path):
     path.write_text("\ufefftime,v,w\r\n0,1,10\r\n\r\n1,2,20\r\n", encoding="utf-8")
     assert cosim.Table.from_csv(path, "w").sample(np.array([0.5])) == [15.0]
     assert set(cosim.Table.all_from_csv(path)) == {"v", "w"}
-    with pytest.raises(cosim.SignalError, match="which column"):
+    with pytest.raises(cosim.SignalError, match="no column"):
         cosim.Table.from_csv(path)
 
 

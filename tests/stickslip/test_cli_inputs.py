@@ -103,7 +103,7 @@ def test_a_tolerance_that_is_none_is_refused(stage, capsys):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--until", "nan"], "until = nan s is none of the points"),
+        (["--until", "nan"], "until = nan s is not a point in time"),
         (["--variant", "x"], "--variant names a system of an .ssp"),
         (["--hold", "u"], "--hold names columns of --input"),
         (["--timeout", "0"], "timeout is 0.0, expected a positive number$"),

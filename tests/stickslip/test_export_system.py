@@ -63,7 +63,7 @@ def test_its_state_restores_in_another_instance(results, tmp_path):
     ("arguments", "said"),
     [
         (["--platform", "aarch64-linux"], "has no binary for aarch64-linux"),
-        (["--outputs", "drive.speed"], "'drive.speed' fits nothing"),
+        (["--outputs", "drive.speed"], "'drive.speed' matches nothing"),
         (["--step", "-1"], "expected a positive number"),
     ],
 )

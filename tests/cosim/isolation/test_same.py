@@ -128,7 +128,7 @@ def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):
             simulation.run(inputs={"y": np.nan})
         with pytest.raises(cosim.SignalError, match="expected numbers"):
             simulation.run(inputs={"y": "a lot"})
-        with pytest.raises(cosim.ExperimentError, match="none of the points"):
+        with pytest.raises(cosim.ExperimentError, match="not a point in time"):
             simulation.run(inputs={"y": 1.0}, until=1e-9)
         with pytest.raises(cosim.SimulationError, match="halt a run"):
             simulation.save("nowhere")
