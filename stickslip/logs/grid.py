@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from stickslip.errors import RecordingError
 from stickslip.logs.finding import Finding
-from stickslip.logs.interpolation import better_method, interpolated
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
@@ -20,7 +21,11 @@ FILLED = 5
 EVEN = 0.01
 """Deviation of times from an even grid that is taken for none, in sample periods."""
 SHORTEST = 20
-"""Samples below which nothing is a recording."""
+"""Fewest samples of a recording."""
+MOST = 20_000
+"""Number of samples on which the choice of an interpolation is based."""
+
+Method = Literal["linear", "cubic"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,3 +199,34 @@ def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return (begin, end) of the runs of True in marks (n,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def better_method(t: Array, signal: Array) -> Method:
+    """Return the method that predicts every other sample from its neighbours better.
+
+    A cubic spline, nearly band-limited, for smooth signals; straight lines for commands with
+    corners and for signals that are mostly noise or steps.
+
+    Parameters
+    ----------
+    t : (n,) rising [s]
+    signal : (n,)
+    """
+    t, signal = t[:MOST], signal[:MOST]
+    if len(t) < 9:
+        return "linear"
+    known, asked = slice(0, None, 2), slice(3, len(t) - 3, 2)
+    errors = {
+        method: np.sum(
+            (interpolated(t[known], signal[known], t[asked], method) - signal[asked]) ** 2
+        )
+        for method in ("linear", "cubic")
+    }
+    return "cubic" if errors["cubic"] < errors["linear"] else "linear"
+
+
+def interpolated(t: Array, signal: Array, at: Array, method: str) -> Array:
+    """Return a signal (n,) given at t (n,) at other times (k,) [s]."""
+    if method == "cubic":
+        return np.asarray(CubicSpline(t, signal)(at))
+    return np.interp(at, t, signal)
