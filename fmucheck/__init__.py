@@ -1,6 +1,7 @@
-"""Judges FMUs of FMI 2.0 and FMI 3.0: archive, description, files, binaries, and how they run.
+"""Checks FMUs of FMI 2.0 and FMI 3.0: archive, description, files, binaries, and how they run.
 
-A room of its own: it shares no reader with the importer, which forgives what this must not.
+The bytes are read by ``stickslip.fmi``, as for the importer; the description is kept as it is
+written, without the importer's defaults, so that the rules are stricter than the importer.
 """
 
 from importlib import import_module

@@ -7,7 +7,7 @@ from pathlib import Path
 from stickslip.fmi.process import temporary_folder
 from stickslip.fmucheck.archive.reading import read_archive, unpack
 from stickslip.fmucheck.description.reading import read_description
-from stickslip.fmucheck.document import claimed_version, judged_version
+from stickslip.fmucheck.document import checked_version, claimed_version
 from stickslip.fmucheck.finding import Report
 from stickslip.fmucheck.fmu import Fmu
 from stickslip.fmucheck.rules import stage
@@ -27,7 +27,7 @@ _UNLOADABLE = {"not-a-library", "wrong-architecture"}
 
 
 def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Report:
-    """Judge one FMU.
+    """Check one FMU.
 
     Nothing outside a temporary folder is written, and the folder is gone afterwards.
 
@@ -50,8 +50,8 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
         members: frozenset[str] = frozenset()
         if archive.fault is None and not archive.is_bomb:
             members = unpack(archive, content)
-        _judge(report, "archive", archive, None)
-        if fmu := _judge_content(report, members, content):
+        _apply(report, "archive", archive, None)
+        if fmu := _check_content(report, members, content):
             blocked = report.rules & _BLOCKING
             broken = {f.place: f.rule for f in report if f.rule in _UNLOADABLE}
             runs = findings_of_runs(fmu, blocked, broken, timeout) if run else ()
@@ -61,23 +61,23 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
     return report
 
 
-def _judge(report: Report, name: str, subject: object, version: int | None) -> None:
+def _apply(report: Report, name: str, subject: object, version: int | None) -> None:
     for rule in stage(name):
         report.findings += rule.findings(subject, version)
 
 
-def _judge_content(report: Report, members: frozenset[str], folder: Path) -> Fmu | None:
+def _check_content(report: Report, members: frozenset[str], folder: Path) -> Fmu | None:
     if _DESCRIPTION not in members:
         return None
     document = read_document(_DESCRIPTION, (folder / _DESCRIPTION).read_bytes())
     report.fmi = claimed_version(document)
-    version = judged_version(document)
-    _judge(report, "document", document, version)
+    version = checked_version(document)
+    _apply(report, "document", document, version)
     if document.root is None or version is None:
         return None
     description = read_description(document.root, version)
-    _judge(report, "description", description, version)
+    _apply(report, "description", description, version)
     fmu = Fmu(report.path, folder, members, description)
-    _judge(report, "files", fmu, version)
-    _judge(report, "binaries", fmu, version)
+    _apply(report, "files", fmu, version)
+    _apply(report, "binaries", fmu, version)
     return fmu

@@ -16,13 +16,13 @@ def claimed_version(document: Document) -> str | None:
     return None if document.root is None else document.root.get("fmiVersion")
 
 
-def judged_version(document: Document) -> int | None:
-    """Return 2 or 3 for a version that this room judges."""
+def checked_version(document: Document) -> int | None:
+    """Return 2 or 3 for a version that is checked, else None."""
     claimed = claimed_version(document) or ""
     return {"2": 2, "3": 3}.get(claimed.partition(".")[0])
 
 
-@rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="mend the XML")
+@rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="correct the XML")
 def not_well_formed(document: Document) -> Claims:
     """modelDescription.xml is not well-formed XML."""
     if document.root is None:
@@ -66,6 +66,6 @@ def unknown_version(document: Document) -> Claims:
 @rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="write what the schema of the standard allows")
 def schema_violation(document: Document) -> Claims:
     """It does not follow the XML schema of its version."""
-    version = judged_version(document)
+    version = checked_version(document)
     if version:
         yield from violations(document, SCHEMAS[version])

@@ -27,7 +27,8 @@ class Ending:
     Attributes
     ----------
     during : interface and rule that was being tried
-    status : exit status, minus the signal where one ended it; ``None`` when it was ended from here
+    status : exit status, or minus the number of the signal that ended it; ``None`` when the checker
+        ended it
     text : what was printed, the beginning of it; or what failed, or why it was not run
     reason : crash, exit, hang, flood, printed, failed, puzzled or unable
     """
@@ -108,8 +109,10 @@ def rule_not_tried(ending: Ending) -> Claims:
         yield ending.place, ending.text.strip().splitlines()[-1]
 
 
-@rule(Severity.NOTE, fmi2="", fmi3="", advice="mend the errors, or check it where it has a binary")
+@rule(
+    Severity.NOTE, fmi2="", fmi3="", advice="correct the errors, or check it where it has a binary"
+)
 def not_run(ending: Ending) -> Claims:
-    """The binary was not run, for a reason that is told."""
+    """The binary was not run, for the reason given."""
     if ending.reason == "unable":
         yield ending.place, ending.text

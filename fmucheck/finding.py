@@ -1,4 +1,4 @@
-"""What a check says: findings, and the report of one file."""
+"""Findings of a check, and the report of one file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Severity(enum.IntEnum):
     """How much a finding matters."""
 
     NOTE = 0
-    """Worth knowing, or not judged."""
+    """Worth knowing, or not checked."""
     WARNING = 1
     """Allowed, but some tools will stumble; or the standard only recommends otherwise."""
     ERROR = 2

@@ -27,7 +27,7 @@ _STAGES = [
     "rerunning",
     "ending",
 ]
-_MOST = 20  # claims of one rule about one file that are told
+_MOST = 20  # findings of one rule about one file that are reported
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Rule:
             return
         for number, claim in enumerate(self.check(subject)):
             if number == _MOST:
-                yield self.finding(("", f"and more; the first {_MOST} are told"), version)
+                yield self.finding(("", f"and more; the first {_MOST} are listed"), version)
                 return
             yield self.finding(claim, version)
 

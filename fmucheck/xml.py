@@ -44,7 +44,7 @@ def _schema(name: str) -> Any:
 
 def schemas() -> Path:
     """Return the folder of the FMI project's schemas, which FMPy's wheel carries."""
-    # FMPy itself is not imported: it takes a second, and this room judges without it.
+    # FMPy itself is not imported: it takes a second, and the checker works without it.
     spec = importlib.util.find_spec("fmpy")
     if spec is None or not spec.origin:
         raise ModuleNotFoundError("the FMI schemas are missing; run 'pip install fmpy'")

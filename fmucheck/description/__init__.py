@@ -1,1 +1,1 @@
-"""What modelDescription.xml says: read leniently, judged strictly."""
+"""Rules about modelDescription.xml, which is read leniently and checked strictly."""

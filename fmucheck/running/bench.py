@@ -166,7 +166,7 @@ class Bench:
         instance.free()
 
     def while_time(self, things: Iterable[Thing]) -> Iterator[Thing]:
-        """Yield things until the rule has taken long; slow FMUs are judged by fewer of them."""
+        """Yield things until the rule has taken long; fewer of them are tried on slow FMUs."""
         for thing in things:
             if time.monotonic() - self.began > PATIENCE:
                 return
