@@ -189,7 +189,7 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     )
     compensator = sheet.block(Block(63, middle, 40), "Friction compensator", "LuGre (2)–(4)", PALE)
     drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
-    title = reproduction.algorithm.title.removeprefix("a ")
+    title = reproduction.algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(
         Block(122, middle, 32, 14), title[0].upper() + title[1:], "Steps 1 to 4, Fig. 4", PALE
     )
