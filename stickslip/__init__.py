@@ -16,7 +16,7 @@ from importlib.metadata import version
 
 _PLACES = {
     "stickslip.cosim": (
-        *("Adaptive", "Coupling", "Fmu", "Record", "Result", "Scenario", "Simulation"),
+        *("Adaptive", "Coupling", "Fmu", "Function", "Record", "Result", "Scenario", "Simulation"),
         *("SineSweep", "Specification", "System", "Table", "Trapezoid"),
         *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
     ),

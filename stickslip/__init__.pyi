@@ -8,6 +8,9 @@ from stickslip.cosim import (
     Fmu as Fmu,
 )
 from stickslip.cosim import (
+    Function as Function,
+)
+from stickslip.cosim import (
     Record as Record,
 )
 from stickslip.cosim import (

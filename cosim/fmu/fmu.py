@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 from stickslip.cosim.component import Component, Interface
 from stickslip.cosim.errors import FmuError
-from stickslip.cosim.fmu.collection import paused_collection
 from stickslip.fmi import toolchain
 from stickslip.fmi.archive import restore, unpack
 from stickslip.fmi.archive.names import is_device
@@ -28,6 +29,18 @@ _TAGS: Mapping[Interface, str] = {
     "model_exchange": "ModelExchange",
 }
 _C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
+
+
+@contextmanager
+def _paused_collection() -> Iterator[None]:
+    """Pause the search for reference cycles: reading 100,000 variables takes half the time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 class Fmu(Component):
@@ -68,7 +81,7 @@ class Fmu(Component):
     FmuError
     """
 
-    @paused_collection()
+    @_paused_collection()
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.label = self.path.name
