@@ -7,11 +7,7 @@ written, without the importer's defaults, so that the rules are stricter than th
 from importlib import import_module
 
 from stickslip.fmucheck.checker import check
-from stickslip.fmucheck.finding import (
-    Finding,
-    Report,
-    Severity,
-)
+from stickslip.fmucheck.finding import Finding, Report, Severity
 from stickslip.fmucheck.rules import RULES, Rule
 
 __all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]

@@ -23,11 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
 
 from stickslip.catalog.parameters import PAPER, UNITS
-from stickslip.identification.estimation import (
-    Task,
-    candidate_fmus,
-    learn,
-)
+from stickslip.identification.estimation import Task, candidate_fmus, learn
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
 from stickslip.planning import plan

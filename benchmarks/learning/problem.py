@@ -8,11 +8,7 @@ import numpy as np
 
 from benchmarks.loop import design
 from stickslip import cosim, ga
-from stickslip.catalog.parameters import (
-    LUGRE,
-    PAPER,
-    UNITS,
-)
+from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cosim import SineSweep
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.systems import build_fmus, paper_loop

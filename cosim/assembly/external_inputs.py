@@ -8,14 +8,7 @@ import numpy as np
 
 from stickslip.cosim.errors import SignalError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.signals.signals import (
-    Array,
-    Input,
-    Table,
-    ends_of,
-    sampled,
-    shifted,
-)
+from stickslip.cosim.signals.signals import Array, Input, Table, ends_of, sampled, shifted
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.messages import suggestion

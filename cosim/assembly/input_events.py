@@ -9,12 +9,7 @@ import numpy as np
 
 from stickslip.cosim import kernel
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.signals.signals import (
-    Array,
-    Input,
-    Table,
-    sampled,
-)
+from stickslip.cosim.signals.signals import Array, Input, Table, sampled
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.system import System
 

@@ -15,12 +15,7 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.function import Function, FunctionLibrary
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    Scaling,
-    Transform,
-    ValueMap,
-)
+from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
 from stickslip.cosim.system.system import System
 
 # The kernel looks at values and clock once a block: as many steps as stay in the processor's cache.

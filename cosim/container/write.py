@@ -18,11 +18,7 @@ from stickslip.cosim.container.description import model_description
 from stickslip.cosim.container.documentation import index, licences
 from stickslip.cosim.container.tables import system_header
 from stickslip.cosim.container.variables import shown_variables
-from stickslip.cosim.errors import (
-    ConnectionFault,
-    ExperimentError,
-    FmuError,
-)
+from stickslip.cosim.errors import ConnectionFault, ExperimentError, FmuError
 from stickslip.cosim.fmu.library import UnloadedLibrary
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.ssp.members import zipped

@@ -15,11 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from stickslip.cosim.isolation.answers import (
-    LOST,
-    receive,
-    send,
-)
+from stickslip.cosim.isolation.answers import LOST, receive, send
 from stickslip.cosim.isolation.shared import Shared
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.run import resets

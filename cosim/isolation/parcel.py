@@ -14,11 +14,7 @@ import numpy as np
 
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.signals.scenario import Scenario, Tables
-from stickslip.cosim.signals.signals import (
-    Array,
-    Input,
-    sampled,
-)
+from stickslip.cosim.signals.signals import Array, Input, sampled
 from stickslip.cosim.system.system import Specification
 
 

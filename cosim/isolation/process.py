@@ -19,13 +19,7 @@ from typing import IO, NoReturn
 
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
-from stickslip.cosim.isolation.answers import (
-    NONSENSE,
-    TOKEN_SIZE,
-    Answers,
-    Reply,
-    ThreadedAnswers,
-)
+from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from stickslip.cosim.isolation.parcel import pack
 from stickslip.cosim.isolation.shared import Made
 from stickslip.cosim.isolation.verdict import Death, crashed

@@ -15,11 +15,7 @@ import numpy as np
 
 from stickslip.cosim import errors
 from stickslip.cosim.assembly.layout import Layout
-from stickslip.cosim.errors import (
-    CosimError,
-    FmuCrashed,
-    SimulationError,
-)
+from stickslip.cosim.errors import CosimError, FmuCrashed, SimulationError
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
 from stickslip.cosim.isolation.process import Process

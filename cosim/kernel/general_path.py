@@ -21,11 +21,7 @@ from ctypes import (
     c_void_p,
 )
 
-from stickslip.cosim.kernel import (
-    Answers,
-    Log,
-    load,
-)
+from stickslip.cosim.kernel import Answers, Log, load
 
 # In the order of ``enum Stored``; other types are text.
 STORED = (

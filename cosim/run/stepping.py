@@ -11,37 +11,17 @@ import numpy as np
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.disturbances import disturb
 from stickslip.cosim.assembly.external_inputs import sample_ends, sample_inputs
-from stickslip.cosim.assembly.input_events import (
-    InputEvents,
-    courses,
-    joined,
-)
+from stickslip.cosim.assembly.input_events import InputEvents, courses, joined
 from stickslip.cosim.assembly.settings import check_length
-from stickslip.cosim.assembly.tuning import (
-    in_order,
-    split,
-    tune,
-)
-from stickslip.cosim.errors import (
-    ExperimentError,
-    ParameterError,
-    SimulationError,
-)
+from stickslip.cosim.assembly.tuning import in_order, split, tune
+from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.run.prepared import Prepared
 from stickslip.cosim.run.real_time import Pace
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.termination import (
-    Ending,
-    ending,
-    last_outputs,
-)
+from stickslip.cosim.run.termination import Ending, ending, last_outputs
 from stickslip.cosim.signals.scenario import Scenario
-from stickslip.cosim.signals.signals import (
-    Array,
-    Input,
-    Table,
-)
+from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.cosim.signals.span import slack
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption

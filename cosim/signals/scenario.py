@@ -10,13 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from stickslip.cosim.errors import SignalError
-from stickslip.cosim.signals.signals import (
-    Array,
-    Input,
-    ends_of,
-    sampled,
-    shifted,
-)
+from stickslip.cosim.signals.signals import Array, Input, ends_of, sampled, shifted
 from stickslip.cosim.signals.span import Span
 
 

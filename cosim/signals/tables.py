@@ -12,11 +12,7 @@ from typing import Any
 import pandas as pd
 
 from stickslip.cosim.errors import CosimError, SignalError
-from stickslip.cosim.signals.parquet import (
-    MOST_BYTES,
-    Unreadable,
-    read_columns,
-)
+from stickslip.cosim.signals.parquet import MOST_BYTES, Unreadable, read_columns
 from stickslip.cosim.signals.signals import Table
 from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable, shown

@@ -7,12 +7,7 @@ from itertools import product
 from math import prod
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.graph import (
-    Edge,
-    End,
-    Graph,
-    label,
-)
+from stickslip.cosim.ssp.graph import Edge, End, Graph, label
 from stickslip.cosim.ssp.markup import place
 from stickslip.fmi.description.variables import parse_element
 

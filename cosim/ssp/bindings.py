@@ -10,23 +10,10 @@ from lxml import etree
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.compose import (
-    add,
-    group,
-    new_root,
-    text_of,
-)
+from stickslip.cosim.ssp.compose import add, group, new_root, text_of
 from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.members import (
-    Members,
-    file_name,
-    free_name,
-)
-from stickslip.cosim.ssp.names import (
-    component,
-    path_of,
-    tag,
-)
+from stickslip.cosim.ssp.members import Members, file_name, free_name
+from stickslip.cosim.ssp.names import component, path_of, tag
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.values import (
     add_values,

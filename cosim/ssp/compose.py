@@ -8,11 +8,7 @@ from typing import Any
 from lxml import etree
 
 from stickslip.cosim.ssp.markup import local
-from stickslip.cosim.ssp.names import (
-    NAMESPACES,
-    OSP,
-    tag,
-)
+from stickslip.cosim.ssp.names import NAMESPACES, OSP, tag
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.description.variables import Variable
 

@@ -7,14 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.markup import (
-    attribute,
-    find,
-    integer,
-    local,
-    number,
-    place,
-)
+from stickslip.cosim.ssp.markup import attribute, find, integer, local, number, place
 from stickslip.cosim.ssp.names import NAMESPACES, tag
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.messages import shown

@@ -4,31 +4,13 @@ from __future__ import annotations
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.compose import (
-    add,
-    add_connector,
-    add_units,
-    discard,
-    group,
-)
+from stickslip.cosim.ssp.compose import add, add_connector, add_units, discard, group
 from stickslip.cosim.ssp.connectors import Connector
-from stickslip.cosim.ssp.graph import (
-    Edge,
-    End,
-    Graph,
-)
-from stickslip.cosim.ssp.names import (
-    FMU,
-    Path,
-    component,
-)
+from stickslip.cosim.ssp.graph import Edge, End, Graph
+from stickslip.cosim.ssp.names import FMU, Path, component
 from stickslip.cosim.ssp.structure import Document, Node
 from stickslip.cosim.ssp.transformation import add_transformation
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    PLAIN,
-    Link,
-)
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
 

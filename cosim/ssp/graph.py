@@ -9,31 +9,12 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.connectors import (
-    FAMILY,
-    Connector,
-    Items,
-)
-from stickslip.cosim.ssp.markup import (
-    attribute,
-    place,
-    truth,
-)
-from stickslip.cosim.ssp.names import (
-    NAMESPACES,
-    Path,
-    component,
-)
+from stickslip.cosim.ssp.connectors import FAMILY, Connector, Items
+from stickslip.cosim.ssp.markup import attribute, place, truth
+from stickslip.cosim.ssp.names import NAMESPACES, Path, component
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.ssp.transformation import check_types, transform_of
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    PLAIN,
-    Link,
-    Scaling,
-    Transform,
-    conversion,
-)
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, Transform, conversion
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
 from stickslip.fmi.messages import suggestion

@@ -11,13 +11,7 @@ from urllib.parse import unquote, urlsplit
 from lxml import etree
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.names import (
-    NAMESPACES,
-    OSP,
-    ROOTS,
-    VERSIONS,
-    tag,
-)
+from stickslip.cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
 from stickslip.cosim.ssp.schema import violation
 from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown

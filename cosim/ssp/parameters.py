@@ -7,11 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.connectors import (
-    FAMILY,
-    Definitions,
-    Items,
-)
+from stickslip.cosim.ssp.connectors import FAMILY, Definitions, Items
 from stickslip.cosim.ssp.graph import End, Graph
 from stickslip.cosim.ssp.markup import (
     attribute,
@@ -24,19 +20,10 @@ from stickslip.cosim.ssp.markup import (
     place,
     truth,
 )
-from stickslip.cosim.ssp.names import (
-    NAMESPACES,
-    component,
-    tag,
-)
+from stickslip.cosim.ssp.names import NAMESPACES, component, tag
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.ssp.transformation import pairs_of_names, transform_of
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    Transform,
-    ValueMap,
-    conversion,
-)
+from stickslip.cosim.system.scaling import IDENTITY, Transform, ValueMap, conversion
 from stickslip.fmi.archive import unpack
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value

@@ -14,13 +14,7 @@ from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.ssp.arrays import expand
 from stickslip.cosim.ssp.graph import Graph, label
 from stickslip.cosim.ssp.markup import number, place
-from stickslip.cosim.ssp.names import (
-    ANNOTATION,
-    NAMESPACES,
-    OSP,
-    Path,
-    component,
-)
+from stickslip.cosim.ssp.names import ANNOTATION, NAMESPACES, OSP, Path, component
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.ssp.structure import read_structure

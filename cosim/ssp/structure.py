@@ -8,20 +8,8 @@ from pathlib import Path as File
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.connectors import (
-    Connector,
-    Definitions,
-    read_connectors,
-    read_entries,
-)
-from stickslip.cosim.ssp.markup import (
-    attribute,
-    check,
-    find,
-    inside,
-    parse,
-    place,
-)
+from stickslip.cosim.ssp.connectors import Connector, Definitions, read_connectors, read_entries
+from stickslip.cosim.ssp.markup import attribute, check, find, inside, parse, place
 from stickslip.cosim.ssp.names import (
     FMU,
     NAMESPACES,

@@ -7,20 +7,9 @@ from typing import Any
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.compose import add
 from stickslip.cosim.ssp.connectors import FAMILY, Items
-from stickslip.cosim.ssp.markup import (
-    attribute,
-    integer,
-    local,
-    number,
-    place,
-)
+from stickslip.cosim.ssp.markup import attribute, integer, local, number, place
 from stickslip.cosim.ssp.names import NAMESPACES, tag
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    Scaling,
-    Transform,
-    ValueMap,
-)
+from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
 from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import suggestion
 

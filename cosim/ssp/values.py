@@ -8,12 +8,7 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.ssp.compose import (
-    add,
-    add_units,
-    group,
-    new_root,
-)
+from stickslip.cosim.ssp.compose import add, add_units, group, new_root
 from stickslip.cosim.ssp.markup import local
 from stickslip.cosim.ssp.names import tag
 from stickslip.cosim.system.system import System

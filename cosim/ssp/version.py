@@ -8,11 +8,7 @@ from lxml import etree
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import short
-from stickslip.cosim.ssp.names import (
-    NAMESPACES,
-    ROOTS,
-    tag,
-)
+from stickslip.cosim.ssp.names import NAMESPACES, ROOTS, tag
 from stickslip.cosim.ssp.schema import violation
 from stickslip.fmi.xml import Malformed, parse_xml
 

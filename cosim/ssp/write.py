@@ -17,29 +17,12 @@ from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.ssp.arrays import expand
 from stickslip.cosim.ssp.bindings import edit_parameters
-from stickslip.cosim.ssp.compose import (
-    add,
-    group,
-    new_root,
-    text_of,
-)
+from stickslip.cosim.ssp.compose import add, group, new_root, text_of
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.graph import End, Graph
-from stickslip.cosim.ssp.members import (
-    Members,
-    file_name,
-    free_name,
-    zipped,
-)
-from stickslip.cosim.ssp.names import (
-    ANNOTATION,
-    OSP,
-    STRUCTURE,
-    VERSIONS,
-    path_of,
-    tag,
-)
+from stickslip.cosim.ssp.members import Members, file_name, free_name, zipped
+from stickslip.cosim.ssp.names import ANNOTATION, OSP, STRUCTURE, VERSIONS, path_of, tag
 from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node
 from stickslip.cosim.ssp.verify import verify

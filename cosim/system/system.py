@@ -9,11 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from stickslip.cosim.component import Component, Interface
-from stickslip.cosim.errors import (
-    ConnectionFault,
-    CosimError,
-    ParameterError,
-)
+from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.values import converted, resized
@@ -21,11 +17,7 @@ from stickslip.cosim.system.connections import End, check_connection, pairs, tra
 from stickslip.cosim.system.coupling import Coupling, Method
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Record
-from stickslip.cosim.system.scaling import (
-    PLAIN,
-    Link,
-    Transform,
-)
+from stickslip.cosim.system.scaling import PLAIN, Link, Transform
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown, suggestion

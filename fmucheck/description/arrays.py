@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stickslip.fmucheck.description.model import (
-    Description,
-    Dimension,
-    Variable,
-)
+from stickslip.fmucheck.description.model import Description, Dimension, Variable
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule
 

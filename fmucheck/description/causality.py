@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.fmucheck.description.model import (
-    INITIALS,
-    Description,
-    Variable,
-)
+from stickslip.fmucheck.description.model import INITIALS, Description, Variable
 from stickslip.fmucheck.description.values import FLOATS
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule

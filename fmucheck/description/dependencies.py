@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.fmucheck.description.model import (
-    Description,
-    Unknown,
-    Variable,
-)
+from stickslip.fmucheck.description.model import Description, Unknown, Variable
 from stickslip.fmucheck.description.values import FLOATS, listed
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule

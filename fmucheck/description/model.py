@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from stickslip.fmucheck.description.values import (
-    Number,
-    boolean,
-    is_number,
-    number,
-)
+from stickslip.fmucheck.description.values import Number, boolean, is_number, number
 
 Attributes = dict[str, str]
 

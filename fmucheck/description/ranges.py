@@ -8,13 +8,7 @@ from collections.abc import Iterator
 from stickslip.fmucheck.description.arrays import size
 from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.description.units import items_of
-from stickslip.fmucheck.description.values import (
-    FLOATS,
-    RANGES,
-    Number,
-    is_number,
-    number,
-)
+from stickslip.fmucheck.description.values import FLOATS, RANGES, Number, is_number, number
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule
 

@@ -9,11 +9,7 @@ from collections.abc import Iterator
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.fmu import Fmu
 from stickslip.fmucheck.rules import Claims, rule
-from stickslip.fmucheck.xml import (
-    Document,
-    read_document,
-    violations,
-)
+from stickslip.fmucheck.xml import Document, read_document, violations
 
 BUILD = "sources/buildDescription.xml"
 _HEADERS = ("fmi3PlatformTypes.h", "fmi3FunctionTypes.h", "fmi3Functions.h")

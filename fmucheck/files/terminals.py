@@ -8,12 +8,7 @@ from collections.abc import Iterator
 from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.fmu import Fmu
 from stickslip.fmucheck.rules import Claims, rule
-from stickslip.fmucheck.xml import (
-    Document,
-    Element,
-    read_document,
-    violations,
-)
+from stickslip.fmucheck.xml import Document, Element, read_document, violations
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _NAMES = ("variableName", "inStreamVariableName", "outStreamVariableName")

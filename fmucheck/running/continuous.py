@@ -9,12 +9,7 @@ from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import status_name
-from stickslip.fmucheck.running.exchange import (
-    ExchangeRun,
-    indicator_count,
-    new_run,
-    state_count,
-)
+from stickslip.fmucheck.running.exchange import ExchangeRun, indicator_count, new_run, state_count
 from stickslip.fmucheck.running.run import STEPS
 
 _GUARD = -1.2345678e-300  # what nothing computes

@@ -10,11 +10,7 @@ from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.description.values import whole
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.instance import (
-    Event,
-    Instance,
-    Values,
-)
+from stickslip.fmucheck.running.instance import Event, Instance, Values
 from stickslip.fmucheck.running.run import STEPS, Run
 from stickslip.fmucheck.running.variation import other
 

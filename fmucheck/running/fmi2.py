@@ -5,13 +5,7 @@ from __future__ import annotations
 from ctypes import Structure, byref, c_char_p, c_double, c_int, c_int32, c_size_t
 from typing import Any, ClassVar
 
-from stickslip.fmucheck.running.calls import (
-    DISCARD,
-    OK,
-    WARNING,
-    CallFailed,
-    references,
-)
+from stickslip.fmucheck.running.calls import DISCARD, OK, WARNING, CallFailed, references
 from stickslip.fmucheck.running.instance import Event, Instance
 
 _TERMINATED = 3  # fmi2StatusKind

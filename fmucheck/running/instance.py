@@ -10,11 +10,7 @@ from typing import Any, ClassVar
 from stickslip.fmucheck.description.arrays import size
 from stickslip.fmucheck.description.model import Description, Variable
 from stickslip.fmucheck.running.callbacks import Callbacks
-from stickslip.fmucheck.running.calls import (
-    Binary,
-    pointer,
-    references,
-)
+from stickslip.fmucheck.running.calls import Binary, pointer, references
 
 Values = tuple[Any, ...]
 

@@ -17,12 +17,7 @@ from pathlib import Path
 from stickslip.fmi.process import check_interruption, child_process
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries.folders import target
-from stickslip.fmucheck.ending import (
-    MOST_TEXT,
-    TELLING,
-    Ending,
-    signal_name,
-)
+from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
 from stickslip.fmucheck.finding import Finding
 from stickslip.fmucheck.fmu import Fmu
 from stickslip.fmucheck.running.child import Job

@@ -6,11 +6,7 @@ from stickslip.fmucheck.finding import Severity
 from stickslip.fmucheck.rules import Claims, rule
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.exchange import (
-    changes,
-    finished,
-    new_run,
-)
+from stickslip.fmucheck.running.exchange import changes, finished, new_run
 from stickslip.fmucheck.running.run import STEPS, Run
 
 

@@ -15,11 +15,7 @@ from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.exchange import finished, new_run
 from stickslip.fmucheck.running.instance import Values
 from stickslip.fmucheck.running.run import STEPS, Run
-from stickslip.fmucheck.running.variation import (
-    other,
-    scale,
-    start_of,
-)
+from stickslip.fmucheck.running.variation import other, scale, start_of
 
 
 def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:

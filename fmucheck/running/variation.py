@@ -7,11 +7,7 @@ from typing import Any
 
 from stickslip.fmucheck.description.model import Variable
 from stickslip.fmucheck.description.units import items_of
-from stickslip.fmucheck.description.values import (
-    FLOATS,
-    RANGES,
-    number,
-)
+from stickslip.fmucheck.description.values import FLOATS, RANGES, number
 
 
 def start_of(v: Variable) -> tuple[Any, ...] | None:

@@ -9,16 +9,8 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
-from stickslip.models.export.law import (
-    Law,
-    merge,
-    read_toml,
-)
-from stickslip.models.export.units import (
-    DISPLAY,
-    UNITS,
-    rate_unit,
-)
+from stickslip.models.export.law import Law, merge, read_toml
+from stickslip.models.export.units import DISPLAY, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from stickslip.models.export import xml
 from stickslip.models.export.description import Model
-from stickslip.models.export.fmi2 import (
-    causality,
-    has_start,
-    initial,
-)
+from stickslip.models.export.fmi2 import causality, has_start, initial
 
 _TAGS = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
 

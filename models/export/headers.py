@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.models.export.description import (
-    Model,
-    Role,
-    Variable,
-)
+from stickslip.models.export.description import Model, Role, Variable
 
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",

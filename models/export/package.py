@@ -18,24 +18,12 @@ from stickslip.fmi.toolchain import (
     standard_functions,
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
-from stickslip.models.export import (
-    fmi2,
-    fmi3,
-    icon,
-)
+from stickslip.models.export import fmi2, fmi3, icon
 from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.documentation import index
 from stickslip.models.export.headers import table_header
-from stickslip.models.export.law import (
-    Law,
-    read_law,
-    read_toml,
-)
-from stickslip.models.export.reference import (
-    cross_check,
-    layered_standard,
-    reference_file,
-)
+from stickslip.models.export.law import Law, read_law, read_toml
+from stickslip.models.export.reference import cross_check, layered_standard, reference_file
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
     MODELS,

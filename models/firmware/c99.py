@@ -11,11 +11,7 @@ from pathlib import Path
 
 from stickslip.models.export.description import Model, Role
 from stickslip.models.export.sources import shared_files
-from stickslip.models.firmware.amalgam import (
-    needed,
-    pieces,
-    without_comments,
-)
+from stickslip.models.firmware.amalgam import needed, pieces, without_comments
 from stickslip.models.firmware.variables import explained, unit
 
 _SINGLE = Path(__file__).with_name("single.h")

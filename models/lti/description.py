@@ -7,12 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.models.export.description import (
-    Kind,
-    Model,
-    Role,
-    Variable,
-)
+from stickslip.models.export.description import Kind, Model, Role, Variable
 from stickslip.models.lti.system import Array, LinearSystem
 
 # Axes and a step response.

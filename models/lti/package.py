@@ -15,18 +15,10 @@ from stickslip.fmi.toolchain import Platform
 from stickslip.models.errors import LtiError
 from stickslip.models.export.package import pack_fmu
 from stickslip.models.export.sources import FmiVersion
-from stickslip.models.lti.description import (
-    has_derivatives,
-    model_of,
-    readme,
-)
+from stickslip.models.lti.description import has_derivatives, model_of, readme
 from stickslip.models.lti.experiment import proposed
 from stickslip.models.lti.exponential import exponential
-from stickslip.models.lti.system import (
-    Array,
-    LinearSystem,
-    linear_system,
-)
+from stickslip.models.lti.system import Array, LinearSystem, linear_system
 
 _HERE = Path(__file__).parent
 _LARGEST = 128  # states in continuous time: three matrices of that size lie on the stack

@@ -15,13 +15,7 @@ from stickslip.logs.products import value_of
 from stickslip.logs.recording import Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
 from stickslip.logs.table import LogTable
-from stickslip.logs.units import (
-    QUANTITIES,
-    Unit,
-    motion_of,
-    unit_named,
-    unit_names,
-)
+from stickslip.logs.units import QUANTITIES, Unit, motion_of, unit_named, unit_names
 from stickslip.servo.measurement import Array
 
 LARGEST = 1e30

@@ -8,13 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from stickslip.logs.controller import Controller
-from stickslip.logs.delay import (
-    Delay,
-    aligned,
-    force_delay,
-    samples_late,
-    signal_delay,
-)
+from stickslip.logs.delay import Delay, aligned, force_delay, samples_late, signal_delay
 from stickslip.logs.excitation import Excitation, excitation
 from stickslip.logs.faults import clipped_command, lost_rows
 from stickslip.logs.finding import Finding, Severity

@@ -13,11 +13,7 @@ from stickslip.logs.finding import Finding
 from stickslip.logs.motion import kinematics
 from stickslip.logs.reading import Reading
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
-from stickslip.logs.units import (
-    QUANTITIES,
-    Unit,
-    sized_unit,
-)
+from stickslip.logs.units import QUANTITIES, Unit, sized_unit
 from stickslip.servo.measurement import Array, smoothed
 
 RATE = "d(position)/dt"

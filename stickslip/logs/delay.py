@@ -11,12 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip.identification.stages.estimate import covariance
-from stickslip.logs.motion import (
-    kinematics,
-    rigid_columns,
-    sliding,
-    unexplained,
-)
+from stickslip.logs.motion import kinematics, rigid_columns, sliding, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 

@@ -8,12 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.logs.motion import (
-    Kinematics,
-    kinematics,
-    rigid_columns,
-    sliding,
-)
+from stickslip.logs.motion import Kinematics, kinematics, rigid_columns, sliding
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 

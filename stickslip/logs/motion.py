@@ -8,11 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.logs.recording import Recording
-from stickslip.servo.measurement import (
-    CUTOFF,
-    Array,
-    smoothed,
-)
+from stickslip.servo.measurement import CUTOFF, Array, smoothed
 
 FASTEST = 0.1
 """Low-pass cutoff at most, in sampling frequencies."""

@@ -10,13 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs.channels import (
-    assumed_units,
-    motion_from,
-    signal_of,
-    unit_fault,
-    unit_of,
-)
+from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
 from stickslip.logs.controller import Controller, controller_of
 from stickslip.logs.description import ROLES, Description
 from stickslip.logs.file import read_table

@@ -5,11 +5,7 @@ from __future__ import annotations
 import re
 
 from stickslip.errors import RecordingError
-from stickslip.logs.description import (
-    ROLES,
-    Description,
-    quantity_key,
-)
+from stickslip.logs.description import ROLES, Description, quantity_key
 from stickslip.logs.finding import Finding
 from stickslip.logs.table import LogTable
 from stickslip.logs.units import QUANTITIES, unit_named

@@ -1,15 +1,7 @@
 """Experiments that show a drive's parameters in one recording, as velocity commands."""
 
-from stickslip.planning.experiment import (
-    Stretch,
-    arrange,
-    plan,
-)
-from stickslip.planning.limits import (
-    LINEAR,
-    ROTARY,
-    Limits,
-)
+from stickslip.planning.experiment import Stretch, arrange, plan
+from stickslip.planning.limits import LINEAR, ROTARY, Limits
 from stickslip.planning.picture import draw_plan
 
 __all__ = ["LINEAR", "ROTARY", "Limits", "Stretch", "arrange", "draw_plan", "plan"]

@@ -5,11 +5,7 @@ import pytest
 
 from stickslip import models
 from stickslip.servo.axis import Axis
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
 sys.path.insert(0, str(Path(__file__).parent))  # closed_loop
 

@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from stickslip.cosim.control import (
-    LinearisationError,
-    linearise,
-    nonlinear_system,
-)
+from stickslip.cosim.control import LinearisationError, linearise, nonlinear_system
 
 # x' = A x + [1 0]' u, y = C x; the second state is hidden
 PLANTS = {

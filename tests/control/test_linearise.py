@@ -8,11 +8,7 @@ import pytest
 from pendulum import by_hand, pendulum
 
 from stickslip import cosim, models
-from stickslip.cosim.control import (
-    LinearisationError,
-    linearise,
-    nonlinear_system,
-)
+from stickslip.cosim.control import LinearisationError, linearise, nonlinear_system
 
 POINT = {"states": {"theta": 0.7, "omega": -1.5}, "inputs": {"torque": 2.0}}
 PARAMETERS = {"k": 4.0, "drag": 0.3}

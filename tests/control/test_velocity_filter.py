@@ -11,10 +11,7 @@ from scipy.linalg import expm
 
 from stickslip import cosim
 from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.velocity_filter import (
-    FilterSpecification,
-    design_velocity_filter,
-)
+from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
 T_S = 5e-4

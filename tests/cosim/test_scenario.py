@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import (
-    Link,
-    Scaling,
-    Scenario,
-)
+from stickslip.cosim import Link, Scaling, Scenario
 
 STEP, N = 0.1, 20
 

@@ -9,11 +9,7 @@ import pytest
 from fmpy.ssp.ssd import read_ssd
 
 from stickslip import cosim
-from stickslip.cosim.system.scaling import (
-    PLAIN,
-    Link,
-    Scaling,
-)
+from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 
 ROOT = (
     '<?xml version="1.0" encoding="UTF-8"?><ssd:SystemStructureDescription'

@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.system.scaling import (
-    IDENTITY,
-    PLAIN,
-    Link,
-    Scaling,
-    conversion,
-)
+from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, conversion
 from stickslip.fmi.description.units import Unit
 
 NEWTON = Unit("N", (1, 1, -2, 0, 0, 0, 0, 0))

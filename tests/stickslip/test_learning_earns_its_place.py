@@ -14,11 +14,7 @@ from stickslip.errors import UsageError
 from stickslip.identification.stages import identify
 from stickslip.servo.datasheet import LOOP, TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import (
-    Study,
-    learn,
-    parameters,
-)
+from stickslip.tuning.learning import Study, learn, parameters
 from stickslip.tuning.refinement import refine
 
 pytestmark = pytest.mark.slow

@@ -13,11 +13,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.catalog.space import Values
-from stickslip.identification.controller.initial_state import (
-    fmu_gains,
-    is_running,
-    memory_force,
-)
+from stickslip.identification.controller.initial_state import fmu_gains, is_running, memory_force
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.runs import Runs

@@ -24,23 +24,10 @@ from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, scale_of
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
-from stickslip.identification.estimation.estimation import (
-    Estimation,
-    Task,
-    restored,
-)
+from stickslip.identification.estimation.estimation import Estimation, Task, restored
 from stickslip.identification.estimation.faults import found_faults
-from stickslip.identification.fitting.bootstrap import (
-    RUNS,
-    Corrected,
-    correct,
-)
-from stickslip.identification.fitting.fit import (
-    BLOCKS,
-    Fit,
-    fit,
-    value_errors,
-)
+from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
+from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.identification.fitting.identifiability import (
     certainty,
     harmless,
@@ -54,11 +41,7 @@ from stickslip.identification.fitting.multistart import (
     variants,
     without_stribeck,
 )
-from stickslip.identification.fitting.search import (
-    Search,
-    search,
-    solve_linear,
-)
+from stickslip.identification.fitting.search import Search, search, solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array

@@ -13,11 +13,7 @@ from stickslip.identification.stages.friction_map import FrictionMap, measure_fr
 from stickslip.identification.stages.inertia import Inertia, measure_inertia
 from stickslip.identification.stages.presliding import Presliding, measure_presliding
 from stickslip.servo.rig import Rig
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
 __all__ = ["Estimate", "FrictionMap", "Identification", "Inertia", "Presliding", "identify"]
 

@@ -10,11 +10,7 @@ import numpy as np
 
 from stickslip.cosim.signals.parquet import MOST_VALUES
 from stickslip.errors import RecordingError
-from stickslip.logs.mat5 import (
-    DamagedError,
-    Other,
-    read_variables,
-)
+from stickslip.logs.mat5 import DamagedError, Other, read_variables
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 

@@ -10,12 +10,7 @@ from pathlib import Path
 
 from stickslip.models import load_model
 from stickslip.models.export.headers import table_header
-from stickslip.models.export.sources import (
-    FmiVersion,
-    c_files,
-    compiled,
-    fmi_headers,
-)
+from stickslip.models.export.sources import FmiVersion, c_files, compiled, fmi_headers
 
 SANITIZE = (
     "-fsanitize=address,undefined,float-cast-overflow",

@@ -6,11 +6,7 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from stickslip.pipeline.reproduction import (
-    Options,
-    Reproduction,
-    reproduce,
-)
+from stickslip.pipeline.reproduction import Options, Reproduction, reproduce
 from stickslip.results.reproduction_folder import write_results
 from stickslip.servo.systems import build_fmus
 from tests.corpus.survival.disk import (

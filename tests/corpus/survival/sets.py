@@ -6,11 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from stickslip.fmi.files import atomic_write
-from stickslip.results.folder import (
-    locked,
-    staged,
-    verify,
-)
+from stickslip.results.folder import locked, staged, verify
 
 Files = Mapping[str, bytes]
 

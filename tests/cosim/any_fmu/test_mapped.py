@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import (
-    Coupling,
-    Link,
-    ValueMap,
-)
+from stickslip.cosim import Coupling, Link, ValueMap
 
 COUPLINGS = ["gauss_seidel", "jacobi", Coupling(degree=1), Coupling("iterative")]
 FLIP = Link(ValueMap.of({0: 1, 1: 0}))

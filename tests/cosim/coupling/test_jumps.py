@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import (
-    Adaptive,
-    Coupling,
-    Scaling,
-    Scenario,
-    Table,
-)
+from stickslip.cosim import Adaptive, Coupling, Scaling, Scenario, Table
 
 KINDS = {
     "CS 2.0 interpolating": (2, {}),

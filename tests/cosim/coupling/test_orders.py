@@ -7,11 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from stickslip import cosim
-from stickslip.cosim import (
-    Adaptive,
-    Coupling,
-    Table,
-)
+from stickslip.cosim import Adaptive, Coupling, Table
 
 METHODS = ["gauss_seidel", "jacobi", "iterative"]
 KINDS = {

@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim import (
-    Adaptive,
-    Coupling,
-    Scenario,
-)
+from stickslip.cosim import Adaptive, Coupling, Scenario
 
 STEP, N = 0.01, 60
 COUPLINGS = [

@@ -9,11 +9,7 @@ import zipfile
 import pytest
 
 from stickslip import cosim
-from stickslip.fmi.archive import (
-    members,
-    unpack,
-    unpacked,
-)
+from stickslip.fmi.archive import members, unpack, unpacked
 from tests.corpus.hostile.zips import DEFLATE, Member, zipped
 
 CONTENT = {"a.txt": b"text", "folder/b.bin": bytes(range(256)) * 99}

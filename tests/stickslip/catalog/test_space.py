@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip
-from stickslip.catalog.parameters import (
-    estimated,
-    force_and_length_of,
-    friction_law,
-    unit_of,
-)
+from stickslip.catalog.parameters import estimated, force_and_length_of, friction_law, unit_of
 from stickslip.catalog.space import LEVEL, ParameterSpace
 
 VALUES = {

@@ -4,11 +4,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.fleet import (
-    LogSource,
-    Variant,
-    read_fleet,
-)
+from stickslip.fleet import LogSource, Variant, read_fleet
 
 
 def read(tmp_path, text):

@@ -7,13 +7,7 @@ import pytest
 from drives import GAINS, run
 
 from stickslip.identification.estimation import Task, learn
-from stickslip.logs import (
-    Finding,
-    Recording,
-    aligned,
-    check_recording,
-    samples_late,
-)
+from stickslip.logs import Finding, Recording, aligned, check_recording, samples_late
 from stickslip.planning import plan
 
 pytestmark = pytest.mark.slow

@@ -7,11 +7,7 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.fitting.fit import (
-    covariance,
-    fit,
-    linearised,
-)
+from stickslip.identification.fitting.fit import covariance, fit, linearised
 
 N = 20_000
 

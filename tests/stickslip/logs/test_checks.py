@@ -7,19 +7,10 @@ import pytest
 from rigid_drive import rigid_drive
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.logs import (
-    Controller,
-    Recording,
-    check_recording,
-    excitation,
-)
+from stickslip.logs import Controller, Recording, check_recording, excitation
 from stickslip.planning import plan
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import (
-    LOOP,
-    TRAINING,
-    Datasheet,
-)
+from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop

@@ -8,17 +8,8 @@ from rigid_drive import rigid_drive
 from scipy.interpolate import CubicSpline
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.logs import (
-    Recording,
-    aligned,
-    force_delay,
-    signal_delay,
-)
-from stickslip.planning import (
-    LINEAR,
-    Limits,
-    plan,
-)
+from stickslip.logs import Recording, aligned, force_delay, signal_delay
+from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import smoothed

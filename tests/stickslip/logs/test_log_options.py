@@ -8,12 +8,7 @@ import pytest
 
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.errors import UsageError
-from stickslip.logs import (
-    Column,
-    Description,
-    load_description,
-    read_recording,
-)
+from stickslip.logs import Column, Description, load_description, read_recording
 
 TOML = """
 motion = "rotary"

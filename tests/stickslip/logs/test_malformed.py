@@ -9,18 +9,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from stickslip import models
-from stickslip.errors import (
-    RecordingError,
-    StickslipError,
-    UsageError,
-)
-from stickslip.logs import (
-    Column,
-    Controller,
-    Description,
-    check_recording,
-    read_recording,
-)
+from stickslip.errors import RecordingError, StickslipError, UsageError
+from stickslip.logs import Column, Controller, Description, check_recording, read_recording
 from stickslip.logs.configuration import load_description
 
 ROWS = [f"{k * 0.001:.3f},{np.sin(k / 50):.9f},{np.cos(k / 50):.9f}" for k in range(100)]

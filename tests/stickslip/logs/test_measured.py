@@ -5,11 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.logs import (
-    check_recording,
-    load_description,
-    read_recording,
-)
+from stickslip.logs import check_recording, load_description, read_recording
 from stickslip.logs.motion import kinematics, rigid_columns
 from stickslip.servo.measurement import smoothed
 

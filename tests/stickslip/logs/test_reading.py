@@ -7,12 +7,7 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from stickslip.logs import (
-    Column,
-    Description,
-    Recording,
-    read_recording,
-)
+from stickslip.logs import Column, Description, Recording, read_recording
 from stickslip.logs.dialect import split_unit
 from stickslip.logs.roles import assign_roles
 from stickslip.logs.table import LogTable

@@ -9,13 +9,7 @@ from hypothesis import strategies as st
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.planning import (
-    LINEAR,
-    ROTARY,
-    Limits,
-    arrange,
-    plan,
-)
+from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, TRAINING
 from stickslip.servo.systems import build_fmus, servo_loop

@@ -9,11 +9,7 @@ from stickslip.errors import UsageError
 from stickslip.pipeline import log_learning
 from stickslip.results import record_folder as record_results
 from stickslip.results import reproduction_folder as reproduction_results
-from stickslip.results.folder import (
-    reserved,
-    staged,
-    verify,
-)
+from stickslip.results.folder import reserved, staged, verify
 from stickslip.results.folder.publishing import READY
 
 pytestmark = pytest.mark.slow
