@@ -124,7 +124,8 @@ def _easiest(values: Array, costs: Array, rng: np.random.Generator) -> float:
     """
     ends = np.concatenate([[0.0], values, [1.0]])
     height = np.concatenate([costs[:1], costs, costs[-1:]]) - costs.min()
-    wish = (float(height.max()) or 1.0) * 10.0 ** rng.uniform(-DEMANDS, 0)
+    share = 10.0 ** rng.uniform(-DEMANDS, 0)
+    wish = max((float(height.max()) or 1.0) * share, np.finfo(float).tiny)  # never rounded to 0
     roots = np.sqrt(height + wish)
     width, rise = np.diff(ends), roots[:-1] + roots[1:]
     easiest = int(np.argmax(np.where(width > FINEST, width / rise, 0.0)))

@@ -203,6 +203,7 @@ def test_an_interrupt_ends_a_run_within_about_a_second(make):
         signal.signal(signal.SIGALRM, before)
 
 
+@pytest.mark.slow
 def test_many_runs_leave_memory_and_open_files_as_they_were(oscillator):
     def resources():
         gc.collect()

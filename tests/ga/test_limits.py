@@ -65,3 +65,20 @@ def test_a_collapsed_population_is_at_rest():
 def test_a_limit_out_of_range_is_named(field):
     with pytest.raises(ga.SettingsError, match=f"{field} must be above 0, or None, got -1"):
         ga.Limits(**{field: -1})
+
+
+@pytest.mark.parametrize(
+    ("limit", "name"),
+    [("patience", "stagnant"), ("generations", "generations"), ("seconds", "seconds")],
+)
+def test_a_limit_is_reached_where_it_is_equalled(limit, name):
+    done = {"generations": 1, "evaluations": 1, "batch": 1, "seconds": 0.0, "best": 1.0}
+    limits = ga.Limits(**{limit: 10})
+    assert limits.reached(**{**done, "stagnant": 0, name: 9}) is None
+    assert limits.reached(**{**done, "stagnant": 0, name: 10}) is not None
+
+
+def test_a_budget_may_be_used_to_the_last_evaluation():
+    limits = ga.Limits(evaluations=10)
+    assert limits.spent(generations=0, evaluations=6, batch=4) is None
+    assert limits.spent(generations=0, evaluations=7, batch=4) is not None

@@ -61,3 +61,11 @@ def test_what_fails_is_avoided(cost):
 
     _, rows = searched(half, np.array([0.1]), 40)
     assert min(value for _, value in rows) < 1e-8
+
+
+def test_costs_that_differ_by_the_smallest_number_are_no_obstacle():
+    """A wished improvement below it would round to nothing."""
+    sections = Sections(np.array([0.5]), 0.0)
+    sections.add(np.array([0.25]), 5e-324)
+    children = sections.propose(50, np.random.default_rng(0))
+    assert ((children >= 0) & (children <= 1)).all()

@@ -75,6 +75,7 @@ def test_no_run_does_not_load_the_binary(tmp_path, capsys):
     assert main(["check", path, "--no-run"]) == 0
 
 
+@pytest.mark.slow
 def test_a_hanging_binary_is_given_up(tmp_path, capsys):
     seed = next(seed for seed in binaries.SEEDS if seed.what == "hang")
     assert main(["check", str(seed.make(tmp_path)), "--timeout", "1"]) == 1

@@ -105,6 +105,7 @@ def test_design_prints_what_was_asked_for(tmp_path, capsys):
     assert "K_p" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_identify_writes_values_with_errors(tmp_path, capsys):
     assert main(["identify", "--set", "drive.F_c=7", "--out", str(tmp_path)]) == 0
     found = json.loads((tmp_path / "identified.json").read_text())
@@ -181,6 +182,7 @@ def test_export_tells_what_is_wrong_with_a_linear_system(tmp_path, capsys):
     assert "step is 0" in complaint(capsys, "export", "lti", file, "--step", 0, "--out", tmp_path)
 
 
+@pytest.mark.slow
 def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, capsys):
     learned = str(results / "learned.json")
     assert main(["validate", "--parameters", learned, "--out", str(tmp_path)]) == 0
@@ -196,6 +198,7 @@ def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, ca
     assert "E_rms" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_validate_with_a_velocity_filter_tells_what_each_part_adds(results, tmp_path, capsys):
     learned = str(results / "learned.json")
     arguments = ["validate", "--parameters", learned, "--velocity-filter", "--out", str(tmp_path)]

@@ -15,6 +15,8 @@ from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
 from stickslip.servo.velocity_loop import design_velocity_loop
 
+pytestmark = pytest.mark.slow
+
 DRIVES = {
     "the paper's": {},
     "heavier": {

@@ -120,6 +120,7 @@ def space_of(tmp_path):
 DRIVE = {"m": 2.0, "b": 0.5, "F_0": 0.3, "delay": 0.1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("i", [1.0, 2.0])
 def test_dahl_is_estimated_with_its_exponent(space_of, i):
     truth = {"sigma_0": 2e5, "F_c": 6.0, "i": i, **DRIVE}
