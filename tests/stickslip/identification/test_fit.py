@@ -7,7 +7,7 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.fitting.fit import covariance, fit, linearised
+from stickslip.identification.fitting.fit import BLOCKS, covariance, fit, linearised
 
 N = 20_000
 
@@ -64,6 +64,19 @@ def test_the_covariance_knows_of_correlated_noise(space):
         spread.append(q[1])
         told.append(covariance(-slow, rest, space)[1, 1])
     assert np.mean(told) == pytest.approx(np.var(spread), rel=0.5)
+
+
+def test_the_covariance_is_not_too_small_on_average(space):
+    """White noise, whose covariance has a closed form; a fit takes away degrees of freedom."""
+    rng = np.random.default_rng(3)
+    regressors = rng.standard_normal((1000, K))
+    exact = np.diag(np.linalg.inv(regressors.T @ regressors))
+    told = []
+    for _ in range(300):
+        noise = rng.standard_normal(1000)
+        rest = noise - regressors @ np.linalg.lstsq(regressors, noise, rcond=None)[0]
+        told.append(np.diag(covariance(-regressors, rest, space)) / exact)
+    assert 1.01 < np.mean(told) < BLOCKS / (BLOCKS - K) + 0.03
 
 
 def test_a_prior_weighs_as_one_measurement(space):

@@ -24,6 +24,8 @@ def test_what_a_command_wrote_before_goes_and_what_others_wrote_stays(folder, pu
     assert not verify(folder).faults
     put(folder, "validate", a="their a")
     assert texts(folder) == {"a": "their a", "c": "new c"}
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["earlier"] == [{"command": {"name": "learn"}, "files": ["c"]}]
     assert not verify(folder).faults
 
 
