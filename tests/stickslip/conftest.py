@@ -32,6 +32,13 @@ class Quiet:
         pass
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what needs a whole reproduction as slow."""
+    for item in items:
+        if {"reproduction", "results"} & {*getattr(item, "fixturenames", ())}:
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def quiet() -> Quiet:
     return Quiet()

@@ -71,6 +71,7 @@ def test_a_stiff_loop_is_neither_warned_of_nor_refused(make_trial, loop, command
     assert compensated < 0.7 * without
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("v", [0.3e-3, 1e-3])
 def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(make_trial, v):
     """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""

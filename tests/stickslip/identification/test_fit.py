@@ -52,6 +52,7 @@ def test_it_finds_what_linear_least_squares_finds(space):
     np.testing.assert_allclose(np.diag(found.covariance), np.diag(classic), rtol=0.6)
 
 
+@pytest.mark.slow
 def test_the_covariance_knows_of_correlated_noise(space):
     """Slow noise on slow regressors: the plain formula says ten times too little."""
     spread, told = [], []
