@@ -57,16 +57,28 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
     assert (tmp_path / "learned.json").read_bytes() == (folder / "learned.json").read_bytes()
 
 
+TWO_SEEDS = ["--criterion", "inverse", "--seeds", "2", "--seed", "3"]
+
+
+@pytest.fixture(scope="module")
+def of_two_seeds(log, tmp_path_factory):
+    """Return what short searches find that are not interrupted."""
+    out = tmp_path_factory.mktemp("seeds") / "whole"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
+        assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
+    return out
+
+
 @pytest.mark.parametrize("named", [False, True])
 def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
-    named, log, tmp_path, capsys, monkeypatch
+    named, log, of_two_seeds, tmp_path, capsys, monkeypatch
 ):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
-    arguments = ["learn", "--log", str(log), "--judge", "inverse", "--seeds", "2", "--seed", "3"]
-    assert main([*arguments, "--out", str(tmp_path / "whole")]) == 0
+    arguments = ["learn", "--log", str(log), *TWO_SEEDS]
     own = tmp_path / "out" / "learning.checkpoint.json"
     path = tmp_path / "mine.json" if named else own
     arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
@@ -80,11 +92,8 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     assert f"{checkpoints[1]}: an earlier run did not end" in capsys.readouterr().err
     assert main([*arguments, "--resume"]) == 0
     assert [checkpoint.exists() for checkpoint in checkpoints] == [named, named]
-    files = [path.name for path in (tmp_path / "whole").iterdir()]
-    assert all(
-        (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
-        for name in files
-    )
+    for whole in of_two_seeds.iterdir():
+        assert (tmp_path / "out" / whole.name).read_bytes() == whole.read_bytes()
 
 
 def test_the_compensator_has_what_was_learned(folder, tmp_path):
