@@ -35,31 +35,33 @@ def svg(lines: Sequence[Line]) -> str:
 def png(lines: tuple[Line, ...]) -> bytes:
     """Return the icon as PNG, 128 by 128, with alpha."""
     # Without pyplot and its styles, so that the bytes depend on the version of Matplotlib only.
+    from matplotlib import style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.patches import FancyBboxPatch
 
-    figure = Figure(figsize=(1.28, 1.28), dpi=100, facecolor="none")
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
-    axes.set_axis_off()
-    inside, points = 100 - 2 * _EDGE, 1.28 * 72 / 100  # of a printer, in 1/100 of the tile
-    axes.add_patch(
-        FancyBboxPatch(
-            (_EDGE, _EDGE),
-            inside,
-            inside,
-            boxstyle=f"round,pad=0,rounding_size={_CORNER}",
-            facecolor=_TILE,
-            edgecolor=_INK,
-            linewidth=_STROKE / 2 * points,
+    with style.context("default", after_reset=True):  # whatever the user's own is
+        figure = Figure(figsize=(1.28, 1.28), dpi=100, facecolor="none")
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
+        axes.set_axis_off()
+        inside, points = 100 - 2 * _EDGE, 1.28 * 72 / 100  # of a printer, in 1/100 of the tile
+        axes.add_patch(
+            FancyBboxPatch(
+                (_EDGE, _EDGE),
+                inside,
+                inside,
+                boxstyle=f"round,pad=0,rounding_size={_CORNER}",
+                facecolor=_TILE,
+                edgecolor=_INK,
+                linewidth=_STROKE / 2 * points,
+            )
         )
-    )
-    for line in lines:
-        (drawn,) = axes.plot(line[::2], line[1::2], color=_INK, linewidth=_STROKE * points)
-        drawn.set_solid_capstyle("round")
-        drawn.set_solid_joinstyle("round")
-    picture = BytesIO()
-    FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})  # type: ignore[no-untyped-call]
+        for line in lines:
+            (drawn,) = axes.plot(line[::2], line[1::2], color=_INK, linewidth=_STROKE * points)
+            drawn.set_solid_capstyle("round")
+            drawn.set_solid_joinstyle("round")
+        picture = BytesIO()
+        FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return picture.getvalue()
 
 

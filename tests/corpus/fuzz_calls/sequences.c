@@ -7,7 +7,7 @@
  *
  *     sequences FIRST COUNT    prints "CALLS UNLAWFUL HASH"
  */
-#include "face.h"
+#include "calls.h"
 #include "instance.h" /* the table of variables; no function of it is called */
 #include <math.h>
 #include <signal.h>
@@ -23,8 +23,8 @@
 #endif
 
 enum { PAIRS = 3, KEPT = 3, MOST = 4 };
-enum { CREATED = 1, STARTING = 2, STEPS = 4, ENDED = 8, BROKEN = 16, EVENTS = 32, FLOWING = 64 };
-enum { WELL = CREATED | STARTING | STEPS | ENDED | EVENTS | FLOWING, ALWAYS = WELL | BROKEN };
+enum { CREATED = 1, STARTING = 2, STEPS = 4, OVER = 8, FAULTY = 16, EVENTS = 32, FLOWING = 64 };
+enum { WELL = CREATED | STARTING | STEPS | OVER | EVENTS | FLOWING, ALWAYS = WELL | FAULTY };
 
 typedef struct {
     Slave fuzzed, shadow;
@@ -187,7 +187,7 @@ static void live(Pair *p) {
         doing = "terminate";
         if (rarely()) {
             PLAIN(p, (p->phase & (STEPS | EVENTS | FLOWING)) != 0, Terminate);
-            p->phase = status == OK ? ENDED : p->phase;
+            p->phase = status == OK ? OVER : p->phase;
         }
         break;
     case 5:
@@ -221,7 +221,7 @@ static void go(Pair *p) {
     BOTH(p, lawful, step(p->at.fuzzed, t, h, answers), step(p->at.shadow, t, h, true));
     if (lawful) {
         MUST(status == OK || status == ERROR);
-        p->phase = status == OK ? STEPS : BROKEN;
+        p->phase = status == OK ? STEPS : FAULTY;
         p->t = t + h;
         compare(p);
     }
@@ -312,7 +312,7 @@ static void differentiate(Pair *p) {
     const double seeds[MOST] = {1.0, -2.0, 0.5, 3.0};
     double a[MOST] = {0}, b[MOST] = {0};
     const size_t n_of = below(MOST + 1), n_by = below(MOST + 1);
-    bool lawful = IS_CONTINUOUS && (p->phase & ~(CREATED | BROKEN)) != 0;
+    bool lawful = IS_CONTINUOUS && (p->phase & ~(CREATED | FAULTY)) != 0;
     for (size_t k = 0; k < MOST; k++) {
         of[k] = rarely() ? some_variable(REAL) : STATES_AT + below(OUTPUTS_AT + 1 - STATES_AT);
         by[k] = rarely() ? some_variable(REAL) : INPUTS_AT + below(INPUTS_COUNT + STATES_COUNT);
@@ -445,7 +445,7 @@ static void remember(Pair *p) {
 /* Model Exchange */
 
 static void exchange(Pair *p) {
-    const bool flows = p->phase == FLOWING, read = (p->phase & ~(CREATED | BROKEN | STEPS)) != 0;
+    const bool flows = p->phase == FLOWING, read = (p->phase & ~(CREATED | FAULTY | STEPS)) != 0;
     double a[COUNT + 1] = {0}, b[COUNT + 1] = {0}, next;
     const size_t n = rarely() ? (below(2) ? SIZE_MAX : DERIVATIVES_COUNT + 1) : DERIVATIVES_COUNT;
     double *place = rarely() ? NULL : a;

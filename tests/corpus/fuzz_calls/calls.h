@@ -1,6 +1,6 @@
 /* FMI 2.0 or FMI 3.0 (-DFMI=2, -DFMI=3) under one set of names. */
-#ifndef FACE_H
-#define FACE_H
+#ifndef CALLS_H
+#define CALLS_H
 
 #include <stdbool.h>
 #include <stddef.h>
