@@ -34,13 +34,13 @@ def svg(lines: Sequence[Line]) -> str:
 @cache
 def png(lines: tuple[Line, ...]) -> bytes:
     """Return the icon as PNG, 128 by 128, with alpha."""
-    # Without pyplot and its styles, so that the bytes depend on the version of Matplotlib only.
+    # In the default style, so that the bytes depend on the version of Matplotlib only.
     from matplotlib import style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.patches import FancyBboxPatch
 
-    with style.context("default", after_reset=True):  # whatever the user's own is
+    with style.context("default", after_reset=True):
         figure = Figure(figsize=(1.28, 1.28), dpi=100, facecolor="none")
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 100), ylim=(100, 0))
         axes.set_axis_off()
