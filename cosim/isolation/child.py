@@ -1,4 +1,4 @@
-"""The child: prepares a simulation and runs it as it is told."""
+"""The child process: prepares a simulation and runs it on request."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from stickslip.cosim.isolation.answers import LOST, receive, send
 from stickslip.cosim.isolation.shared import Shared
@@ -55,14 +55,16 @@ def main(name: str, size: int, token: bytes) -> None:
     while what != "close":
         what, arguments = _receive(requests, token)
         served.do(what, arguments)
-    _unload()
+    if sys.platform != "win32":
+        ctypes.CDLL(None).exit(0)  # libraries end as in any process, and keep what they still use
+    os._exit(0)
 
 
 _LINES = 100  # of the log, for each answer
 
 
 class _Kept(logging.Handler):
-    """Keeps what is logged until the parent is told."""
+    """Keeps what is logged for the next reply."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -85,7 +87,7 @@ class _Served:
         logging.getLogger("stickslip.cosim").addHandler(self._logged)
 
     def do(self, what: str, arguments: dict[str, Any]) -> None:
-        """Do what the parent asks for and tell it what came out."""
+        """Carry out a request of the parent and reply with the result or the error."""
         marks.note("", "")
         try:
             answer = getattr(self, what)(**arguments)
@@ -102,12 +104,6 @@ class _Served:
         self._simulation = Simulation(self._specification, self._room)
         self._simulation.before_repetition = lambda: self._reply(repeats=True)
         return {"accuracy": self._simulation.accuracy}
-
-    def run(self, **arguments: Any) -> dict[str, object]:
-        return self._ran("run", arguments)
-
-    def resume(self, **arguments: Any) -> dict[str, object]:
-        return self._ran("resume", arguments)
 
     def save(self, path: str) -> dict[str, object]:
         self._prepared.save(path)
@@ -127,13 +123,16 @@ class _Served:
     def _room(self, shape: tuple[int, int]) -> Array:
         return self._shared.numbers[: shape[0] * shape[1]].reshape(shape)
 
-    def _ran(self, how: str, arguments: dict[str, Any]) -> dict[str, object]:
+    def run(self, how: str, progress: bool, **arguments: Any) -> dict[str, object]:
         simulation = self._prepared
-        if arguments.pop("progress", False):
-            arguments["progress"] = lambda t: self._reply(progress=t)
-        result: Result = getattr(simulation, how)(**arguments)
+        report = (lambda t: self._reply(progress=t)) if progress else None
+        result: Result = getattr(simulation, how)(**arguments, progress=report)
         pace = simulation.pace
-        self._show(result)
+        place = self._room(result.values.shape)
+        if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
+            place[:] = result.values.copy()
+        numbers = self._shared.numbers
+        numbers[len(numbers) - len(result.time) :] = result.time
         return {
             "shape": result.values.shape,
             "stopped": result.stopped,
@@ -142,24 +141,9 @@ class _Served:
             "pace": pace and [pace.looks, pace.overruns, pace.worst],
         }
 
-    def _show(self, result: Result) -> None:
-        """Lay values and times of a result where the parent finds them."""
-        place = self._room(result.values.shape)
-        if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
-            place[:] = result.values.copy()
-        numbers = self._shared.numbers
-        numbers[len(numbers) - len(result.time) :] = result.time
-
-
-def _unload() -> NoReturn:
-    """Let the libraries end, as at the end of any process, but keep all that they may still use."""
-    if sys.platform != "win32":
-        ctypes.CDLL(None).exit(0)
-    os._exit(0)
-
 
 def _take_pipes() -> tuple[int, int]:
-    """Return requests and replies, at places of their own; what FMUs print goes elsewhere."""
+    """Return duplicates of standard input and output; redirect what FMUs print to stderr."""
     pipes = os.dup(0), os.dup(1)
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
@@ -178,19 +162,12 @@ def _receive(requests: int, token: bytes) -> Any:
 
 
 def _watch(requests: int) -> None:
-    """End all when the parent is gone, even while an FMU is busy."""
+    """End all processes of the group when the parent is gone, even while an FMU is busy."""
     if sys.platform != "win32":
         poll = select.poll()
-        poll.register(requests, 0)  # which still tells when the other end is closed
+        poll.register(requests, 0)  # still reports that the other end is closed
         poll.poll()
-        _end()
-
-
-def _end() -> NoReturn:
-    """End this process with all that an FMU has started."""
-    if sys.platform != "win32":
         os.killpg(0, signal.SIGKILL)
-    os._exit(1)
 
 
 def _limit(memory: float) -> None:

@@ -1,4 +1,4 @@
-"""The child as its parent sees it: started, asked, watched, ended."""
+"""The child process from the parent's side: started, asked, watched, ended."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from stickslip.cosim.isolation.parcel import pack
 from stickslip.cosim.isolation.shared import Made
-from stickslip.cosim.isolation.verdict import Death, crashed
+from stickslip.cosim.isolation.verdict import crashed, ending
 from stickslip.cosim.run import resets
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
@@ -32,19 +32,19 @@ MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark
 _GAP = 1.0  # s between two looks, beyond which this process was suspended
 _START_UP = 60.0  # s that Python may take to start
-_GRACE = 2.0  # s that a child has to die in peace
+_GRACE = 2.0  # s that a child has to end
 _RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
 _START = Path(__file__).with_name("start.py")
 
 
 class _Clock:
-    """Tells how long it has been running; time in which this process is suspended hardly counts."""
+    """Measures time; while this process is suspended, it counts ``_GAP`` at most."""
 
     def __init__(self) -> None:
         self._passed, self._last = 0.0, time.monotonic()
 
     def passed(self) -> float:
-        """Return the time (s) since it was made; it must be asked every few looks."""
+        """Return the time (s) since it began; must be called more often than every ``_GAP``."""
         now = time.monotonic()
         self._passed += min(now - self._last, _GAP)
         self._last = now
@@ -111,7 +111,7 @@ class Process:
         progress: Callable[[float], object] | None = None,
         slack: float = 0.0,
     ) -> Reply:
-        """Let the child do something and return its answer.
+        """Send a request to the child and return its answer.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class Process:
         Raises
         ------
         FmuCrashed
-            When it died of it, or had to be ended; it is gone then.
+            When the child died or had to be ended.
         """
         self._clock, self.repeats = _Clock(), False
         self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
@@ -132,15 +132,15 @@ class Process:
                 self._clock, self.repeats = _Clock(), True
                 continue
             if self._clock.passed() >= limit:
-                self._die(self._too_long(limit))
+                self._die(_too_long(limit))
             if progress:
                 progress(reply["progress"])
         if reply.get("error") == "MemoryError":
-            self._die(Death(f"took more than the {self._limits.memory:g} MB it may"))
+            self._die(f"took more than the {self._limits.memory:g} MB it may")
         return reply
 
     def end(self) -> None:
-        """End the child with all that it started; once is enough, and a forked process may not."""
+        """End the child with all that it started; a forked process leaves it alone."""
         if self._parent != os.getpid() or self._process.returncode is not None:
             return
         self._kill()
@@ -148,21 +148,21 @@ class Process:
         self._let_go()
 
     def leave(self) -> None:
-        """Let a child that was told to close end by itself.
+        """Wait until a child that was asked to close ends by itself.
 
         Raises
         ------
         FmuCrashed
-            When it does not, or not well.
+            When it does not, or its exit status is not 0.
         """
         patience = self._limits.timeout or self._limits.patience
         status = self._ended(max(_LOOK, patience - self._clock.passed()))
         if status is None:
-            self._die(self._hung(patience))
+            self._die(_hung(patience))
         self._kill()
         self._let_go()
         if status:
-            raise self._crashed(self._verdict(status))
+            raise self._crashed(status)
 
     def _wait(self, patience: float, limit: float) -> Reply:
         """Return the next answer.
@@ -183,14 +183,14 @@ class Process:
                     still, seen = _Clock(), now
                 over = self._clock.passed() >= limit
                 if still.passed() >= patience or (over and still.passed() > 0.5 * limit):
-                    self._die(self._hung(min(patience, limit)))
+                    self._die(_hung(min(patience, limit)))
                 if over:
-                    self._die(self._too_long(limit))
+                    self._die(_too_long(limit))
                 continue
             if reply is None:
                 self._die(None)
             if reply is NONSENSE:
-                self._die(Death("or a call before it wrote into files that are not its own"))
+                self._die("or a call before it wrote into files that are not its own")
             return reply
 
     def _mark(self) -> tuple[object, ...]:
@@ -198,26 +198,23 @@ class Process:
         mark = self.shared.mark
         return (mark.t,) if math.isfinite(mark.t) else (mark.component, mark.call)
 
-    def _hung(self, seconds: float) -> Death:
-        return Death(f"did not return within {seconds:g} s")
-
-    def _too_long(self, limit: float) -> Death:
-        return Death(f"was going on when the {limit:g} s for all were over")
-
-    def _die(self, death: Death | None) -> NoReturn:
-        """Raise the error; without one so far, it follows from the exit status."""
-        status = None if death else self._ended(_GRACE)
+    def _die(self, what: str | None) -> NoReturn:
+        """End the child and raise the error; without a reason, the exit status gives it."""
+        status = None if what else self._ended(_GRACE)
         self._kill()
         self._ended(_GRACE)
         self._let_go()
         if self._printed > MOST_TEXT:
-            death = Death(f"printed more than {MOST_TEXT / 1e6:.0f} MB")
-        raise self._crashed(death or self._verdict(status))
+            what = f"printed more than {MOST_TEXT / 1e6:.0f} MB"
+        if what is None:
+            raise self._crashed(status)
+        raise crashed(self.shared.mark, self._system, self._order, what)
 
-    def _verdict(self, status: int | None) -> Death:
+    def _crashed(self, status: int | None) -> FmuCrashed:
         memory = self._limits.memory
         near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
-        return Death.of(status, self._last_line(), memory if near else None)
+        what = ending(status, memory if near else None)
+        return crashed(self.shared.mark, self._system, self._order, what, self._last_line())
 
     def _ended(self, timeout: float) -> int | None:
         """Return the exit status if it ends within a time (s); note the memory that it had."""
@@ -245,9 +242,6 @@ class Process:
                 time.sleep(0.002)
         return self._process.returncode
 
-    def _crashed(self, death: Death) -> FmuCrashed:
-        return crashed(self.shared.mark, self._system, self._order, death)
-
     def _last_line(self) -> str:
         lines = self._tail.decode(errors="replace").split("\n")
         text = next((line for line in reversed(lines) if line.strip()), "")
@@ -274,6 +268,14 @@ class Process:
                 self._tail = (self._tail + part)[-2000:]
                 if self._printed > MOST_TEXT:
                     self._kill()
+
+
+def _hung(seconds: float) -> str:
+    return f"did not return within {seconds:g} s"
+
+
+def _too_long(limit: float) -> str:
+    return f"was going on when the {limit:g} s for all were over"
 
 
 def _environment() -> dict[str, str]:

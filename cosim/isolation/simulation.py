@@ -1,14 +1,15 @@
-"""A simulation whose FMUs live in a process of their own."""
+"""A simulation whose FMUs run in a child process."""
 
 from __future__ import annotations
 
 import builtins
+import inspect
 import logging
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import NoReturn
+from types import MappingProxyType
+from typing import Any, NoReturn
 from weakref import finalize
 
 import numpy as np
@@ -25,8 +26,6 @@ from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.real_time import Pace
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.signals.scenario import Scenario
-from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.experiment import check_memory, check_tolerance, count_steps
 from stickslip.cosim.system.isolation import Isolation
@@ -35,6 +34,8 @@ from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 
 _log = logging.getLogger(__name__)
+_BIND_RUN = inspect.signature(Simulation.run).bind
+_BIND_RESUME = inspect.signature(Simulation.resume).bind
 
 
 class IsolatedSimulation(Simulation):
@@ -72,16 +73,7 @@ class IsolatedSimulation(Simulation):
         """What the last run took, see Simulation."""
         return self._effort
 
-    def run(
-        self,
-        parameters: Mapping[str, object] | None = None,
-        inputs: Mapping[str, Input] | None = None,
-        *,
-        scenario: Scenario | None = None,
-        until: float | None = None,
-        real_time: float | None = None,
-        progress: Callable[[float], object] | None = None,
-    ) -> Result:
+    def run(self, *arguments: Any, **named: Any) -> Result:
         """Run from the start, see Simulation; starts a child where there is none.
 
         Raises
@@ -89,29 +81,11 @@ class IsolatedSimulation(Simulation):
         FmuCrashed
             When an FMU ended the child or did not return; besides what Simulation raises.
         """
-        return self._run_there(
-            "run", inputs, scenario, until, real_time, progress, parameters=dict(parameters or {})
-        )
+        return self._run_there("run", _BIND_RUN(self, *arguments, **named))
 
-    def resume(
-        self,
-        path: str | os.PathLike[str],
-        inputs: Mapping[str, Input] | None = None,
-        *,
-        scenario: Scenario | None = None,
-        until: float | None = None,
-        real_time: float | None = None,
-        progress: Callable[[float], object] | None = None,
-    ) -> Result:
-        """Go on from a saved state, see Simulation.
-
-        Raises
-        ------
-        FmuCrashed
-            When an FMU ended the child or did not return; besides what Simulation raises.
-        """
-        where = str(Path(path).absolute())
-        return self._run_there("resume", inputs, scenario, until, real_time, progress, path=where)
+    def resume(self, *arguments: Any, **named: Any) -> Result:
+        """Continue from a saved state, see Simulation; the errors are those of ``run``."""
+        return self._run_there("resume", _BIND_RESUME(self, *arguments, **named))
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
@@ -137,36 +111,29 @@ class IsolatedSimulation(Simulation):
             finally:
                 self._give_up()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
         try:
             self.close()
         except FmuCrashed:
             if error is None:
                 raise
 
-    def _run_there(
-        self,
-        how: str,
-        inputs: Mapping[str, Input] | None,
-        scenario: Scenario | None,
-        until: float | None,
-        real_time: float | None,
-        progress: Callable[[float], object] | None,
-        **more: object,
-    ) -> Result:
+    def _run_there(self, how: str, bound: inspect.BoundArguments) -> Result:
+        bound.apply_defaults()
+        arguments = bound.arguments
+        del arguments["self"]
         self.pace = None
+        progress, real_time = arguments["progress"], arguments["real_time"]
         slack = max(self.spec.step, 1.0) / real_time if real_time and real_time > 0 else 0.0
-        arguments = more | {
-            "inputs": portable_inputs(inputs or {}, self.time),
-            "scenario": Tabulated.of(scenario, self.time),
-            "until": until,
-            "real_time": real_time,
+        if how == "resume":
+            arguments["path"] = str(Path(arguments["path"]).absolute())
+        else:
+            arguments["parameters"] = dict(arguments["parameters"] or {})
+        arguments |= {
+            "inputs": portable_inputs(arguments["inputs"] or {}, self.time),
+            "scenario": Tabulated.of(arguments["scenario"], self.time),
             "progress": progress is not None,
+            "how": how,
         }
         with self._exclusive:
             binaries = {fmu.binary for fmu in self.spec.system.components.values()}
@@ -174,11 +141,11 @@ class IsolatedSimulation(Simulation):
                 self._give_up()
             process = self._living()
             try:
-                reply = self._ask(how, arguments, progress, slack)
+                reply = self._ask("run", arguments, progress, slack)
             except FmuCrashed as crash:
                 if not self._ended_by_reuse(process, crash):
                     raise
-                reply = self._ask(how, arguments, progress, slack)
+                reply = self._ask("run", arguments, progress, slack)
             self._used_again |= process is self._process and process.runs > 0
             self._living().runs += 1
             self._effort = reply["effort"]
@@ -188,7 +155,7 @@ class IsolatedSimulation(Simulation):
             return self._result_of(reply)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
-        """Whether a new child would not have come to this end."""
+        """Whether the crash comes from using instances again, so that a new child avoids it."""
         mark, components = process.shared.mark, self.spec.system.components
         name = called(mark, self.order)
         names = [name] if name else self.order
@@ -202,7 +169,7 @@ class IsolatedSimulation(Simulation):
         return reused
 
     def _result_of(self, reply: Reply) -> Result:
-        """Take a result out of the memory that both see, before the next run overwrites it."""
+        """Copy a result from the shared memory, which the next run overwrites."""
         numbers = self._living().shared.numbers
         n, width = reply["shape"]
         time = numbers[len(numbers) - n :].copy()
@@ -253,7 +220,7 @@ class IsolatedSimulation(Simulation):
 
 
 def _raise(reply: Reply) -> NoReturn:
-    """Raise here what was raised in the child."""
+    """Raise the error that the child reported."""
     if "file" in reply:
         raise OSError(*reply["file"])
     kind = getattr(errors, reply["error"], None) or getattr(builtins, reply["error"], None)
