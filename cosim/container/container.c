@@ -111,8 +111,7 @@ static Status start(Instance *x) {
     }
     for (int i = 0; i < N_STARTS; i++) {
         const Start *s = &STARTS[i];
-        const int status = access_set(&x->access[s->part], &x->components[s->part], s->type,
-                                      s->reference, s->value);
+        const int status = access_set(x, s->part, s->type, s->reference, s->value);
         if (status > WARNING) {
             return part_failed(x, s->part, "setting a start value", status);
         }

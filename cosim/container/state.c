@@ -23,16 +23,21 @@ typedef struct {
             return part_failed(x, i, __func__, status);                                            \
         }                                                                                          \
     }
-#define PART_OF(x, i) &(x)->access[i], &(x)->components[i]
+#define REQUIRE_ALIVE                                                                              \
+    PLAIN_HERE;                                                                                    \
+    if (instance_require(x, ALIVE, __func__) != OK) {                                              \
+        return ERROR;                                                                              \
+    }
+/* A call that an FMU lacks fails. */
+#define ON_PART(name, ...)                                                                         \
+    (x->access[i].name ? x->access[i].name(x->components[i].instance, __VA_ARGS__) : ERROR)
 
 static Status none(Instance *x) {
     return report(x, ERROR, "there is no state, or it is of another container");
 }
 
 Status instance_save(Instance *x, void **state) {
-    if (instance_require(x, ALIVE, __func__) != OK) {
-        return ERROR;
-    }
+    REQUIRE_ALIVE
     State *s = *state ? *state : calloc(1, sizeof *s);
     if (!s) {
         return report(x, ERROR, "there is no memory left to save the state");
@@ -44,19 +49,17 @@ Status instance_save(Instance *x, void **state) {
     s->own.start = x->run.start;
     s->own.stop = x->run.stop;
     memcpy(s->own.rows, x->rows, sizeof x->rows);
-    ON_EACH_PART(access_save(PART_OF(x, i), &s->parts[i]))
+    ON_EACH_PART(ON_PART(save, &s->parts[i]))
     return OK;
 }
 
 Status instance_restore(Instance *x, const void *state) {
-    if (instance_require(x, ALIVE, __func__) != OK) {
-        return ERROR;
-    }
+    REQUIRE_ALIVE
     const State *s = state;
     if (!s) {
         return none(x);
     }
-    ON_EACH_PART(access_restore(PART_OF(x, i), s->parts[i]))
+    ON_EACH_PART(ON_PART(restore, s->parts[i]))
     x->phase = s->own.phase;
     x->stale = x->phase == INITIALIZATION;
     x->stop_defined = s->own.stop_defined;
@@ -68,9 +71,10 @@ Status instance_restore(Instance *x, const void *state) {
 }
 
 Status instance_forget(Instance *x, void **state) {
+    PLAIN_HERE;
     State *s = state ? *state : NULL;
     if (s) {
-        ON_EACH_PART(access_forget(PART_OF(x, i), &s->parts[i]))
+        ON_EACH_PART(ON_PART(forget, &s->parts[i]))
         free(s);
         *state = NULL;
     }
@@ -79,15 +83,13 @@ Status instance_forget(Instance *x, void **state) {
 
 /* As bytes: token, own state, then for each part its size and its bytes. */
 Status instance_serialized_size(Instance *x, const void *state, size_t *size) {
-    if (instance_require(x, ALIVE, __func__) != OK) {
-        return ERROR;
-    }
+    REQUIRE_ALIVE
     const State *s = state;
     if (!s) {
         return none(x);
     }
     size_t sizes[N_PARTS];
-    ON_EACH_PART(access_size(PART_OF(x, i), s->parts[i], &sizes[i]))
+    ON_EACH_PART(ON_PART(size, s->parts[i], &sizes[i]))
     *size = sizeof TOKEN + sizeof s->own;
     for (int i = 0; i < N_PARTS; i++) {
         *size += sizeof sizes[i] + sizes[i];
@@ -96,9 +98,7 @@ Status instance_serialized_size(Instance *x, const void *state, size_t *size) {
 }
 
 Status instance_serialize(Instance *x, const void *state, uint8_t *bytes, size_t size) {
-    if (instance_require(x, ALIVE, __func__) != OK) {
-        return ERROR;
-    }
+    REQUIRE_ALIVE
     const State *s = state;
     size_t needed = 0;
     const Status sized = instance_serialized_size(x, state, &needed);
@@ -111,10 +111,10 @@ Status instance_serialize(Instance *x, const void *state, uint8_t *bytes, size_t
     bytes += sizeof TOKEN + sizeof s->own;
     for (int i = 0; i < N_PARTS; i++) {
         size_t one = 0;
-        int status = access_size(PART_OF(x, i), s->parts[i], &one);
+        int status = ON_PART(size, s->parts[i], &one);
         memcpy(bytes, &one, sizeof one);
         bytes += sizeof one;
-        status = status > WARNING ? status : access_pack(PART_OF(x, i), s->parts[i], bytes, one);
+        status = status > WARNING ? status : ON_PART(pack, s->parts[i], bytes, one);
         if (status > WARNING) {
             return part_failed(x, i, __func__, status);
         }
@@ -134,7 +134,7 @@ static Status unpack_parts(Instance *x, const uint8_t *bytes, const uint8_t *end
         if ((size_t)(end - bytes) < size) {
             return none(x);
         }
-        const int status = access_unpack(PART_OF(x, i), bytes, size, &s->parts[i]);
+        const int status = ON_PART(unpack, bytes, size, &s->parts[i]);
         if (status > WARNING) {
             return part_failed(x, i, __func__, status);
         }
@@ -144,9 +144,7 @@ static Status unpack_parts(Instance *x, const uint8_t *bytes, const uint8_t *end
 }
 
 Status instance_deserialize(Instance *x, const uint8_t *bytes, size_t size, void **state) {
-    if (instance_require(x, ALIVE, __func__) != OK) {
-        return ERROR;
-    }
+    REQUIRE_ALIVE
     const size_t head = sizeof TOKEN + sizeof(Own);
     if (size < head || memcmp(bytes, TOKEN, sizeof TOKEN) != 0) {
         return none(x);

@@ -40,7 +40,6 @@ def system_header(
     place = {name: i for i, name in enumerate(order)}
     starts = [_start(system, place, *item) for item in system.parameters.items()]
     lines = [
-        '#include "container.h"',
         f"#define STEP {step!r}",
         f"#define JACOBI {int(run.jacobi)}",
         "typedef struct { int part; Type type; uint32_t reference; double value; } Start;",

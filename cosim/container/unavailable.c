@@ -1,33 +1,20 @@
 /* A container has no Model Exchange and declares no directional derivatives. */
 #include "inside.h"
 
-Status exchange_update(Instance *x, bool *defined, double *next) {
-    return instance_unavailable(x, __func__);
-}
+#define UNAVAILABLE(name, ...)                                                                     \
+    Status name(Instance *x, __VA_ARGS__) { return instance_unavailable(x, __func__); }
 
-Status exchange_enter(Instance *x, Phase phase) { return instance_unavailable(x, __func__); }
-
-Status exchange_set_time(Instance *x, double time) { return instance_unavailable(x, __func__); }
-
-size_t exchange_count(const Instance *x) { return 0; }
-
-Status exchange_set_states(Instance *x, const double states[], size_t count) {
-    return instance_unavailable(x, __func__);
-}
-
-Status exchange_get_states(Instance *x, double states[], size_t count) {
-    return instance_unavailable(x, __func__);
-}
-
-Status exchange_get_derivatives(Instance *x, double derivatives[], size_t count) {
-    return instance_unavailable(x, __func__);
-}
-
-Status exchange_get_nominals(Instance *x, double nominals[], size_t count) {
-    return instance_unavailable(x, __func__);
-}
+UNAVAILABLE(exchange_update, bool *defined, double *next)
+UNAVAILABLE(exchange_enter, Phase phase)
+UNAVAILABLE(exchange_set_time, double time)
+UNAVAILABLE(exchange_set_states, const double states[], size_t count)
+UNAVAILABLE(exchange_get_states, double states[], size_t count)
+UNAVAILABLE(exchange_get_derivatives, double derivatives[], size_t count)
+UNAVAILABLE(exchange_get_nominals, double nominals[], size_t count)
 
 Status slopes_multiply(Instance *x, Product product, Chosen unknowns, Chosen knowns,
                        const double seed[], double sensitivity[], const char *call) {
     return instance_unavailable(x, call);
 }
+
+size_t exchange_count(const Instance *x) { return 0; }

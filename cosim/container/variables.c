@@ -28,8 +28,7 @@ Status instance_get(Instance *x, uint32_t reference, Type type, double *value, c
         *value = x->rows[v->column];
         return OK;
     }
-    const int status =
-        access_get(&x->access[v->part], &x->components[v->part], v->type, v->reference, value);
+    const int status = access_get(x, v->part, v->type, v->reference, value);
     return status > WARNING ? part_failed(x, v->part, v->name, status) : OK;
 }
 
@@ -54,8 +53,7 @@ Status instance_put(Instance *x, uint32_t reference, double value) {
         x->rows[v->column] = value;
         return OK;
     }
-    const int status =
-        access_set(&x->access[v->part], &x->components[v->part], v->type, v->reference, value);
+    const int status = access_set(x, v->part, v->type, v->reference, value);
     if (status > WARNING) {
         const char *message = x->logs[v->part].message;
         take_stray(&x->logs[v->part]);
