@@ -36,8 +36,8 @@ itself: <a href="licenses/license.txt">licenses/license.txt</a>.</p>
 
 def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) -> str:
     """Return the page."""
-    fmus = [(name, system.fmus("a container")[name]) for name in order]
-    components = [(name, fmu.name, f"FMI {fmu.version}.0", fmu.token) for name, fmu in fmus]
+    fmus = system.fmus("a container")
+    components = [(n, fmus[n].name, f"FMI {fmus[n].version}.0", fmus[n].token) for n in order]
     connections = [(source, target) for target, source in system.sources().items()]
     return _PAGE.format(
         title=escape(system.name),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Literal
 
-from stickslip.cosim.errors import ConnectionFault, ParameterError
+from stickslip.cosim.errors import ConnectionFault, CosimError, ParameterError
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Value, Variable
@@ -72,84 +72,53 @@ def _input(system: System, name: str) -> Shown:
     target = system.inputs[name][0]
     variable = system.variable(target)
     start = system.parameters.get(target, variable.start)
-    return Shown(
-        name,
-        "INPUT",
-        TYPES[variable.type],
-        name,
-        system.unit_of(name),
-        0.0 if start is None else start,
-        description=variable.description,
-    )
+    unit, start = system.unit_of(name), 0.0 if start is None else start
+    described = variable.description
+    return Shown(name, "INPUT", TYPES[variable.type], name, unit, start, description=described)
 
 
 def _outputs(system: System, patterns: Sequence[str] | None) -> list[Shown]:
-    every = _signals(system)
+    every = _variables(system, lambda v: v.causality == "output" and v.is_plain)
     names = dict(system.outputs) if patterns is None else {}
     if not names:
-        chosen = list(every) if patterns is None else _matching(every, patterns, ConnectionFault)
-        names = {name: name for name in chosen}
+        names = {name: name for name in _matching(every, patterns, ConnectionFault)}
+    return [_shown(system, name, "OUTPUT", every[source], source) for name, source in names.items()]
+
+
+def _parameters(system: System, patterns: Sequence[str] | None) -> list[Shown]:
+    def is_settable(v: Variable) -> bool:
+        scalar = v.type in TYPES and not v.dimensions and v.start is not None
+        return v.causality == "parameter" and scalar
+
+    every = _variables(system, is_settable)
+    chosen = {name: every[name] for name in _matching(every, patterns, ParameterError)}
     return [
-        Shown(
-            name,
-            "OUTPUT",
-            "REAL",
-            source,
-            system.unit_of(source),
-            None,
-            every[source].minimum,
-            every[source].maximum,
-            every[source].nominal,
-            every[source].description,
-        )
-        for name, source in names.items()
+        _shown(system, name, "TUNABLE" if v.variability == "tunable" else "PARAMETER", v, name)
+        for name, v in chosen.items()
     ]
 
 
-def _signals(system: System) -> dict[str, Variable]:
+def _variables(system: System, wanted: Callable[[Variable], bool]) -> dict[str, Variable]:
     return {
         f"{component}.{variable.name}": variable
         for component, fmu in system.components.items()
         for variable in fmu.variables.values()
-        if variable.causality == "output" and variable.is_plain
+        if wanted(variable)
     }
 
 
-def _parameters(system: System, patterns: Sequence[str] | None) -> list[Shown]:
-    every = {
-        f"{component}.{variable.name}": variable
-        for component, fmu in system.components.items()
-        for variable in fmu.variables.values()
-        if variable.causality == "parameter"
-        and variable.type in TYPES
-        and not variable.dimensions
-        and variable.start is not None
-    }
-    chosen = list(every) if patterns is None else _matching(every, patterns, ParameterError)
-    return [
-        Shown(
-            name,
-            "TUNABLE" if variable.variability == "tunable" else "PARAMETER",
-            TYPES[variable.type],
-            name,
-            system.unit_of(name),
-            system.parameters.get(name, variable.start),
-            variable.minimum,
-            variable.maximum,
-            variable.nominal,
-            variable.description,
-        )
-        for name, variable in ((name, every[name]) for name in chosen)
-    ]
+def _shown(system: System, name: str, role: Role, v: Variable, source: str) -> Shown:
+    start = None if role == "OUTPUT" else system.parameters.get(source, v.start)
+    limits = (v.minimum, v.maximum, v.nominal)
+    unit = system.unit_of(source)
+    return Shown(name, role, TYPES[v.type], source, unit, start, *limits, v.description)
 
 
 def _matching(
-    every: dict[str, Variable],
-    patterns: Sequence[str],
-    error: type[ConnectionFault] | type[ParameterError],
+    every: dict[str, Variable], patterns: Sequence[str] | None, error: type[CosimError]
 ) -> list[str]:
-    chosen: dict[str, None] = {}
-    for pattern in patterns:
+    chosen: dict[str, None] = dict.fromkeys(every if patterns is None else ())
+    for pattern in patterns or ():
         found = [name for name in every if name == pattern or fnmatchcase(name, pattern)]
         if not found:
             near = suggestion(pattern, every)

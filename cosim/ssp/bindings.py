@@ -4,41 +4,33 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping
+from pathlib import Path as File
 from typing import Any
 
 from lxml import etree
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.compose import add, group, new_root, text_of
+from stickslip.cosim.ssp.compose import add, add_units, group, new_root, text_of
 from stickslip.cosim.ssp.edit import Editor
+from stickslip.cosim.ssp.markup import local
 from stickslip.cosim.ssp.members import Members, file_name, free_name
 from stickslip.cosim.ssp.names import component, path_of, tag
 from stickslip.cosim.ssp.parameters import read_parameters
-from stickslip.cosim.ssp.values import (
-    add_values,
-    can_change,
-    change,
-    file_of,
-    parameter_set,
-    whole_arrays,
-)
 from stickslip.cosim.system.system import Origin, System
-from stickslip.fmi.description.variables import Value
+from stickslip.fmi.description.variables import Value, Variable
+
+_FLOATS = {"Real", "Float64", "Float32"}
+_TYPES = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}
 
 
 def edit_parameters(
     editor: Editor, before: System, system: System, members: Members, package: Origin | None
 ) -> None:
-    """Write values where they are written already, else into new bindings.
-
-    Raises
-    ------
-    SspError
-    """
+    """Write values where they are written already, else into new bindings."""
     values = _changed_values(before, system)
     if editor.has_arrays:
-        values = whole_arrays(values, system)
+        values = _whole_arrays(values, system)
     given = read_parameters(editor.graph) if package and values else {}
     uses = Counter(id(element) for _, element in given.values())
     fresh: dict[str, dict[str, Value]] = defaultdict(dict)
@@ -48,7 +40,7 @@ def edit_parameters(
             fresh[component_of(name)][variable_of(name)] = value
         elif not (
             uses[id(element)] == 1
-            and can_change(element, value)
+            and _can_change(element, value)
             and _change_in_place(editor, given[name], value, members, package)
         ):
             fresh[""][name] = value
@@ -80,21 +72,24 @@ def _change_in_place(
 ) -> bool:
     """Change a value where it is written, if what is written there is what arrives."""
     arrives, element = given
-    text = next(element.iterchildren(tag("ssv:*"))).get("value")
+    written = next(element.iterchildren(tag("ssv:*")))
+    text = written.get("value")
     if str(arrives) != text and not (isinstance(arrives, float) and arrives == float(text)):
         return False
-    root, file = element.getroottree(), file_of(element)
+    root = element.getroottree()
+    file = File(root.docinfo.URL or "/")
+    member = ""
     if root.getroot() is editor.document.root:
-        change(element, value)
         editor.changed = True
-        return True
-    if package is None or file is None or not file.is_relative_to(package.folder):
+    elif package is None or not file.is_relative_to(package.folder):
         return False
-    member = file.relative_to(package.folder).as_posix()
-    if members[member] != file.read_bytes():
-        return False  # changed by way of another binding
-    change(element, value)
-    members[member] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    else:
+        member = file.relative_to(package.folder).as_posix()
+        if members[member] != file.read_bytes():
+            return False  # changed through another binding
+    written.set("value", _text_of_value(value))
+    if member:
+        members[member] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return True
 
 
@@ -113,8 +108,9 @@ def _bind(
         return
     version = editor.document.root.get("version")
     source = free_name(f"resources/{file}", ".ssv", members)
-    title = component(node.path)
-    members[source] = text_of(parameter_set(title, values, name, system, version))
+    root = new_root("ssv:ParameterSet", component(node.path), version)
+    _add_values(root, values, name, system, version)
+    members[source] = text_of(root)
     add(group(node.element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
     editor.changed = True
 
@@ -128,9 +124,80 @@ def _bind_on_top(
     for name, value in values.items():
         owner = component_of(name)
         prefix = ".".join(path_of(owner)) + "."
-        add_values(root, {variable_of(name): value}, owner, system, version, prefix)
+        _add_values(root, {variable_of(name): value}, owner, system, version, prefix)
     source = free_name("resources/settings", ".ssv", members)
     members[source] = text_of(root)
     body = editor.graph.nodes[()].body
     add(group(body, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
     editor.changed = True
+
+
+def _add_values(
+    root: Any,
+    values: Mapping[str, Value],
+    component: str,
+    system: System,
+    version: str,
+    prefix: str = "",
+) -> None:
+    """Put values of one component into an ssv:ParameterSet, in place of those of the same name."""
+    parameters = group(root, "ssv:Parameters")
+    given = {p.get("name"): p for p in parameters.iterchildren(tag("ssv:Parameter"))}
+    for name, value in values.items():
+        variable = system.variable(f"{component}.{name}")
+        if prefix + name in given:
+            parameters.remove(given[prefix + name])
+        parameter = add(parameters, "ssv:Parameter", name=prefix + name)
+        kind = _type_of(variable, value, version)
+        if kind is None:
+            raise SspError(
+                f"{component}.{name}: SSP {version} has no values that are arrays or binary; write"
+                " version='2.0'"
+            )
+        element = add(parameter, f"ssv:{kind}", value=_text_of_value(value))
+        for length in variable.dimensions:
+            add(parameter, "ssc:Dimension", size=str(length))
+        unit = system.components[component].unit(variable)
+        if kind in _FLOATS and unit and unit.exponents:
+            element.set("unit", unit.name)
+            add_units(root, "ssv:Units", [unit])
+
+
+def _text_of_value(value: Value) -> str:
+    """Return a value as XML wants it, arrays row by row."""
+    if isinstance(value, tuple):
+        return " ".join(map(_text_of_value, value))
+    if isinstance(value, bytes):
+        return value.hex()
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _whole_arrays(values: Mapping[str, Value], system: System) -> dict[str, Value]:
+    """Return values in which those of single elements have become those of their arrays."""
+    result: dict[str, Value] = {}
+    for name, value in values.items():
+        variable = system.variable(name)
+        if variable.array is None:
+            result[name] = value
+            continue
+        array = f"{component_of(name)}.{variable.array}"
+        before = result.get(array, system.parameters.get(array, system.variable(array).start))
+        if not isinstance(before, tuple) or isinstance(value, tuple):
+            raise SspError(f"{array}: its other elements have no start value; set it as a whole")
+        i = variable.element
+        result[array] = (*before[:i], value, *before[i + 1 :])
+    return result
+
+
+def _can_change(parameter: Any, value: Value) -> bool:
+    """Whether an element is an ssv:Parameter of a type that can hold a value."""
+    if local(parameter) != "Parameter":
+        return False
+    kind = local(next(parameter.iterchildren(tag("ssv:*"))))
+    return (kind in _FLOATS) == isinstance(value, float) and kind not in {"Enumeration", "Binary"}
+
+
+def _type_of(variable: Variable, value: Value, version: str) -> str | None:
+    if version != "1.0" and variable.type != "Enumeration":
+        return variable.type
+    return _TYPES.get(type(value[0] if version != "1.0" and isinstance(value, tuple) else value))

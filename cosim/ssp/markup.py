@@ -1,9 +1,11 @@
-"""Reads XML so that each complaint names file and line."""
+"""Reads XML of SSP; each error names file and line."""
 
 from __future__ import annotations
 
 import math
 import re
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -12,12 +14,12 @@ from lxml import etree
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.names import NAMESPACES, OSP, ROOTS, VERSIONS, tag
-from stickslip.cosim.ssp.schema import violation
 from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 from stickslip.fmi.xml import Malformed, parse_xml
 
 MOST_BYTES = 1 << 26
+_SSP2 = ("pyssp_standard", "resources/ssp2")
 
 
 def parse(file: Path, part: str) -> Any:
@@ -57,6 +59,29 @@ def check(root: Any, part: str) -> None:
         hint = "; SSP 2.0 allows this: set version='2.0'" if newer else ""
         said = printable(short(fault[1]), 400).rstrip(".")
         raise SspError(f"{_file_name(root)}, line {fault[0]}: {said}{hint}")
+
+
+def violation(root: Any, part: str, version: str) -> tuple[int, str] | None:
+    """Return line and text of the first breach of the schema; None when the element is valid.
+
+    FMPy has the schemas of SSP 1.0. Those of SSP 2.0 come with ``pyssp_standard``, an optional
+    package: without it, files of that version are checked only for what is read of them.
+    """
+    schema = _schema(part, version)
+    if schema is None or schema.validate(root):
+        return None
+    error = schema.error_log[0]
+    return error.line, error.message
+
+
+@cache
+def _schema(part: str, version: str) -> Any:
+    package, folder = ("fmpy", "ssp/schema") if version == "1.0" else _SSP2
+    found = find_spec(package)
+    if found is None or found.origin is None:
+        return None
+    file = Path(found.origin).parent / folder / f"{NAMESPACES[part].rpartition('/')[2]}.xsd"
+    return etree.XMLSchema(file=str(file)) if file.is_file() else None
 
 
 def place(element: Any) -> str:

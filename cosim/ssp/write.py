@@ -6,6 +6,7 @@ from it, so that geometry, annotations, other variants and files stay as they we
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path as File
@@ -21,16 +22,31 @@ from stickslip.cosim.ssp.compose import add, group, new_root, text_of
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.graph import End, Graph
+from stickslip.cosim.ssp.markup import short, violation
 from stickslip.cosim.ssp.members import Members, file_name, free_name, zipped
-from stickslip.cosim.ssp.names import ANNOTATION, OSP, STRUCTURE, VERSIONS, path_of, tag
+from stickslip.cosim.ssp.names import (
+    ANNOTATION,
+    NAMESPACES,
+    OSP,
+    ROOTS,
+    STRUCTURE,
+    VERSIONS,
+    path_of,
+    tag,
+)
+from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node
-from stickslip.cosim.ssp.verify import verify
-from stickslip.cosim.ssp.version import as_version
-from stickslip.cosim.system.scaling import PLAIN, Link
+from stickslip.cosim.system.scaling import PLAIN, Link, Scaling, Transform
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
+from stickslip.fmi.description.variables import Value
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.process import temporary_folder
+from stickslip.fmi.xml import Malformed, parse_xml
+
+_WHOLE = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_OLD_NAMES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_WHOLE, "Integer")}
 
 
 def write_ssp(
@@ -95,9 +111,9 @@ def _members(system: System, experiment: DefaultExperiment | None, version: str 
     if editor.changed or not package:
         members[structure] = text_of(document.root)
     if package and version:
-        members = as_version(members, version)
+        members = {name: _converted(name, data, version) for name, data in members.items()}
     if package and editor.changed:
-        verify(members, structure, system)
+        _verify(members, structure, system)
     return members
 
 
@@ -214,3 +230,69 @@ def _edit_times(editor: Editor, experiment: DefaultExperiment | None) -> None:
 
 def _end(name: str) -> End:
     return path_of(component_of(name)), variable_of(name)
+
+
+def _converted(name: str, data: bytes, version: str) -> bytes:
+    """Return a member of a package in a version of SSP; those of that version stay untouched."""
+    part = name.rpartition(".")[2]
+    if part not in ROOTS:
+        return data
+    try:
+        root = parse_xml(data, remarks=True)
+    except Malformed as fault:
+        raise SspError(f"{name}: {fault}") from fault
+    roots = [element for kind in ROOTS.values() for element in root.iter(tag(kind))]
+    if all(element.get("version") == version for element in roots):
+        return data
+    for element in roots:
+        element.set("version", version)
+    if version == "1.0":
+        for prefix in ("ssc", "ssv"):
+            for new, old in _OLD_NAMES.items():
+                for element in root.iter(f"{{{NAMESPACES[prefix]}}}{new}"):
+                    element.tag = f"{{{NAMESPACES[prefix]}}}{old}"
+    if breach := violation(root, part, version):
+        raise SspError(
+            f"{name}, line {breach[0]}: SSP {version} cannot express this: {short(breach[1])}"
+        )
+    text: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return text
+
+
+def _verify(members: Members, structure: str, system: System) -> None:
+    """Read a changed package back; a binding may still name a component that was removed."""
+    with temporary_folder() as folder:
+        for member, data in members.items():
+            file = folder / member
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(data)
+        try:
+            again = read_package(Package(folder / structure, folder, structure))[0]
+        except CosimError as fault:
+            raise SspError(f"the changed package would be broken: {fault}") from fault
+    for part in ("connections", "inputs", "outputs"):
+        if (found := getattr(again, part)) != getattr(system, part):
+            raise SspError(f"the changed package would have the {part} {found}")
+    for target, source in system.sources().items():
+        wanted, found = system.scaling(source, target), again.scaling(source, target)
+        if not _same(wanted, found):
+            raise SspError(f"the changed package would scale {target} by {found}, not {wanted}")
+    for parameter, value in system.parameters.items():
+        if (found := _start_value(again, parameter)) != value:
+            raise SspError(f"the changed package would give {parameter} = {found!r}, not {value!r}")
+
+
+def _same(wanted: Transform, found: Transform) -> bool:
+    if not (isinstance(wanted, Scaling) and isinstance(found, Scaling)):
+        return wanted == found
+    return math.isclose(wanted.factor, found.factor, rel_tol=1e-12) and math.isclose(
+        wanted.offset, found.offset, rel_tol=1e-12, abs_tol=1e-300
+    )
+
+
+def _start_value(system: System, name: str) -> Value | None:
+    """Return a start value; of an element it may be that in its array."""
+    variable = system.variable(name)
+    whole = system.parameters.get(f"{component_of(name)}.{variable.array}")
+    inside = whole[variable.element] if isinstance(whole, tuple) else None
+    return system.parameters.get(name, inside)

@@ -377,7 +377,7 @@ def test_versions_turn_into_each_other_where_they_can(pack, tmp_path):
     assert 'version="2.0"' in members_of(new)["SystemStructure.ssd"].decode()
     clock = body.replace("<ssc:Real/>", "<ssc:Clock/>")
     system, _ = cosim.read_ssp(pack(one(clock, version="2.0")))
-    with pytest.raises(cosim.SspError, match=r"line 1: SSP 1\.0 cannot say this"):
+    with pytest.raises(cosim.SspError, match=r"line 1: SSP 1\.0 cannot express this"):
         cosim.write_ssp(system, tmp_path / "old.ssp", version="1.0")
 
 

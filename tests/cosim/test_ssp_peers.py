@@ -213,4 +213,4 @@ def test_the_schemas_find_our_packages_valid(make, tmp_path):
         for file in [*folder.glob("*.ssd"), *folder.rglob("*.ssv")]:
             root = etree.parse(file).getroot()
             assert root.get("version") == version
-            assert cosim.ssp.schema.violation(root, file.suffix[1:], version) is None
+            assert cosim.ssp.markup.violation(root, file.suffix[1:], version) is None

@@ -9,8 +9,8 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Link, ValueMap
+from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.package import Package
-from stickslip.cosim.ssp.schema import violation
 
 ROOT = (
     '<ssd:SystemStructureDescription name="s" version="{version}"'

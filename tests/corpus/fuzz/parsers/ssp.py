@@ -9,9 +9,9 @@ from random import Random
 from unittest import mock
 
 from stickslip import cosim
+from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_package
-from stickslip.cosim.ssp.schema import violation
 from tests.corpus.defects.reference import members, pack
 from tests.corpus.fuzz.tokens import by_tokens
 from tests.corpus.hostile.packages import (
