@@ -7,24 +7,17 @@ written, without the importer's defaults, so that the rules are stricter than th
 from importlib import import_module
 
 from stickslip.fmucheck.checker import check
-from stickslip.fmucheck.finding import Finding, Report, Severity
-from stickslip.fmucheck.rules import RULES, Rule
+from stickslip.fmucheck.rules import RULES, Finding, Report, Rule, Severity
 
 __all__ = ["RULES", "Finding", "Report", "Rule", "Severity", "check"]
 
 _THEMES = (
-    "archive.members",
-    "document",
-    *(f"description.{name}" for name in ("identity", "units", "names", "causality", "ranges")),
-    *(f"description.{name}" for name in ("arrays", "derivatives", "structure", "dependencies")),
-    *(f"description.{name}" for name in ("experiment", "capabilities", "clocks")),
-    *(f"files.{name}" for name in ("sources", "terminals", "documentation")),
-    "binaries.folders",
+    *("archive", "document"),
+    *(f"description.{name}" for name in ("identity", "variables", "structure", "capabilities")),
+    *("files", "binaries"),
     *(f"running.{name}" for name in ("loading", "values", "repeating", "saving", "sensitivity")),
     *(f"running.{name}" for name in ("dependencies", "refusals", "logging", "process")),
-    "running.continuous",
-    "rerunning",
-    "ending",
+    *("running.continuous", "rerunning", "ending"),
 )
 for _theme in _THEMES:  # importing a theme registers its rules
     import_module(f"stickslip.fmucheck.{_theme}")

@@ -5,14 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from stickslip.fmi.process import temporary_folder
-from stickslip.fmucheck.archive.reading import read_archive, unpack
+from stickslip.fmucheck.archive import read_archive, unpack
+from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.description.reading import read_description
-from stickslip.fmucheck.document import checked_version, claimed_version
-from stickslip.fmucheck.finding import Report
-from stickslip.fmucheck.fmu import Fmu
-from stickslip.fmucheck.rules import stage
+from stickslip.fmucheck.document import checked_version, claimed_version, read_document
+from stickslip.fmucheck.rules import Report, stage
 from stickslip.fmucheck.running.parent import TIMEOUT, findings_of_runs
-from stickslip.fmucheck.xml import read_document
 
 _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {

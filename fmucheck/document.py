@@ -1,12 +1,73 @@
-"""Rules about modelDescription.xml as an XML file."""
+"""Rules about modelDescription.xml as an XML file; how the XML files of an FMU are read."""
 
 from __future__ import annotations
 
 import codecs
+import importlib.util
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
-from stickslip.fmucheck.xml import Document, violations
+from lxml import etree
+
+from stickslip.fmi.xml import Malformed, parse_xml
+from stickslip.fmucheck.rules import Claims, error
+
+Element = Any  # lxml ships no types
+
+
+@dataclass(frozen=True)
+class Document:
+    """A parsed XML file, or why it could not be parsed.
+
+    ``name`` is its path inside the FMU; ``root`` is ``None`` when there is a ``fault``.
+    """
+
+    name: str
+    text: bytes
+    root: Element | None
+    fault: str = ""
+
+
+def read_document(name: str, text: bytes) -> Document:
+    """Parse a file; never raises for what is in it."""
+    try:
+        return Document(name, text, parse_xml(text, remarks=True, lenient=True))
+    except Malformed as fault:
+        message = str(fault).removesuffix("; export it again")  # the rule gives its own advice
+        return Document(name, text, None, message)
+
+
+@cache
+def _schema(name: str) -> Any:
+    return etree.XMLSchema(etree.parse(str(schemas() / name)))
+
+
+def schemas() -> Path:
+    """Return the folder of the FMI project's schemas, which FMPy's wheel carries."""
+    # FMPy itself is not imported: it takes a second, and the checker works without it.
+    spec = importlib.util.find_spec("fmpy")
+    if spec is None or not spec.origin:
+        raise ModuleNotFoundError("the FMI schemas are missing; run 'pip install fmpy'")
+    return Path(spec.origin).parent / "schema"
+
+
+def violations(document: Document, schema: str) -> list[tuple[str, str]]:
+    """Return place and message of what an XML schema of the FMI project says against a document.
+
+    Parameters
+    ----------
+    schema : file below ``schemas()``, such as ``fmi3/fmi3ModelDescription.xsd``
+    """
+    validator = _schema(schema)
+    if document.root is None or validator.validate(document.root):
+        return []
+    return [
+        (f"{document.name}, line {entry.line}", " ".join(entry.message.split())[:300])
+        for entry in validator.error_log
+    ]
+
 
 SCHEMAS = {2: "fmi2/fmi2ModelDescription.xsd", 3: "fmi3/fmi3ModelDescription.xsd"}
 
@@ -22,23 +83,21 @@ def checked_version(document: Document) -> int | None:
     return {"2": 2, "3": 3}.get(claimed.partition(".")[0])
 
 
-@rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="correct the XML")
+@error("2.2", "2.4", "correct the XML")
 def not_well_formed(document: Document) -> Claims:
     """modelDescription.xml is not well-formed XML."""
     if document.root is None:
         yield document.name, document.fault
 
 
-@rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="write the values themselves")
+@error("2.2", "2.4", "write the values themselves")
 def document_type_declaration(document: Document) -> Claims:
     """It declares a document type, with which entities and files from outside come in."""
     if document.root is not None and document.root.getroottree().docinfo.doctype:
         yield document.name, "declares a document type; no entity of it is read"
 
 
-@rule(
-    Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="save it as UTF-8 and say so in the first line"
-)
+@error("2.2", "2.4", "save it as UTF-8 and say so in the first line")
 def wrong_encoding(document: Document) -> Claims:
     """It is not encoded in UTF-8."""
     if document.root is None:
@@ -48,14 +107,14 @@ def wrong_encoding(document: Document) -> Claims:
         yield document.name, f"is encoded in {encoding}"
 
 
-@rule(Severity.ERROR, fmi2="", fmi3="", advice="export it as FMI 2.0 or 3.0")
+@error("", "", "export it as FMI 2.0 or 3.0")
 def fmi1_is_not_judged(document: Document) -> Claims:
     """An FMU of FMI 1.0, which is not supported."""
     if (claimed_version(document) or "").startswith("1."):
         yield document.name, "FMI 1.0 is not supported; nothing else was checked"
 
 
-@rule(Severity.ERROR, fmi2="2.2.1", fmi3="2.4.1", advice="write 2.0 or 3.0")
+@error("2.2.1", "2.4.1", "write 2.0 or 3.0")
 def unknown_version(document: Document) -> Claims:
     """The fmiVersion is missing, or is no version of FMI."""
     claimed = claimed_version(document)
@@ -63,7 +122,7 @@ def unknown_version(document: Document) -> Claims:
         yield document.name, f'fmiVersion="{claimed}"; expected 2.0 or 3.0'
 
 
-@rule(Severity.ERROR, fmi2="2.2", fmi3="2.4", advice="write what the schema of the standard allows")
+@error("2.2", "2.4", "write what the schema of the standard allows")
 def schema_violation(document: Document) -> Claims:
     """It does not follow the XML schema of its version."""
     version = checked_version(document)

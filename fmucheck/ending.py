@@ -5,8 +5,7 @@ from __future__ import annotations
 import signal
 from dataclasses import dataclass
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, note, warning
 
 TELLING = {
     "unknown-reference",
@@ -46,7 +45,7 @@ class Ending:
         return f"{self.interface}, while trying {self.during}" if self.during else self.interface
 
 
-@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="run it under a debugger with these calls")
+@error("2.1.3", "2.2.4", "run it under a debugger with these calls")
 def crash(ending: Ending) -> Claims:
     """The binary crashes its process."""
     if ending.reason == "crash":
@@ -61,14 +60,14 @@ def signal_name(status: int | None) -> str:
         return f"status {status}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="make the call work, or declare less")
+@error("2.1.3", "2.2.4", "make the call work, or declare less")
 def call_fails(ending: Ending) -> Claims:
     """A call fails that must succeed for what the description declares."""
     if ending.reason == "failed":
         yield ending.place, ending.text
 
 
-@rule(Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="return Error or Fatal instead of exit")
+@error("2.1.3", "2.2.4", "return Error or Fatal instead of exit")
 def ends_the_process(ending: Ending) -> Claims:
     """The binary ends its process, and with it any tool that loads it."""
     if ending.reason == "exit":
@@ -79,39 +78,35 @@ def ends_the_process(ending: Ending) -> Claims:
         )
 
 
-@rule(
-    Severity.ERROR, fmi2="2.1.3", fmi3="2.2.4", advice="bound every loop, or allow more --timeout"
-)
+@error("2.1.3", "2.2.4", "bound every loop, or allow more --timeout")
 def hang(ending: Ending) -> Claims:
     """The binary does not return in the time allowed."""
     if ending.reason == "hang":
         yield ending.place, f"did not return in {ending.seconds:g} s"
 
 
-@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.2.4", advice="use the logger")
+@error("2.1.5", "2.2.4", "use the logger")
 def floods_output(ending: Ending) -> Claims:
     """The binary writes without end to standard output."""
     if ending.reason == "flood":
         yield ending.place, f"wrote more than {MOST_TEXT} bytes"
 
 
-@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="use the logger")
+@warning("2.1.5", "2.2.4", "use the logger")
 def prints(ending: Ending) -> Claims:
     """The binary writes to standard output or error, where nobody may be reading."""
     if ending.reason == "printed":
         yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
 
 
-@rule(Severity.WARNING, fmi2="", fmi3="", advice="report it with the FMU: an error in stickslip")
+@warning("", "", "report it with the FMU: an error in stickslip")
 def rule_not_tried(ending: Ending) -> Claims:
     """A rule could not be tried, because of an unexpected exception in stickslip."""
     if ending.reason == "puzzled":
         yield ending.place, ending.text.strip().splitlines()[-1]
 
 
-@rule(
-    Severity.NOTE, fmi2="", fmi3="", advice="correct the errors, or check it where it has a binary"
-)
+@note("", "", "correct the errors, or check it where it has a binary")
 def not_run(ending: Ending) -> Claims:
     """The binary was not run, for the reason given."""
     if ending.reason == "unable":

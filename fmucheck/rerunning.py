@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.exchange import finished
 from stickslip.fmucheck.running.repeating import difference
+from stickslip.fmucheck.running.run import finished
 from stickslip.fmucheck.running.saving import half_way, resumed
 
 
-@rule(
-    Severity.ERROR,
-    fmi2="2.1.5",
-    fmi3="2.3.1",
-    advice="leave out clocks, addresses and random numbers",
-)
+@error("2.1.5", "2.3.1", "leave out clocks, addresses and random numbers")
 def other_process_differs(bench: Bench) -> Claims:
     """The same run in another process gives another result."""
     if "rows" in bench.first:
@@ -24,7 +18,7 @@ def other_process_differs(bench: Bench) -> Claims:
             yield bench.interface.kind, f"two processes differ: {where}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.8", fmi3="2.2.7", advice="write values, not addresses")
+@error("2.1.8", "2.2.7", "write values, not addresses")
 def state_lost_in_other_process(bench: Bench) -> Claims:
     """A state that was serialised in one process does not go on in another."""
     if "state" in bench.first:

@@ -1,16 +1,93 @@
-"""The table of rules. A rule is one function that yields where and what it finds.
-
-Its id is the function's name, its summary the docstring; the stage, which says what it is given, is
-the package it lies in. So a rule exists in one place, and ``docs/check.md`` can list them all.
-"""
+"""Rules, their findings, and the report of one file."""
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from stickslip.fmucheck.finding import Finding, Severity
+
+class Severity(enum.IntEnum):
+    """How much a finding matters."""
+
+    NOTE = 0
+    """Worth knowing, or not checked."""
+    WARNING = 1
+    """Allowed, but some tools will stumble; or the standard only recommends otherwise."""
+    ERROR = 2
+    """Against the standard, or it does not work."""
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing found.
+
+    Attributes
+    ----------
+    rule : id of the rule, a row of ``docs/check.md``
+    place : file, element or call it is about
+    section : of the standard, such as ``FMI 3.0.2, 2.4.7``; empty when no section rules it
+    advice : what to do about it
+    """
+
+    severity: Severity
+    rule: str
+    place: str
+    message: str
+    section: str
+    advice: str
+
+    def as_json(self) -> dict[str, str]:
+        """Return plain data."""
+        return {
+            "severity": str(self.severity),
+            "rule": self.rule,
+            "place": self.place,
+            "message": self.message,
+            "section": self.section,
+            "advice": self.advice,
+        }
+
+
+@dataclass
+class Report:
+    """All findings about one file, the gravest first once it is done.
+
+    ``fmi`` is the version that the file claims, ``None`` while it cannot be read.
+    """
+
+    path: Path
+    fmi: str | None = None
+    findings: list[Finding] = field(default_factory=list)
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    def count(self, severity: Severity) -> int:
+        """Return how many findings have this severity."""
+        return sum(finding.severity is severity for finding in self.findings)
+
+    @property
+    def rules(self) -> set[str]:
+        """The ids of all rules that found something."""
+        return {finding.rule for finding in self.findings}
+
+    def as_json(self) -> dict[str, object]:
+        """Return plain data; the keys are part of the interface."""
+        return {
+            "file": str(self.path),
+            "fmi": self.fmi,
+            "errors": self.count(Severity.ERROR),
+            "warnings": self.count(Severity.WARNING),
+            "notes": self.count(Severity.NOTE),
+            "findings": [finding.as_json() for finding in self.findings],
+        }
+
 
 Claim = tuple[str, str]
 """Place and message."""
@@ -74,32 +151,37 @@ class Rule:
 RULES: dict[str, Rule] = {}
 
 
-def rule(
-    severity: Severity, *, fmi2: str | None, fmi3: str | None, advice: str
-) -> Callable[[Callable[[Any], Claims]], Callable[[Any], Claims]]:
-    """Register a function as a rule.
+Check = Callable[[Any], Claims]
 
-    Parameters
-    ----------
-    fmi2, fmi3 : the section of the standard; "" when none rules it, None when it does not apply
-    advice : what to do, in a few words
+
+def _rule(severity: Severity) -> Callable[[str | None, str | None, str], Callable[[Check], Check]]:
+    """Return a decorator that registers a function as a rule of this severity.
+
+    Its arguments are the sections of FMI 2.0.5 and 3.0.2 ("" when none applies, None when the rule
+    does not apply to this version), and what to do, in a few words.
     """
 
-    def register(check: Callable[[Any], Claims]) -> Callable[[Any], Claims]:
-        name = check.__name__.replace("_", "-")
-        sections = {2: fmi2, 3: fmi3}
-        RULES[name] = Rule(
-            id=name,
-            severity=severity,
-            stage=check.__module__.split(".")[2],
-            sections={v: s for v, s in sections.items() if s is not None},
-            summary=(check.__doc__ or "").split("\n")[0],
-            advice=advice,
-            check=check,
-        )
-        return check
+    def decorator(fmi2: str | None, fmi3: str | None, advice: str) -> Callable[[Check], Check]:
+        def register(check: Check) -> Check:
+            sections = {2: fmi2, 3: fmi3}
+            rule = Rule(
+                id=check.__name__.replace("_", "-"),
+                severity=severity,
+                stage=check.__module__.split(".")[2],
+                sections={v: s for v, s in sections.items() if s is not None},
+                summary=(check.__doc__ or "").split("\n")[0],
+                advice=advice,
+                check=check,
+            )
+            RULES[rule.id] = rule
+            return check
 
-    return register
+        return register
+
+    return decorator
+
+
+error, warning, note = _rule(Severity.ERROR), _rule(Severity.WARNING), _rule(Severity.NOTE)
 
 
 def stage(name: str) -> list[Rule]:

@@ -1,14 +1,76 @@
-"""Rules about capability flags that contradict each other."""
+"""Rules about the default experiment, capability flags and clocks."""
 
 from __future__ import annotations
 
-from stickslip.fmucheck.description.model import Description
-from stickslip.fmucheck.description.values import boolean, number
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+import math
+
+from stickslip.fmucheck.description.model import (
+    Description,
+    Variable,
+    boolean,
+    experiment_number,
+    number,
+)
+from stickslip.fmucheck.rules import Claims, error, note, warning
+
+_PLACE = "DefaultExperiment"
 
 
-@rule(Severity.ERROR, fmi2="3.3.1", fmi3="2.4.2", advice="declare both, or neither")
+@error("2.2.5", "2.4.6", "stop after the start")
+def stop_before_start(description: Description) -> Claims:
+    """The stopTime is not after startTime."""
+    start = experiment_number(description, "startTime") or 0.0
+    stop = experiment_number(description, "stopTime")
+    if stop is not None and stop <= start:
+        yield _PLACE, f"stopTime {stop} is not after startTime {start}"
+
+
+@error("2.2.5", "2.4.6", "write a finite time")
+def time_not_finite(description: Description) -> Claims:
+    """A time is infinite or not a number, on which importers run for ever."""
+    for name in ("startTime", "stopTime"):
+        value = experiment_number(description, name)
+        if value is not None and not math.isfinite(value):
+            yield _PLACE, f"{name} {value}"
+
+
+@error("2.2.5", "2.4.6", "write a step above 0")
+def bad_step_size(description: Description) -> Claims:
+    """A step size is 0, negative or not finite."""
+    steps = [(_PLACE, "stepSize", experiment_number(description, "stepSize"))]
+    for interface in description.interfaces:
+        fixed = number(interface.given.get("fixedInternalStepSize"))
+        steps.append((interface.place, "fixedInternalStepSize", fixed))
+    for place, name, step in steps:
+        if step is not None and not (step > 0.0 and math.isfinite(step)):
+            yield place, f"{name} {step}"
+
+
+@warning("2.2.5", "2.4.6", "make the step smaller")
+def step_beyond_stop(description: Description) -> Claims:
+    """One step is longer than the whole experiment."""
+    start = experiment_number(description, "startTime") or 0.0
+    stop, step = (experiment_number(description, name) for name in ("stopTime", "stepSize"))
+    if stop is not None and step is not None and start < stop < start + step:
+        yield _PLACE, f"stepSize {step} for {start} .. {stop}"
+
+
+@error("2.2.5", "2.4.6", "write a relative tolerance such as 1e-6")
+def bad_tolerance(description: Description) -> Claims:
+    """The tolerance is 0, negative or not finite."""
+    tolerance = experiment_number(description, "tolerance")
+    if tolerance is not None and not (tolerance > 0.0 and math.isfinite(tolerance)):
+        yield _PLACE, f"tolerance {tolerance}"
+
+
+@note("2.2.5", "2.4.6", "propose stopTime and stepSize")
+def no_default_experiment(description: Description) -> Claims:
+    """No experiment is proposed, so that users have to guess how long to simulate."""
+    if description.experiment is None:
+        yield "modelDescription.xml", f"there is no {_PLACE}"
+
+
+@error("3.3.1", "2.4.2", "declare both, or neither")
 def serialise_without_state(description: Description) -> Claims:
     """The state can be serialised, but not got and set."""
     for interface in description.interfaces:
@@ -16,7 +78,7 @@ def serialise_without_state(description: Description) -> Claims:
             yield interface.place, "canSerializeFMUState without canGetAndSetFMUState"
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="4.3", advice="declare providesIntermediateUpdate too")
+@error(None, "4.3", "declare providesIntermediateUpdate too")
 def early_return_without_update(description: Description) -> Claims:
     """It can return early after an intermediate update, but has no intermediate update."""
     for interface in description.interfaces:
@@ -26,7 +88,7 @@ def early_return_without_update(description: Description) -> Claims:
             yield interface.place, "canReturnEarlyAfterIntermediateUpdate alone"
 
 
-@rule(Severity.WARNING, fmi2=None, fmi3="4.3", advice="declare hasEventMode")
+@warning(None, "4.3", "declare hasEventMode")
 def clocks_without_event_mode(description: Description) -> Claims:
     """There are clocks, but Co-Simulation has no event mode to tick them in."""
     interface = description.interface("CoSimulation")
@@ -35,7 +97,7 @@ def clocks_without_event_mode(description: Description) -> Claims:
         yield interface.place, f"no hasEventMode, but {len(clocks)} clocks"
 
 
-@rule(Severity.WARNING, fmi2=None, fmi3="4.3", advice="mark the variables, or drop the capability")
+@warning(None, "4.3", "mark the variables, or drop the capability")
 def intermediate_update_without_variables(description: Description) -> Claims:
     """Intermediate update is provided, but no variable can be accessed in it; or the reverse."""
     interface = description.interface("CoSimulation")
@@ -44,7 +106,7 @@ def intermediate_update_without_variables(description: Description) -> Claims:
         yield marked[0].place, "intermediateUpdate, but providesIntermediateUpdate is false"
 
 
-@rule(Severity.WARNING, fmi2="4.3.1", fmi3="4.3", advice="declare the order it really reaches")
+@warning("4.3.1", "4.3", "declare the order it really reaches")
 def absurd_derivative_order(description: Description) -> Claims:
     """The declared order of output derivatives is beyond what anything computes."""
     for interface in description.interfaces:
@@ -53,9 +115,97 @@ def absurd_derivative_order(description: Description) -> Claims:
             yield interface.place, f"maxOutputDerivativeOrder {order}"
 
 
-@rule(Severity.NOTE, fmi2="4.3.1", fmi3="2.4.2", advice="tell the receiver which tool it needs")
+@note("4.3.1", "2.4.2", "tell the receiver which tool it needs")
 def needs_a_tool(description: Description) -> Claims:
     """The FMU only talks to a tool that must be installed."""
     for interface in description.interfaces:
         if interface.flag("needsExecutionTool"):
             yield interface.place, "needsExecutionTool"
+
+
+_PERIODIC = ("constant", "fixed", "tunable")
+_TIMES = ("intervalDecimal", "shiftDecimal", "resolution", "intervalCounter", "shiftCounter")
+
+
+def _clocks(description: Description) -> list[Variable]:
+    return [v for v in description.variables if v.kind == "Clock"]
+
+
+@error(None, "2.4.7.4", "make it input, output or local")
+def clock_causality(description: Description) -> Claims:
+    """A clock is neither input nor output nor local, or is an output that is not triggered."""
+    for v in _clocks(description):
+        if v.causality not in ("input", "output", "local"):
+            yield v.place, f"causality {v.causality}"
+        elif v.causality != "input" and v.get("intervalVariability") != "triggered":
+            kind = v.get("intervalVariability")
+            yield v.place, f"is {v.causality}, but {kind}; expected intervalVariability triggered"
+
+
+@error(None, "2.4.4", "give a period above 0 and a shift of at least 0")
+def clock_interval(description: Description) -> Claims:
+    """A clock's period is missing, not above 0, or given to a clock that is not periodic."""
+    for v in _clocks(description):
+        kind = v.get("intervalVariability")
+        interval, shift = number(v.get("intervalDecimal")), number(v.get("shiftDecimal"))
+        if kind not in _PERIODIC:
+            if given := [name for name in _TIMES if v.get(name) is not None]:
+                yield v.place, f"{given[0]}, but intervalVariability {kind}"
+        elif interval is None and kind == "constant":
+            yield v.place, "is constant, but has no intervalDecimal"
+        elif (interval is not None and interval <= 0) or (shift is not None and shift < 0):
+            yield v.place, f"intervalDecimal {interval}, shiftDecimal {shift or 0}"
+
+
+@error(None, "2.4.4", "give supportsFraction, resolution and counters")
+def clock_fraction(description: Description) -> Claims:
+    """Counters of a clock come without supportsFraction or without a resolution."""
+    for v in _clocks(description):
+        counters = [n for n in ("intervalCounter", "shiftCounter") if v.get(n) is not None]
+        if counters and v.get("supportsFraction") not in ("true", "1"):
+            yield v.place, f"{counters[0]} without supportsFraction"
+        elif counters and number(v.get("resolution"), "UInt64") in (None, 0):
+            yield v.place, f"{counters[0]} without a resolution"
+
+
+@error(None, "2.4.4", "give a priority")
+def clock_priority(description: Description) -> Claims:
+    """An input clock of Scheduled Execution has no priority."""
+    if description.interface("ScheduledExecution"):
+        for v in _clocks(description):
+            if v.causality == "input" and v.get("priority") is None:
+                yield v.place, "has no priority"
+
+
+@error(None, "2.4.7.4", "refer to clocks, and make it discrete")
+def bad_clocks(description: Description) -> Claims:
+    """A clocked variable refers to something that is no clock, or is continuous or fixed."""
+    for v in description.variables:
+        for reference in v.clocks or ():
+            clock = description.by_key.get(reference)
+            if clock is None or clock.kind != "Clock":
+                yield v.place, f"clocks={reference}, which is no clock"
+        if v.clocks is not None and v.variability not in ("discrete", "tunable"):
+            yield v.place, f"is clocked, with variability {v.variability}"
+
+
+@error(None, "2.4.7.4", "refer to a discrete variable of its type")
+def bad_previous(description: Description) -> Claims:
+    """The attribute previous breaks one of the constraints on it."""
+    users: dict[int, Variable] = {}
+    for v in description.variables:
+        if v.previous is None:
+            continue
+        other = description.by_key.get(v.previous)
+        if other is None or other is v:
+            what = "itself" if other else "nothing that exists"
+            yield v.place, f"previous={v.previous} is {what}"
+        elif other.kind != v.kind or other.variability != "discrete" or other.causality == "input":
+            yield (
+                v.place,
+                f"previous is {other.name}: {other.kind}, {other.variability}, {other.causality}",
+            )
+        if v.clocks is None or v.variability != "discrete":
+            yield v.place, "has previous, but is not clocked and discrete"
+        if users.setdefault(v.previous, v) is not v:
+            yield v.place, f"has the same previous as {users[v.previous].name}"

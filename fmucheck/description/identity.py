@@ -1,26 +1,28 @@
-"""Rules about what the FMU calls itself and which interfaces it offers."""
+"""Rules about names, interfaces, units, types and log categories."""
 
 from __future__ import annotations
 
+import math
 import re
+from collections import Counter
+from collections.abc import Iterator
 
-from stickslip.fmucheck.description.model import Description
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Attributes, Description, Unit, boolean, number
+from stickslip.fmucheck.rules import Claims, error, note, warning
 
 _C_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _UTC = re.compile(r"\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?Z")
 _FILE = "modelDescription.xml"
 
 
-@rule(Severity.ERROR, fmi2="2.2.1", fmi3="2.4.1", advice="declare an interface that the binary has")
+@error("2.2.1", "2.4.1", "declare an interface that the binary has")
 def no_interface(description: Description) -> Claims:
     """There is neither ModelExchange nor CoSimulation nor ScheduledExecution."""
     if not description.interfaces:
         yield _FILE, "no interface is declared"
 
 
-@rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2", advice="use letters, digits and _, no digit first")
+@error("2.1.1", "2.2", "use letters, digits and _, no digit first")
 def bad_model_identifier(description: Description) -> Claims:
     """The modelIdentifier is no name in C; with path parts it even points outside the FMU."""
     for interface in description.interfaces:
@@ -28,21 +30,21 @@ def bad_model_identifier(description: Description) -> Claims:
             yield interface.place, f'modelIdentifier="{interface.identifier}" is not a C name'
 
 
-@rule(Severity.WARNING, fmi2="2.2.1", fmi3="2.4.1", advice="write a hash of the interface")
+@warning("2.2.1", "2.4.1", "write a hash of the interface")
 def empty_token(description: Description) -> Claims:
     """The guid or instantiationToken is empty, so nothing ties description and binary."""
     if not description.token.strip():
         yield _FILE, f"{'guid' if description.version == 2 else 'instantiationToken'} is empty"
 
 
-@rule(Severity.WARNING, fmi2="2.2.1", fmi3="2.4.1", advice="name the model")
+@warning("2.2.1", "2.4.1", "name the model")
 def empty_model_name(description: Description) -> Claims:
     """The modelName is empty."""
     if not description.root.get("modelName", "").strip():
         yield _FILE, "modelName is empty"
 
 
-@rule(Severity.WARNING, fmi2="2.2.1", fmi3="2.4.1", advice="write YYYY-MM-DDThh:mm:ssZ")
+@warning("2.2.1", "2.4.1", "write YYYY-MM-DDThh:mm:ssZ")
 def date_not_utc(description: Description) -> Claims:
     """The generationDateAndTime is not written as UTC with Z."""
     date = description.root.get("generationDateAndTime")
@@ -50,7 +52,7 @@ def date_not_utc(description: Description) -> Claims:
         yield _FILE, f'generationDateAndTime="{date}"'
 
 
-@rule(Severity.NOTE, fmi2="2.2.1", fmi3="2.4.1", advice="fill them in; they help whoever gets it")
+@note("2.2.1", "2.4.1", "fill them in; they help whoever gets it")
 def missing_metadata(description: Description) -> Claims:
     """Attributes that say where the FMU comes from are missing."""
     wanted = ("description", "author", "version", "license", "generationTool")
@@ -59,7 +61,7 @@ def missing_metadata(description: Description) -> Claims:
         yield _FILE, f"says nothing of {', '.join(missing)}"
 
 
-@rule(Severity.NOTE, fmi2="2.2.7", fmi3="2.4.7", advice="describe them")
+@note("2.2.7", "2.4.7", "describe them")
 def undescribed_variables(description: Description) -> Claims:
     """Inputs, outputs or parameters have no description."""
     shown = ("input", "output", "parameter", "structuralParameter")
@@ -68,3 +70,131 @@ def undescribed_variables(description: Description) -> Claims:
     ]
     if bare:
         yield _FILE, f"{len(bare)} inputs, outputs and parameters have no description, as {bare[0]}"
+
+
+def _with_units(description: Description) -> Iterator[tuple[str, Attributes, Attributes]]:
+    """Yield place, attributes, and those that hold where the first are silent."""
+    for each in description.types:
+        yield each.place, each.given, {}
+    for v in description.variables:
+        inherited = v.type.given if v.type else {}
+        yield v.place, v.given, inherited
+        for alias in v.aliases:
+            name = alias.get("name", "")
+            yield f"alias {name} of {v.place}", alias, {"unit": v.get("unit") or ""}
+
+
+@error("2.2.2", "2.4.3", "define it in UnitDefinitions")
+def undefined_unit(description: Description) -> Claims:
+    """A variable or type has a unit that is not defined."""
+    known = {unit.name for unit in description.units}
+    for place, given, _ in _with_units(description):
+        unit = given.get("unit")
+        if unit is not None and unit not in known:
+            yield place, f"unit '{unit}' is not defined"
+
+
+@error("2.2.2", "2.4.3", "define it under the variable's unit")
+def undefined_display_unit(description: Description) -> Claims:
+    """A display unit is not defined under the unit it belongs to, or there is no unit."""
+    known = {u.name: {d.get("name") for d in u.display} for u in description.units}
+    for place, given, inherited in _with_units(description):
+        shown, unit = given.get("displayUnit"), given.get("unit") or inherited.get("unit")
+        if shown is None or (unit and unit not in known):
+            continue
+        if not unit:
+            yield place, f"displayUnit '{shown}' without a unit"
+        elif shown not in known[unit]:
+            yield place, f"displayUnit '{shown}' is not defined under unit '{unit}'"
+
+
+def _repeated(names: list[str]) -> list[str]:
+    return [name for name, count in Counter(names).items() if count > 1]
+
+
+@error("2.2.2", "2.4.3", "keep one definition")
+def duplicate_unit(description: Description) -> Claims:
+    """A unit is defined twice, or a display unit twice in one unit."""
+    for name in _repeated([unit.name for unit in description.units]):
+        yield f"unit {name}", "is defined more than once"
+    for unit in description.units:
+        for name in _repeated([d.get("name", "") for d in unit.display]):
+            yield unit.place, f"display unit {name} is defined more than once"
+
+
+@error("2.2.2", "2.4.3", "write a factor other than 0")
+def bad_unit_factor(description: Description) -> Claims:
+    """The factor of a unit is 0, or factor or offset are not finite."""
+    for unit in description.units:
+        for name, given in _conversions(unit):
+            factor, offset = number(given.get("factor", "1")), number(given.get("offset", "0"))
+            if factor == 0.0 or not all(
+                math.isfinite(n) for n in (factor, offset) if n is not None
+            ):
+                yield unit.place, f"{name}: factor {factor}, offset {offset}"
+
+
+def _conversions(unit: Unit) -> Iterator[tuple[str, Attributes]]:
+    if unit.base is not None:
+        yield "BaseUnit", unit.base
+    for each in unit.display:
+        yield f"DisplayUnit {each.get('name')}", each
+
+
+@error(None, "2.4.3", "drop offset or inverse")
+def inverse_with_offset(description: Description) -> Claims:
+    """An inverse display unit has an offset."""
+    for unit in description.units:
+        for each in unit.display:
+            if boolean(each.get("inverse")) and number(each.get("offset", "0")) != 0:
+                yield unit.place, f"DisplayUnit {each.get('name')} is inverse and has an offset"
+
+
+@note("2.2.2", "2.4.3", "give the exponents of the SI units")
+def unit_without_base(description: Description) -> Claims:
+    """A unit has no BaseUnit, so that importers can neither convert nor compare it."""
+    bare = [unit for unit in description.units if unit.base is None]
+    if bare:
+        yield bare[0].place, f"no BaseUnit; {len(bare)} such units"
+
+
+@error("2.2.3", "2.4.4", "rename one of them")
+def duplicate_type(description: Description) -> Claims:
+    """Two types have the same name, or a type and a variable."""
+    for name in _repeated([each.name for each in description.types]):
+        yield f"type {name}", "is defined more than once"
+    variables = {v.name: v for v in description.variables}
+    for each in description.types:
+        if each.name in variables:
+            yield each.place, f"has the name of {variables[each.name].place}"
+
+
+@error("2.2.3", "2.4.4", "define it in TypeDefinitions")
+def undefined_type(description: Description) -> Claims:
+    """A variable declares a type that is not defined, or one of another kind."""
+    for v in description.variables:
+        declared = v.given.get("declaredType")
+        if declared is None:
+            continue
+        if v.type is None:
+            yield v.place, f"declaredType '{declared}' is not defined"
+        elif v.type.kind != v.kind:
+            yield v.place, f"is {v.kind}, but its declaredType '{declared}' is {v.type.kind}"
+
+
+@error("2.2.3", "2.4.4", "give each item its own name and value")
+def duplicate_item(description: Description) -> Claims:
+    """Two items of an enumeration share a name or a value."""
+    for each in description.types:
+        for what, column in (("name", 0), ("value", 1)):
+            for text in _repeated([item[column] for item in each.items]):
+                yield each.place, f"several items have the {what} {text}"
+
+
+@error("2.2.4", "2.4.5", "list each category once, by name")
+def bad_log_category(description: Description) -> Claims:
+    """A log category is listed twice or has no name."""
+    for name in _repeated(description.categories):
+        yield "LogCategories", f"'{name}' is listed more than once"
+    if "" in description.categories:
+        yield "LogCategories", "a category has no name"

@@ -2,10 +2,61 @@
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
-from stickslip.fmucheck.description.values import Number, boolean, is_number, number
+FLOATS = {"Real": None, "Float64": None, "Float32": None}
+RANGES = {
+    "Integer": (-(2**31), 2**31 - 1),
+    "Enumeration": (-(2**63), 2**63 - 1),
+    **{f"Int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
+    **{f"UInt{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
+}
+"""Smallest and largest value of each integer type."""
+
+Number = float | int
+_FLOAT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")  # linear: one way to match
+_WORDS = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
+
+
+def is_number(kind: str) -> bool:
+    """Tell whether a variable of this type is compared, bounded and varied as a number."""
+    return kind in FLOATS or kind in RANGES
+
+
+def number(text: str | None, kind: str = "Float64") -> Number | None:
+    """Return a number written for a type, or ``None`` when it is none."""
+    if text is None:
+        return None
+    word = text.strip()
+    if kind in RANGES:
+        return int(word) if re.fullmatch(r"[+-]?\d{1,30}", word) else None
+    if word in _WORDS:
+        return _WORDS[word]
+    return float(word) if _FLOAT.fullmatch(word) else None
+
+
+def boolean(text: str | None) -> bool:
+    """Return whether an attribute says true."""
+    return (text or "").strip() in ("true", "1")
+
+
+def whole(text: str | None) -> int | None:
+    """Return a value reference or an index; ``None`` when it is none."""
+    word = (text or "").strip()
+    return int(word) if re.fullmatch(r"\d{1,20}", word) else None
+
+
+def listed(names: Iterable[str], most: int = 5) -> str:
+    """Return names as text, the first few of many."""
+    every = list(names)
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return ", ".join(every[:most]) + more
+
 
 Attributes = dict[str, str]
 
@@ -219,3 +270,59 @@ class Description:
     def interface(self, kind: str) -> Interface | None:
         """Return an interface, if the FMU has it."""
         return next((each for each in self.interfaces if each.kind == kind), None)
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU in a folder of its own.
+
+    ``members`` are the paths of all files in the archive, with forward slashes.
+    """
+
+    path: Path
+    folder: Path
+    members: frozenset[str]
+    description: Description
+
+    def bytes(self, name: str) -> bytes:
+        """Return a member's content."""
+        return (self.folder / name).read_bytes()
+
+    def below(self, prefix: str) -> list[str]:
+        """Return the members below a folder, sorted."""
+        return sorted(name for name in self.members if name.startswith(prefix))
+
+    @property
+    def identifiers(self) -> list[str]:
+        """The names of the binaries, each once."""
+        return list(dict.fromkeys(each.identifier for each in self.description.interfaces))
+
+
+def length(dimension: Dimension, description: Description) -> int | None:
+    """Return the initial length of a dimension, ``None`` when it cannot be told."""
+    if dimension.start is not None:
+        return dimension.start
+    source = (
+        description.by_key.get(dimension.reference) if dimension.reference is not None else None
+    )
+    starts = source.start_numbers if source else []
+    return int(starts[0]) if starts else None
+
+
+def size(variable: Variable, description: Description) -> int | None:
+    """Return how many elements a variable has at first, 1 for a scalar."""
+    lengths = [length(d, description) for d in variable.dimensions]
+    known = [n for n in lengths if n is not None]
+    return math.prod(known) if len(known) == len(lengths) else None
+
+
+def items_of(variable: Variable) -> set[int]:
+    """Return the values of a variable's enumeration."""
+    declared: TypeDefinition | None = variable.type
+    values = (number(value, "Enumeration") for _, value in (declared.items if declared else ()))
+    return {int(v) for v in values if v is not None}
+
+
+def experiment_number(description: Description, name: str) -> Number | None:
+    """Return an attribute of the default experiment."""
+    return number((description.experiment or {}).get(name))

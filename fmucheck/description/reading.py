@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from stickslip.fmucheck.description.model import (
+    FLOATS,
     INITIALS,
     Attributes,
     Description,
@@ -14,9 +15,9 @@ from stickslip.fmucheck.description.model import (
     Unit,
     Unknown,
     Variable,
+    whole,
 )
-from stickslip.fmucheck.description.values import FLOATS, whole
-from stickslip.fmucheck.xml import Element
+from stickslip.fmucheck.document import Element
 
 _INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
 _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")

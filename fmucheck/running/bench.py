@@ -12,11 +12,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stickslip.fmucheck.description.experiment import experiment_number
-from stickslip.fmucheck.description.model import Description, Interface, Variable
-from stickslip.fmucheck.description.values import is_number, number
-from stickslip.fmucheck.running.callbacks import Callbacks, Message
-from stickslip.fmucheck.running.calls import FATAL, Binary, CallFailed
+from stickslip.fmucheck.description.model import (
+    Description,
+    Interface,
+    Variable,
+    experiment_number,
+    is_number,
+    number,
+)
+from stickslip.fmucheck.running.calls import FATAL, Binary, Callbacks, CallFailed, Message
 from stickslip.fmucheck.running.fmi2 import Instance2
 from stickslip.fmucheck.running.fmi3 import Instance3
 from stickslip.fmucheck.running.instance import Instance, Values

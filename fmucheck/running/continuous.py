@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from ctypes import byref, c_double, c_size_t
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import status_name
-from stickslip.fmucheck.running.exchange import ExchangeRun, indicator_count, new_run, state_count
-from stickslip.fmucheck.running.run import STEPS
+from stickslip.fmucheck.running.run import STEPS, ExchangeRun, indicator_count, new_run, state_count
 
 _GUARD = -1.2345678e-300  # what nothing computes
 _SPARE = 4
@@ -24,7 +22,7 @@ def _begun(bench: Bench) -> ExchangeRun | None:
     return None if run.ended else run
 
 
-@rule(Severity.ERROR, fmi2="3.2.2", fmi3="2.3.2", advice="count them alike in code and description")
+@error("3.2.2", "2.3.2", "count them alike in code and description")
 def wrong_count(bench: Bench) -> Claims:
     """The number of states or event indicators is not that of the description."""
     run = _begun(bench)
@@ -54,7 +52,7 @@ def wrong_count(bench: Bench) -> Claims:
             yield name, f"fewer than {count} values are written"
 
 
-@rule(Severity.ERROR, fmi2="3.2.2", fmi3="3.2", advice="find the division by 0 or missing start")
+@error("3.2.2", "3.2", "find the division by 0 or missing start")
 def derivative_not_finite(bench: Bench) -> Claims:
     """A derivative or event indicator is infinite or not a number."""
     run = _begun(bench)
@@ -68,7 +66,7 @@ def derivative_not_finite(bench: Bench) -> Claims:
         run.go(1)
 
 
-@rule(Severity.ERROR, fmi2="3.2.1", fmi3="3.2", advice="store what is set")
+@error("3.2.1", "3.2", "store what is set")
 def state_not_set(bench: Bench) -> Claims:
     """Continuous states that are set are not those that are got back."""
     run = _begun(bench)
@@ -80,12 +78,7 @@ def state_not_set(bench: Bench) -> Claims:
         yield "SetContinuousStates", f"were set to {wanted[:5]}, are {run.states()[:5]}"
 
 
-@rule(
-    Severity.ERROR,
-    fmi2="3.2.1",
-    fmi3="3.2",
-    advice="compute derivatives from what is set, no memory",
-)
+@error("3.2.1", "3.2", "compute derivatives from what is set, no memory")
 def rates_depend_on_history(bench: Bench) -> Claims:
     """Derivatives at the same time and state differ after the solver tried another point."""
     run = _begun(bench)
@@ -105,7 +98,7 @@ def rates_depend_on_history(bench: Bench) -> Claims:
         yield "derivatives", f"are no longer the same at t = {time}"
 
 
-@rule(Severity.WARNING, fmi2="3.2.2", fmi3="3.2", advice="give each state its usual size")
+@warning("3.2.2", "3.2", "give each state its usual size")
 def bad_state_nominal(bench: Bench) -> Claims:
     """The nominal value of a state, as the binary tells it, is 0, negative or not finite."""
     run = _begun(bench)

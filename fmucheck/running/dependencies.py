@@ -6,17 +6,13 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stickslip.fmucheck.description.model import Unknown, Variable
-from stickslip.fmucheck.description.values import FLOATS, listed
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import FLOATS, Unknown, Variable, listed
+from stickslip.fmucheck.rules import Claims, error, note
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.exchange import new_run
 from stickslip.fmucheck.running.instance import Values
-from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.run import STEPS, Run, moved, new_run, other
 from stickslip.fmucheck.running.sensitivity import put
-from stickslip.fmucheck.running.variation import moved, other
 
 _MOST = 100  # knowns moved
 _STEPS = (1, 4)
@@ -165,7 +161,7 @@ def _declared(bench: Bench) -> Iterator[tuple[Unknown, set[int], set[int], set[i
             yield unknown, declared, found, seen.get((mode, -1), set())
 
 
-@rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="list it, or importers miss a loop")
+@error("2.2.8", "2.4.8", "list it, or importers miss a loop")
 def undeclared_dependency(bench: Bench) -> Claims:
     """A variable moves with a known that its dependencies do not list."""
     names = {v.index: v.name for v in bench.description.variables}
@@ -174,7 +170,7 @@ def undeclared_dependency(bench: Bench) -> Claims:
             yield unknown.place, f"moves with {listed(extra)}, which is not listed"
 
 
-@rule(Severity.NOTE, fmi2="2.2.8", fmi3="2.4.8", advice="remove what never matters")
+@note("2.2.8", "2.4.8", "remove what never matters")
 def dependency_never_seen(bench: Bench) -> Claims:
     """A variable moves with nothing that its dependencies list, by whatever interface."""
     names = {v.index: v.name for v in bench.description.variables}

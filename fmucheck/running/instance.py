@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from ctypes import byref, c_double, c_size_t, c_void_p
 from typing import Any, ClassVar
 
-from stickslip.fmucheck.description.arrays import size
-from stickslip.fmucheck.description.model import Description, Variable
-from stickslip.fmucheck.running.callbacks import Callbacks
-from stickslip.fmucheck.running.calls import Binary, pointer, references
+from stickslip.fmucheck.description.model import Description, Variable, size
+from stickslip.fmucheck.running.calls import Binary, Callbacks, pointer, references
 
 Values = tuple[Any, ...]
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from ctypes import c_char_p
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, note, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed, status_name
-from stickslip.fmucheck.running.exchange import finished
+from stickslip.fmucheck.running.run import finished
 
 LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
 """All that is tried of Scheduled Execution."""
@@ -17,12 +16,7 @@ GATES = ("does-not-load", "refuses-its-token", "does-not-run")
 """When one of these finds something, the rules after it are not tried."""
 
 
-@rule(
-    Severity.ERROR,
-    fmi2="2.3",
-    fmi3="2.5.1.4",
-    advice="build it for an older system, linked statically",
-)
+@error("2.3", "2.5.1.4", "build it for an older system, linked statically")
 def does_not_load(bench: Bench) -> Claims:
     """The system cannot load the binary."""
     try:
@@ -31,7 +25,7 @@ def does_not_load(bench: Bench) -> Claims:
         yield bench.library.name, str(fault)
 
 
-@rule(Severity.ERROR, fmi2="2.1.4", fmi3="2.2", advice="return the version of the headers")
+@error("2.1.4", "2.2", "return the version of the headers")
 def wrong_version_string(bench: Bench) -> Claims:
     """GetVersion returns another version than the description claims."""
     told = bench.binary.function("GetVersion", c_char_p)()
@@ -40,7 +34,7 @@ def wrong_version_string(bench: Bench) -> Claims:
         yield bench.library.name, f"GetVersion returns {told!r}; expected {expected}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.4", fmi3=None, advice="return 'default'")
+@error("2.1.4", None, "return 'default'")
 def wrong_types_platform(bench: Bench) -> Claims:
     """fmi2GetTypesPlatform does not return the types this tool and all others use."""
     told = bench.binary.function("GetTypesPlatform", c_char_p)()
@@ -48,26 +42,21 @@ def wrong_types_platform(bench: Bench) -> Claims:
         yield bench.library.name, f"returns {told!r}; expected 'default'"
 
 
-@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="build binary and description together")
+@error("2.1.5", "2.3.1", "build binary and description together")
 def refuses_its_token(bench: Bench) -> Claims:
     """It gives no instance for the token in its own description."""
     if bench.instantiate() is None:
         yield bench.library.name, f"no instance for token {bench.description.token}"
 
 
-@rule(
-    Severity.WARNING,
-    fmi2="2.1.5",
-    fmi3="2.3.1",
-    advice="compare the token, return NULL if it differs",
-)
+@warning("2.1.5", "2.3.1", "compare the token, return NULL if it differs")
 def accepts_any_token(bench: Bench) -> Claims:
     """It gives an instance for a wrong token, so a stale description goes unnoticed."""
     if bench.instantiate(token="{00000000-wrong-token}") is not None:  # noqa: S106 (no secret)
         yield bench.library.name, "gave an instance for a token that is not its own"
 
 
-@rule(Severity.ERROR, fmi2="4.2", fmi3="2.3", advice="see what it logs; mend the model")
+@error("4.2", "2.3", "see what it logs; mend the model")
 def does_not_run(bench: Bench) -> Claims:
     """It fails in a plain run: start values, the default step, inputs moved a little."""
     try:
@@ -86,7 +75,7 @@ def _last_words(bench: Bench) -> str:
     return f"; it said: {texts[-1][:200]}" if texts else ""
 
 
-@rule(Severity.NOTE, fmi2="", fmi3="", advice="give the inputs min and max")
+@note("", "", "give the inputs min and max")
 def fails_when_inputs_move(bench: Bench) -> Claims:
     """It fails when inputs move by a tenth of their size within their range."""
     if "still" in bench.results:
@@ -96,7 +85,7 @@ def fails_when_inputs_move(bench: Bench) -> Claims:
         )
 
 
-@rule(Severity.WARNING, fmi2="2.1.3", fmi3="2.2.4", advice="return OK when nothing is wrong")
+@warning("2.1.3", "2.2.4", "return OK when nothing is wrong")
 def warns_in_a_plain_run(bench: Bench) -> Claims:
     """Calls of a plain run return Warning."""
     instance = finished(bench).instance
@@ -104,7 +93,7 @@ def warns_in_a_plain_run(bench: Bench) -> Claims:
         yield f"{bench.binary.prefix}{name}", f"returned {status_name(1)}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.6", fmi3="2.3", advice="return OK")
+@error("2.1.6", "2.3", "return OK")
 def does_not_terminate(bench: Bench) -> Claims:
     """Terminate fails after a plain run."""
     run = finished(bench)

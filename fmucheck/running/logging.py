@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from ctypes import c_bool, c_char_p, c_int, c_size_t
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.callbacks import Message
-from stickslip.fmucheck.running.calls import CallFailed, status_name
-from stickslip.fmucheck.running.exchange import finished
+from stickslip.fmucheck.running.calls import CallFailed, Message, status_name
+from stickslip.fmucheck.running.run import finished
 
 
 def _messages(bench: Bench) -> Iterator[Message]:
@@ -18,7 +16,7 @@ def _messages(bench: Bench) -> Iterator[Message]:
     yield from finished(bench).instance.callbacks.messages
 
 
-@rule(Severity.WARNING, fmi2="2.2.4", fmi3="2.4.5", advice="list it in LogCategories")
+@warning("2.2.4", "2.4.5", "list it in LogCategories")
 def undeclared_category(bench: Bench) -> Claims:
     """A message has a category that LogCategories does not list."""
     known = {*bench.description.categories, "", None}
@@ -27,7 +25,7 @@ def undeclared_category(bench: Bench) -> Claims:
             yield "LogCategories", f"category {category} is used, but not listed"
 
 
-@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="pass text, category and a known status")
+@warning("2.1.5", "2.2.4", "pass text, category and a known status")
 def bad_message(bench: Bench) -> Claims:
     """A message has a null pointer or an unknown status."""
     for m in _messages(bench):
@@ -36,12 +34,7 @@ def bad_message(bench: Bench) -> Claims:
             return
 
 
-@rule(
-    Severity.WARNING,
-    fmi2="2.1.5",
-    fmi3="2.3.1",
-    advice="pass the pointer that the FMU was given when it was instantiated",
-)
+@warning("2.1.5", "2.3.1", "pass the pointer that the FMU was given when it was instantiated")
 def foreign_environment(bench: Bench) -> Claims:
     """The logger is called with an environment that is not the importer's."""
     callbacks = finished(bench).instance.callbacks
@@ -52,7 +45,7 @@ def foreign_environment(bench: Bench) -> Claims:
             return
 
 
-@rule(Severity.WARNING, fmi2="2.1.5", fmi3="2.2.4", advice="log only when it is switched on")
+@warning("2.1.5", "2.2.4", "log only when it is switched on")
 def logs_when_off(bench: Bench) -> Claims:
     """A plain run without logging logs something that is no error."""
     said = finished(bench, bench.new(logging=False)).instance.callbacks.messages
@@ -61,7 +54,7 @@ def logs_when_off(bench: Bench) -> Claims:
         yield "logger", f"{len(idle)} messages, the first: {idle[0].text}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="accept every category of LogCategories")
+@error("2.1.5", "2.3.1", "accept every category of LogCategories")
 def debug_logging_fails(bench: Bench) -> Claims:
     """SetDebugLogging fails for the categories that are listed."""
     names = [c_char_p(name.encode()) for name in bench.description.categories]
@@ -72,7 +65,7 @@ def debug_logging_fails(bench: Bench) -> Claims:
         yield f"{bench.binary.prefix}SetDebugLogging", f"returned {status_name(status)}"
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="2.3.1", advice="check the pointer before calling it")
+@error(None, "2.3.1", "check the pointer before calling it")
 def needs_a_logger(bench: Bench) -> Claims:
     """It fails without a logger, which may be NULL."""
     instance = bench.instantiate(logger=False)

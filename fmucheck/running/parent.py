@@ -16,10 +16,10 @@ from pathlib import Path
 
 from stickslip.fmi.process import check_interruption, child_process
 from stickslip.fmucheck import rules
-from stickslip.fmucheck.binaries.folders import target
+from stickslip.fmucheck.binaries import target
+from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.ending import MOST_TEXT, TELLING, Ending, signal_name
-from stickslip.fmucheck.finding import Finding
-from stickslip.fmucheck.fmu import Fmu
+from stickslip.fmucheck.rules import Finding
 from stickslip.fmucheck.running.child import Job
 from stickslip.fmucheck.running.loading import GATES
 

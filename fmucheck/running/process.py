@@ -10,10 +10,9 @@ import signal
 import sys
 from ctypes import Structure, c_int, c_size_t, c_void_p
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench, Settings
-from stickslip.fmucheck.running.exchange import finished
+from stickslip.fmucheck.running.run import finished
 
 _CYCLES = 200
 _LEAK = 32  # bytes a cycle that are told
@@ -52,9 +51,7 @@ def _used() -> int | None:
     return int(memory.used + memory.hblkhd)
 
 
-@rule(
-    Severity.WARNING, fmi2="2.1.5", fmi3="2.3.1", advice="free in FreeInstance what was allocated"
-)
+@warning("2.1.5", "2.3.1", "free in FreeInstance what was allocated")
 def leaks_memory(bench: Bench) -> Claims:
     """Memory stays allocated each time an instance is made, initialised and freed."""
     if _used() is None:
@@ -72,7 +69,7 @@ def leaks_memory(bench: Bench) -> Claims:
         yield bench.interface.kind, f"about {growth:.0f} bytes an instance are not freed"
 
 
-@rule(Severity.ERROR, fmi2="3.3.1", fmi3=None, advice="do not call them, or declare false")
+@error("3.3.1", None, "do not call them, or declare false")
 def memory_callbacks_used(bench: Bench) -> Claims:
     """It declares canNotUseMemoryManagementFunctions, but uses callbacks for memory."""
     if bench.interface.flag("canNotUseMemoryManagementFunctions"):
@@ -81,7 +78,7 @@ def memory_callbacks_used(bench: Bench) -> Claims:
             yield bench.interface.kind, f"allocateMemory was called {count} times"
 
 
-@rule(Severity.ERROR, fmi2="2.1.1", fmi3="2.2.1", advice="leave settings of the process alone")
+@error("2.1.1", "2.2.1", "leave settings of the process alone")
 def changes_the_process(bench: Bench) -> Claims:
     """It changes folder, locale, rounding, signal handlers or open files of the process."""
     finished(bench)

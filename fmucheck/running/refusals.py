@@ -5,12 +5,11 @@ from __future__ import annotations
 from ctypes import byref, c_bool, c_double, c_int, c_size_t, c_void_p
 from typing import Any
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import references
-from stickslip.fmucheck.running.exchange import new_run
 from stickslip.fmucheck.running.instance import Instance
+from stickslip.fmucheck.running.run import new_run
 
 
 def _step(instance: Instance, time: float, step: float) -> int:
@@ -35,7 +34,7 @@ def _access(instance: Instance, verb: str, reference: int) -> int:
     return instance.status(name, *arguments, *([] if version == 2 else [one]))
 
 
-@rule(Severity.WARNING, fmi2="2.1.7", fmi3="2.2.7", advice="check the reference and return Error")
+@warning("2.1.7", "2.2.7", "check the reference and return Error")
 def unknown_reference(bench: Bench) -> Claims:
     """A value reference that no variable has is accepted, or fatal."""
     for verb in ("Get", "Set"):
@@ -47,7 +46,7 @@ def unknown_reference(bench: Bench) -> Claims:
             run.instance.broken = True
 
 
-@rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="return Error unless the step is above 0")
+@warning("4.2.2", "4.2", "return Error unless the step is above 0")
 def bad_step(bench: Bench) -> Claims:
     """A communication step of size 0 or below is accepted, or fatal."""
     if bench.is_exchange:
@@ -62,12 +61,7 @@ def bad_step(bench: Bench) -> Claims:
             run.instance.broken = True
 
 
-@rule(
-    Severity.WARNING,
-    fmi2="4.2.4",
-    fmi3="2.3.2",
-    advice="return Error in states where it is illegal",
-)
+@warning("4.2.4", "2.3.2", "return Error in states where it is illegal")
 def step_before_initialisation(bench: Bench) -> Claims:
     """A step before the FMU is initialised is accepted, or fatal."""
     if bench.is_exchange:
@@ -79,9 +73,7 @@ def step_before_initialisation(bench: Bench) -> Claims:
         instance.broken = True
 
 
-@rule(
-    Severity.WARNING, fmi2="2.1.5", fmi3="2.3.1", advice="return at once when the pointer is NULL"
-)
+@warning("2.1.5", "2.3.1", "return at once when the pointer is NULL")
 def freeing_nothing(bench: Bench) -> Claims:
     """FreeInstance of a null pointer is fatal instead of ignored."""
     bench.binary.function("FreeInstance", None)(c_void_p())

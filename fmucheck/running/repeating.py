@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.exchange import changes, finished, new_run
-from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.run import STEPS, Run, changes, finished, new_run
 
 
 def difference(a: list[str], b: list[str]) -> str | None:
@@ -22,7 +20,7 @@ def _only_once(bench: Bench) -> bool:
     return bench.interface.flag("canBeInstantiatedOnlyOncePerProcess")
 
 
-@rule(Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="keep all state in the instance")
+@error("2.1.5", "2.3.1", "keep all state in the instance")
 def second_run_differs(bench: Bench) -> Claims:
     """A second instance in the same process, after the first, gives another result."""
     first = finished(bench)
@@ -33,9 +31,7 @@ def second_run_differs(bench: Bench) -> Claims:
         yield bench.interface.kind, f"two runs of new instances differ: {where}"
 
 
-@rule(
-    Severity.ERROR, fmi2="2.1.5", fmi3="2.3.1", advice="keep all state in the instance, none global"
-)
+@error("2.1.5", "2.3.1", "keep all state in the instance, none global")
 def instances_share_state(bench: Bench) -> Claims:
     """Two instances that run side by side influence each other."""
     if _only_once(bench):
@@ -63,7 +59,7 @@ def _begun(bench: Bench, phase: float) -> Run:
     return run
 
 
-@rule(Severity.ERROR, fmi2="2.1.6", fmi3="2.3.1", advice="put everything back to its start value")
+@error("2.1.6", "2.3.1", "put everything back to its start value")
 def reset_forgets_something(bench: Bench) -> Claims:
     """After other parameters, a run and a reset, it does not run as a new instance does."""
     expected = finished(bench).rows
@@ -78,7 +74,7 @@ def reset_forgets_something(bench: Bench) -> Claims:
         )
 
 
-@rule(Severity.WARNING, fmi2="4.2.2", fmi3="4.2", advice="allow it, or declare the flag false")
+@warning("4.2.2", "4.2", "allow it, or declare the flag false")
 def variable_steps_fail(bench: Bench) -> Claims:
     """It declares canHandleVariableCommunicationStepSize, but other steps fail."""
     if bench.is_exchange or not bench.interface.flag("canHandleVariableCommunicationStepSize"):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.exchange import finished, new_run
 from stickslip.fmucheck.running.repeating import difference
-from stickslip.fmucheck.running.run import STEPS, Run
+from stickslip.fmucheck.running.run import STEPS, Run, finished, new_run
 
 _HALF = STEPS // 2
 
@@ -28,7 +26,7 @@ def half_way(bench: Bench) -> Run:
     return run
 
 
-@rule(Severity.ERROR, fmi2="2.1.8", fmi3="2.2.7", advice="save and restore every part of the state")
+@error("2.1.8", "2.2.7", "save and restore every part of the state")
 def restored_state_differs(bench: Bench) -> Claims:
     """A run that goes on from a restored state is not the run that was saved."""
     if not _saves(bench):
@@ -44,7 +42,7 @@ def restored_state_differs(bench: Bench) -> Claims:
     run.instance.free_state(state)
 
 
-@rule(Severity.ERROR, fmi2="2.1.8", fmi3="2.2.7", advice="only copy")
+@error("2.1.8", "2.2.7", "only copy")
 def saving_changes_the_run(bench: Bench) -> Claims:
     """A run in which the state is saved is not the run in which it is not."""
     if not _saves(bench):
@@ -58,7 +56,7 @@ def saving_changes_the_run(bench: Bench) -> Claims:
     run.instance.free_state(state)
 
 
-@rule(Severity.WARNING, fmi2="2.1.8", fmi3="2.2.7", advice="write NULL to the pointer")
+@warning("2.1.8", "2.2.7", "write NULL to the pointer")
 def freed_state_stays(bench: Bench) -> Claims:
     """Freeing a saved state does not set the pointer to NULL."""
     if not _saves(bench):
@@ -70,9 +68,7 @@ def freed_state_stays(bench: Bench) -> Claims:
         yield f"{bench.binary.prefix}Free{run.instance.STATE}", "leaves the pointer as it was"
 
 
-@rule(
-    Severity.ERROR, fmi2="2.1.8", fmi3="2.2.7", advice="write every part of the state, no pointers"
-)
+@error("2.1.8", "2.2.7", "write every part of the state, no pointers")
 def serialised_state_differs(bench: Bench) -> Claims:
     """A new instance that goes on from serialised bytes is not the run that was saved."""
     if not _serialises(bench):

@@ -6,16 +6,12 @@ from collections.abc import Iterator
 from ctypes import c_double, c_size_t
 from dataclasses import dataclass
 
-from stickslip.fmucheck.description.model import Unknown, Variable
-from stickslip.fmucheck.description.values import whole
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Unknown, Variable, whole
+from stickslip.fmucheck.rules import Claims, error
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import references, status_name
-from stickslip.fmucheck.running.exchange import new_run
 from stickslip.fmucheck.running.instance import Instance
-from stickslip.fmucheck.running.run import Run
-from stickslip.fmucheck.running.variation import scale
+from stickslip.fmucheck.running.run import Run, new_run, scale
 
 _MOST = 40  # knowns and unknowns compared
 _PLACES = (0, 5)  # steps after which it is compared
@@ -131,23 +127,21 @@ def _compared(bench: Bench, name: str) -> Claims:
             )
 
 
-@rule(
-    Severity.ERROR, fmi2="2.1.9", fmi3="2.2", advice="correct the derivative, or do not provide it"
-)
+@error("2.1.9", "2.2", "correct the derivative, or do not provide it")
 def wrong_directional_derivative(bench: Bench) -> Claims:
     """A directional derivative is not what central differences give."""
     if bench.interface.flag("providesDirectionalDerivatives"):
         yield from _compared(bench, "GetDirectionalDerivative")
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="2.2", advice="correct the derivative, or do not provide it")
+@error(None, "2.2", "correct the derivative, or do not provide it")
 def wrong_adjoint_derivative(bench: Bench) -> Claims:
     """An adjoint derivative is not what central differences give."""
     if bench.interface.flag("providesAdjointDerivatives"):
         yield from _compared(bench, "GetAdjointDerivative")
 
 
-@rule(Severity.ERROR, fmi2="2.2.8", fmi3="2.4.8", advice="write dependent")
+@error("2.2.8", "2.4.8", "write dependent")
 def wrong_dependency_kind(bench: Bench) -> Claims:
     """A dependency is declared as a constant or fixed factor, but the factor changes in a run."""
     runs = [_at(bench, steps) for steps in (*_PLACES, 9)]
@@ -163,7 +157,7 @@ def wrong_dependency_kind(bench: Bench) -> Claims:
                 yield unknown.place, f"{kind} factor of {known.name}, but it is {factors}"
 
 
-@rule(Severity.ERROR, fmi2="4.2.1", fmi3="4.2", advice="compute it, or declare order 0")
+@error("4.2.1", "4.2", "compute it, or declare order 0")
 def output_derivatives_fail(bench: Bench) -> Claims:
     """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
     order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
@@ -182,7 +176,7 @@ def output_derivatives_fail(bench: Bench) -> Claims:
         yield f"{bench.binary.prefix}{name}", f"returned {status_name(status)}"
 
 
-@rule(Severity.ERROR, fmi2="4.2.1", fmi3=None, advice="accept them, or declare false")
+@error("4.2.1", None, "accept them, or declare false")
 def input_derivatives_fail(bench: Bench) -> Claims:
     """It declares canInterpolateInputs, but takes no derivatives of inputs."""
     known = [v for v in _knowns(bench) if v.causality == "input"]

@@ -6,16 +6,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from stickslip.fmucheck.description.model import Variable
-from stickslip.fmucheck.description.values import FLOATS, is_number
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import FLOATS, Variable, is_number
+from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed
-from stickslip.fmucheck.running.exchange import finished, new_run
 from stickslip.fmucheck.running.instance import Values
-from stickslip.fmucheck.running.run import STEPS, Run
-from stickslip.fmucheck.running.variation import other, scale, start_of
+from stickslip.fmucheck.running.run import STEPS, Run, finished, new_run, other, scale, start_of
 
 
 def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
@@ -28,7 +24,7 @@ def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
         yield run, run.instance.get(bench.observed)
 
 
-@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="find the division by 0 or missing start")
+@error("2.1.7", "2.2.7", "find the division by 0 or missing start")
 def value_not_finite(bench: Bench) -> Claims:
     """A value becomes infinite or not a number."""
     told = set()
@@ -40,7 +36,7 @@ def value_not_finite(bench: Bench) -> Claims:
                 yield v.place, f"is {elements} at t = {run.time}"
 
 
-@rule(Severity.WARNING, fmi2="2.2.7", fmi3="2.2.7", advice="widen the range, or keep within it")
+@warning("2.2.7", "2.2.7", "widen the range, or keep within it")
 def leaves_its_range(bench: Bench) -> Claims:
     """A value leaves the range [min, max] that is declared for it."""
     told = set()
@@ -59,12 +55,7 @@ def _outside(x: Any, low: float | None, high: float | None, slack: float) -> boo
     return bool((low is not None and x < low - slack) or (high is not None and x > high + slack))
 
 
-@rule(
-    Severity.ERROR,
-    fmi2="2.2.7",
-    fmi3="2.4.7.5",
-    advice="use the same values in code and description",
-)
+@error("2.2.7", "2.4.7.5", "use the same values in code and description")
 def start_differs(bench: Bench) -> Claims:
     """A parameter, constant or input does not have the start value of the description."""
     run = new_run(bench, watching=False)
@@ -89,7 +80,7 @@ def _same(v: Variable, expected: Values, got: Values) -> bool:
     return expected == got
 
 
-@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="store what is set")
+@error("2.1.7", "2.2.7", "store what is set")
 def set_value_is_lost(bench: Bench) -> Claims:
     """A parameter that is set before initialisation has another value after it."""
     for v in bench.while_time(bench.parameters[:100]):
@@ -109,7 +100,7 @@ def set_value_is_lost(bench: Bench) -> Claims:
             yield v.place, f"was set to {values[0]}, is {got[0]}"
 
 
-@rule(Severity.WARNING, fmi2="2.1.7", fmi3="2.2.7", advice="declare min and max, or take the value")
+@warning("2.1.7", "2.2.7", "declare min and max, or take the value")
 def set_refused(bench: Bench) -> Claims:
     """A parameter cannot be set before initialisation to a value within its range."""
     for v in bench.while_time(bench.parameters[:100]):
@@ -124,7 +115,7 @@ def set_refused(bench: Bench) -> Claims:
             bench.free(instance)
 
 
-@rule(Severity.ERROR, fmi2="2.2.7", fmi3="2.4.7.4", advice="declare it discrete or continuous")
+@error("2.2.7", "2.4.7.4", "declare it discrete or continuous")
 def fixed_value_changes(bench: Bench) -> Claims:
     """A variable that is constant, fixed or tunable changes during a run."""
     first: dict[int, Values] = {}
@@ -138,7 +129,7 @@ def fixed_value_changes(bench: Bench) -> Claims:
                 yield v.place, f"is {v.variability}, and changes until t = {run.time}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="return the time that was reached")
+@error("2.1.7", "2.2.7", "return the time that was reached")
 def time_is_wrong(bench: Bench) -> Claims:
     """The independent variable is not at the time that was reached."""
     independent = [v for v in bench.observed if v.causality == "independent"]
@@ -150,7 +141,7 @@ def time_is_wrong(bench: Bench) -> Claims:
         yield independent[0].place, f"is {got} at t = {run.time}"
 
 
-@rule(Severity.ERROR, fmi2="2.1.7", fmi3="2.2.7", advice="compute in setters and steps only")
+@error("2.1.7", "2.2.7", "compute in setters and steps only")
 def getter_changes_state(bench: Bench) -> Claims:
     """Reading values changes them, or how the run goes on."""
     watched, blind = finished(bench), finished(bench, watching=False)

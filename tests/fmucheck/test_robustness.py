@@ -6,7 +6,7 @@ import pytest
 from lxml import etree
 
 from stickslip import fmucheck
-from stickslip.fmucheck.description.values import number
+from stickslip.fmucheck.description.model import number
 from tests.corpus.defects.reference import members, pack
 
 VALUES = ["", "-1", "0", "1e999", "NaN", "x y", "99999999999999999999", "true", "ä'\"", "exact"]

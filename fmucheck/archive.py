@@ -1,9 +1,14 @@
-"""Rules about the archive and the names in it."""
+"""Rules about the zip archive and the names in it; reading and unpacking without trusting it."""
 
 from __future__ import annotations
 
+import re
 import unicodedata
+import zipfile
 from collections import Counter
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from stickslip.fmi.archive.directory import (
     MAX_BYTES,
@@ -13,34 +18,134 @@ from stickslip.fmi.archive.directory import (
     is_link,
     is_special,
 )
-from stickslip.fmi.archive.frame import MAX_MEMBERS
+from stickslip.fmi.archive.errors import Refused
+from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
+from stickslip.fmi.archive.members import FAULTS, extract_file
 from stickslip.fmi.archive.names import is_device
-from stickslip.fmucheck.archive.reading import Archive, is_unsafe
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmi.files import open_regular_file
+from stickslip.fmucheck.rules import Claims, error, note, warning
+
+_MAGIC = b"PK"
+_UNSAFE = re.compile(r"^$|^/|\\|^[A-Za-z]:|(^|/)\.\.(/|$)|[\x00-\x1f]")
+
+
+@dataclass
+class Archive:
+    """What the directory of a zip archive lists.
+
+    Attributes
+    ----------
+    fault : why it cannot be read at all
+    is_zip : it begins as one
+    damaged : member name -> why its content cannot be read; filled by ``unpack``
+    """
+
+    path: Path
+    fault: str | None = None
+    is_zip: bool = False
+    members: list[zipfile.ZipInfo] = field(default_factory=list)
+    damaged: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def files(self) -> list[zipfile.ZipInfo]:
+        """The members that are no folders."""
+        return [m for m in self.members if not m.orig_filename.endswith("/")]
+
+    @property
+    def bytes(self) -> int:
+        """Size when unpacked, as declared."""
+        return sum(member.file_size for member in self.members)
+
+    @property
+    def packed(self) -> int:
+        """Size of all members as they are."""
+        return sum(member.compress_size for member in self.members)
+
+    @property
+    def is_bomb(self) -> bool:
+        """Whether unpacking would take more than a real FMU ever does."""
+        return (
+            len(self.members) > MAX_MEMBERS
+            or self.bytes > MAX_BYTES
+            or is_inflated(self.bytes, self.packed)
+            or any(is_inflated(m.file_size, m.compress_size) for m in self.members)
+        )
+
+
+def is_unsafe(name: str) -> bool:
+    """Tell whether a member's name could leave the folder it is unpacked to."""
+    return bool(_UNSAFE.search(name))
+
+
+def is_readable(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member's content can be read without a password or other methods."""
+    return member.compress_type in METHODS and not is_encrypted(member)
+
+
+def read_archive(path: Path) -> Archive:
+    """Read the directory of an archive."""
+    archive = Archive(path)
+    try:
+        with open_regular_file(path) as file:
+            archive.is_zip = file.read(2) == _MAGIC
+            stated = check_frame(file)
+            with zipfile.ZipFile(file) as content:
+                archive.members = content.infolist()
+            if len(archive.members) != stated:
+                archive.fault = f"{len(archive.members)} members listed, {stated} stated at its end"
+    except (*FAULTS, OSError) as fault:
+        said = getattr(fault, "strerror", None) or str(fault)
+        archive.fault = said.partition(";")[0]  # the advice of a rule follows
+    return archive
+
+
+def unpack(archive: Archive, folder: Path) -> frozenset[str]:
+    """Write every safe, readable member below ``folder`` and return their names.
+
+    Links, members with unsafe names and further members of the same name are left out; damaged
+    ones are noted.
+    """
+    seen: set[str] = set()
+    for member in archive.members:
+        if member.orig_filename.endswith("/") and member.file_size:
+            archive.damaged[member.orig_filename] = f"a folder with {member.file_size} bytes"
+    with zipfile.ZipFile(archive.path) as file:
+        for member in archive.files:
+            name = member.orig_filename
+            odd = is_unsafe(name) or is_link(member) or is_special(member)
+            if odd or not is_readable(member) or name in seen:
+                continue
+            seen.add(name)
+            try:
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                extract_file(file, member, folder / name)
+            except (Refused, OSError, ValueError) as fault:
+                archive.damaged[name] = str(fault)
+                with suppress(OSError):  # its name may be too long to be asked for
+                    (folder / name).unlink()
+    return frozenset(seen - archive.damaged.keys())
+
 
 _METHODS = {0: "stored", 8: "deflate", 12: "bzip2", 14: "lzma", 93: "zstandard"}
 _DESCRIPTION = "modelDescription.xml"
 _LONGEST = 200  # characters of a path
 
 
-@rule(
-    Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export the FMU again; it must be a zip archive"
-)
+@error("2.3", "2.5", "export the FMU again; it must be a zip archive")
 def not_a_zip(archive: Archive) -> Claims:
     """The file is no zip archive, or cannot be read."""
     if archive.fault and not archive.is_zip:
         yield str(archive.path), archive.fault
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="copy or export the FMU again")
+@error("2.3", "2.5", "copy or export the FMU again")
 def damaged_archive(archive: Archive) -> Claims:
     """The archive is truncated or its directory is damaged."""
     if archive.fault and archive.is_zip:
         yield str(archive.path), f"begins as a zip archive, but: {archive.fault}"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="do not unpack it; ask where it came from")
+@error("2.3", "2.5", "do not unpack it; ask where it came from")
 def zip_bomb(archive: Archive) -> Claims:
     """Unpacking would fill the disk: too many members, too many bytes, or packed too tightly."""
     if len(archive.members) > MAX_MEMBERS:
@@ -57,7 +162,7 @@ def zip_bomb(archive: Archive) -> Claims:
             yield name, f"{packed} bytes become {size}; it is not unpacked"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="give members relative paths inside the FMU")
+@error("2.3", "2.5", "give members relative paths inside the FMU")
 def unsafe_path(archive: Archive) -> Claims:
     """A member's path is absolute, names a drive, goes up, or holds a backslash."""
     for member in archive.members:
@@ -67,7 +172,7 @@ def unsafe_path(archive: Archive) -> Claims:
             yield repr(name), f"this path {why}"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="keep one of them")
+@error("2.3", "2.5", "keep one of them")
 def duplicate_member(archive: Archive) -> Claims:
     """Two members have the same path, so that readers see different files."""
     for name, count in Counter(m.orig_filename for m in archive.files).items():
@@ -75,7 +180,7 @@ def duplicate_member(archive: Archive) -> Claims:
             yield name, f"is in the archive {count} times"
 
 
-@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="rename one of them")
+@warning("2.3", "2.5", "rename one of them")
 def colliding_members(archive: Archive) -> Claims:
     """Two paths differ in case or accents only, or one is a folder: some take them for one."""
     first: dict[str, str] = {}
@@ -88,7 +193,7 @@ def colliding_members(archive: Archive) -> Claims:
             yield name, f"differs from {other} in case or accents only"
 
 
-@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="rename it")
+@warning("2.3", "2.5", "rename it")
 def unportable_path(archive: Archive) -> Claims:
     """A path that not every system has: of a device, with a colon, ending in a dot, too long..."""
     for name in (m.orig_filename for m in archive.members if not is_unsafe(m.orig_filename)):
@@ -105,7 +210,7 @@ def unportable_path(archive: Archive) -> Claims:
             yield name, f"has {len(name)} characters; with its folder, Windows takes 260"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack the file itself")
+@error("2.3", "2.5", "pack the file itself")
 def link_in_archive(archive: Archive) -> Claims:
     """A member is a symbolic link, a pipe or a device."""
     for member in archive.members:
@@ -115,7 +220,7 @@ def link_in_archive(archive: Archive) -> Claims:
             yield member.orig_filename, "is a pipe or a device; it is not unpacked"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack without a password")
+@error("2.3", "2.5", "pack without a password")
 def encrypted_member(archive: Archive) -> Claims:
     """A member is encrypted."""
     for member in archive.members:
@@ -123,7 +228,7 @@ def encrypted_member(archive: Archive) -> Claims:
             yield member.orig_filename, "is encrypted"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="pack with deflate, or without compression")
+@error("2.3", "2.5", "pack with deflate, or without compression")
 def compression_method(archive: Archive) -> Claims:
     """A member is packed with something other than deflate."""
     for member in archive.members:
@@ -132,7 +237,7 @@ def compression_method(archive: Archive) -> Claims:
             yield member.orig_filename, f"is packed with {method}; expected deflate or stored"
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="2.5", advice="pack without zip64 and other new features")
+@error(None, "2.5", "pack without zip64 and other new features")
 def zip_version(archive: Archive) -> Claims:
     """A member needs a newer zip than version 2.0 to unpack."""
     for member in archive.members:
@@ -144,7 +249,7 @@ def zip_version(archive: Archive) -> Claims:
             )
 
 
-@rule(Severity.ERROR, fmi2=None, fmi3="2.5", advice="write sizes into the local header")
+@error(None, "2.5", "write sizes into the local header")
 def stored_with_data_descriptor(archive: Archive) -> Claims:
     """A stored member has its size behind its data (general purpose bit 3)."""
     for member in archive.files:
@@ -152,13 +257,13 @@ def stored_with_data_descriptor(archive: Archive) -> Claims:
             yield member.orig_filename, "is stored, and has general purpose bit 3 set"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export or copy the FMU again")
+@error("2.3", "2.5", "export or copy the FMU again")
 def damaged_member(archive: Archive) -> Claims:
     """A member's content does not match its checksum, or cannot be unpacked."""
     yield from archive.damaged.items()
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="put modelDescription.xml at the root")
+@error("2.3", "2.5", "put modelDescription.xml at the root")
 def no_model_description(archive: Archive) -> Claims:
     """modelDescription.xml is not at the root of the archive, spelled like this."""
     names = [member.orig_filename for member in archive.files]
@@ -169,14 +274,14 @@ def no_model_description(archive: Archive) -> Claims:
     yield str(archive.path), f"no {_DESCRIPTION} at the root{hint}"
 
 
-@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5", advice="name it .fmu")
+@warning("2.3", "2.5", "name it .fmu")
 def not_named_fmu(archive: Archive) -> Claims:
     """The file's name does not end with .fmu."""
     if archive.path.suffix != ".fmu":
         yield str(archive.path), f"ends with '{archive.path.suffix}'; importers look for .fmu"
 
 
-@rule(Severity.NOTE, fmi2="2.3", fmi3="2.5", advice="use ASCII names")
+@note("2.3", "2.5", "use ASCII names")
 def foreign_letters(archive: Archive) -> Claims:
     """A path has letters outside ASCII, which some systems unpack under another name."""
     for member in archive.members:

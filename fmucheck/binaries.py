@@ -1,4 +1,4 @@
-"""Rules about binaries/: a library for each platform, with what it must export."""
+"""Rules about binaries/: a library for each platform, with what it must export; none is loaded."""
 
 from __future__ import annotations
 
@@ -7,11 +7,59 @@ import re
 from collections.abc import Iterator
 
 from stickslip.fmi.binary import Library, NotALibrary, read_library
-from stickslip.fmucheck.binaries.functions import required
-from stickslip.fmucheck.description.values import listed
-from stickslip.fmucheck.finding import Severity
-from stickslip.fmucheck.fmu import Fmu
-from stickslip.fmucheck.rules import Claims, rule
+from stickslip.fmucheck.description.model import Fmu, listed
+from stickslip.fmucheck.rules import Claims, error, note, warning
+
+_TYPES3 = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
+_TYPES3 += ["Float32", "Float64", "Boolean", "String", "Binary", "Clock"]
+
+_COMMON2 = """
+    GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
+    EnterInitializationMode ExitInitializationMode Terminate Reset
+    GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString
+    GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate
+    DeSerializeFMUstate GetDirectionalDerivative
+"""
+_ONLY2 = {
+    "ModelExchange": """
+        EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
+        SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
+        GetNominalsOfContinuousStates
+    """,
+    "CoSimulation": """
+        SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus
+        GetIntegerStatus GetBooleanStatus GetStringStatus
+    """,
+}
+_COMMON3 = """
+    GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode
+    EnterEventMode Terminate Reset GetNumberOfVariableDependencies GetVariableDependencies
+    GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState
+    DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode
+    ExitConfigurationMode GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction
+    SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction
+    EvaluateDiscreteStates UpdateDiscreteStates
+"""
+_ONLY3 = {
+    "ModelExchange": """
+        InstantiateModelExchange EnterContinuousTimeMode CompletedIntegratorStep SetTime
+        SetContinuousStates GetContinuousStateDerivatives GetEventIndicators GetContinuousStates
+        GetNominalsOfContinuousStates GetNumberOfEventIndicators GetNumberOfContinuousStates
+    """,
+    "CoSimulation": "InstantiateCoSimulation EnterStepMode GetOutputDerivatives DoStep",
+    "ScheduledExecution": "InstantiateScheduledExecution ActivateModelPartition",
+}
+
+
+def required(version: int, interface: str) -> list[str]:
+    """Return the names of all functions of an interface, those of optional abilities included."""
+    if version == 2:
+        words = f"{_COMMON2} {_ONLY2.get(interface, '')}".split()
+    else:
+        words = f"{_COMMON3} {_ONLY3[interface]}".split()
+        words += [verb + kind for kind in _TYPES3 for verb in ("Get", "Set")]
+    return [f"fmi{version}{word}" for word in words]
+
 
 _FMI2 = {
     "win32": "x86-windows",
@@ -65,16 +113,14 @@ def _libraries(fmu: Fmu) -> Iterator[tuple[str, str, str, Library]]:
             yield tuple_, identifier, name, library
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="add a binary or the sources")
+@error("2.3", "2.5", "add a binary or the sources")
 def no_implementation(fmu: Fmu) -> Claims:
     """There are neither binaries nor sources."""
     if not folders(fmu) and not fmu.below("sources/"):
         yield "binaries", "the FMU has neither binaries nor sources"
 
 
-@rule(
-    Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="name it modelIdentifier.dll, .so or .dylib"
-)
+@error("2.3", "2.5.1.4", "name it modelIdentifier.dll, .so or .dylib")
 def binary_missing(fmu: Fmu) -> Claims:
     """A platform's folder has no binary named after the modelIdentifier."""
     for _, _, name in binaries(fmu):
@@ -83,7 +129,7 @@ def binary_missing(fmu: Fmu) -> Claims:
             yield name, f"is not in the FMU; there is {listed(there)}"
 
 
-@rule(Severity.NOTE, fmi2="2.3", fmi3="2.5.1.4", advice="use a name of the standard")
+@note("2.3", "2.5.1.4", "use a name of the standard")
 def unknown_platform(fmu: Fmu) -> Claims:
     """A folder below binaries/ has a name that the standard does not define."""
     for folder in folders(fmu):
@@ -91,7 +137,7 @@ def unknown_platform(fmu: Fmu) -> Claims:
             yield f"binaries/{folder}", "is no platform of the standard; it was not looked at"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="build it as a shared library")
+@error("2.3", "2.5.1.4", "build it as a shared library")
 def not_a_library(fmu: Fmu) -> Claims:
     """A binary is no shared library at all."""
     for _, _, name in binaries(fmu):
@@ -102,7 +148,7 @@ def not_a_library(fmu: Fmu) -> Claims:
                 yield name, str(fault)
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5.1.4", advice="put it into the folder of its platform")
+@error("2.3", "2.5.1.4", "put it into the folder of its platform")
 def wrong_architecture(fmu: Fmu) -> Claims:
     """A binary is built for another system or processor than its folder says."""
     for tuple_, _, name, library in _libraries(fmu):
@@ -113,7 +159,7 @@ def wrong_architecture(fmu: Fmu) -> Claims:
             yield name, f"is built for {listed(sorted(library.targets))}; expected {tuple_}"
 
 
-@rule(Severity.ERROR, fmi2="2.3", fmi3="2.5", advice="export them; optional ones may just fail")
+@error("2.3", "2.5", "export them; optional ones may just fail")
 def missing_function(fmu: Fmu) -> Claims:
     """A binary does not export a function that a declared interface must have."""
     version = fmu.description.version
@@ -125,7 +171,7 @@ def missing_function(fmu: Fmu) -> Claims:
             yield name, f"does not export {listed(missing)}"
 
 
-@rule(Severity.WARNING, fmi2="2.3", fmi3="2.5.1.4", advice="link it statically or pack it beside")
+@warning("2.3", "2.5.1.4", "link it statically or pack it beside")
 def foreign_dependency(fmu: Fmu) -> Claims:
     """A binary needs a library that is neither part of the system nor packed beside it."""
     for _, _, name, library in _libraries(fmu):
@@ -140,7 +186,7 @@ def foreign_dependency(fmu: Fmu) -> Claims:
                 yield name, f"needs {needed}"
 
 
-@rule(Severity.ERROR, fmi2="", fmi3="", advice="sign it, if only ad hoc: codesign -s -")
+@error("", "", "sign it, if only ad hoc: codesign -s -")
 def unsigned_for_arm_mac(fmu: Fmu) -> Claims:
     """A binary for macOS on arm64 has no signature, so the system will not load it."""
     for _, _, name, library in _libraries(fmu):

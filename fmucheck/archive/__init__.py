@@ -1,1 +1,0 @@
-"""The zip archive: read without trusting it, unpacked without leaving its folder."""

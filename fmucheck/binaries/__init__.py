@@ -1,1 +1,0 @@
-"""Shared libraries of every platform, read without loading them."""

@@ -1,0 +1,287 @@
+"""Rules about sources, terminals and icons, documentation and licences."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+from stickslip.fmucheck.description.model import Fmu
+from stickslip.fmucheck.document import Document, Element, read_document, violations
+from stickslip.fmucheck.rules import Claims, error, note, warning
+
+BUILD = "sources/buildDescription.xml"
+_HEADERS = ("fmi3PlatformTypes.h", "fmi3FunctionTypes.h", "fmi3Functions.h")
+
+
+def _build(fmu: Fmu) -> Document | None:
+    return read_document(BUILD, fmu.bytes(BUILD)) if BUILD in fmu.members else None
+
+
+def _listed(fmu: Fmu) -> Iterator[tuple[str, str]]:
+    """Yield where a source file is listed, and its name below sources/."""
+    for interface in fmu.description.interfaces:
+        for name in interface.sources:
+            yield interface.place, name
+    build = _build(fmu)
+    if build and build.root is not None:
+        for file in build.root.iter("SourceFile"):
+            yield f"{BUILD} (line {file.sourceline})", file.get("name", "")
+
+
+@error("2.3", "2.5.1.3", "pack it, or take it off the list")
+def source_missing(fmu: Fmu) -> Claims:
+    """A source file is listed that is not in the FMU."""
+    for place, name in dict.fromkeys(_listed(fmu)):
+        if posixpath.normpath(f"sources/{name}") not in fmu.members:
+            yield place, f"sources/{name} is not in the FMU"
+
+
+@error("2.3", "2.5.1.3", "follow fmi3BuildDescription.xsd")
+def bad_build_description(fmu: Fmu) -> Claims:
+    """buildDescription.xml does not follow its schema."""
+    build = _build(fmu)
+    if build and build.root is None:
+        yield BUILD, build.fault
+    elif build:
+        yield from violations(build, "fmi3/fmi3BuildDescription.xsd")
+
+
+@error("2.3", "2.5.1.3", "use a modelIdentifier, each platform once")
+def bad_build_configuration(fmu: Fmu) -> Claims:
+    """A build configuration is for an unknown modelIdentifier, or for a platform twice."""
+    build = _build(fmu)
+    if not build or build.root is None:
+        return
+    made = [
+        (c.get("modelIdentifier", ""), c.get("platform"))
+        for c in build.root.iter("BuildConfiguration")
+    ]
+    for identifier in dict.fromkeys(name for name, _ in made):
+        if identifier not in fmu.identifiers:
+            yield BUILD, f"modelIdentifier={identifier} is none of modelDescription.xml"
+    for (identifier, platform), count in Counter(made).items():
+        if count > 1:
+            yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
+
+
+@error("2.3", "2.5.1.3", "say which compiler takes them")
+def options_without_compiler(fmu: Fmu) -> Claims:
+    """A set of source files has compilerOptions, but no compiler."""
+    build = _build(fmu)
+    for files in build.root.iter("SourceFileSet") if build and build.root is not None else ():
+        if "compilerOptions" in files.attrib and "compiler" not in files.attrib:
+            yield f"{BUILD} (line {files.sourceline})", f"{files.get('compilerOptions')!r}"
+
+
+@error(None, "2.5.1.3", "add sources/buildDescription.xml")
+def sources_without_build_description(fmu: Fmu) -> Claims:
+    """There are sources, but nothing says how to build them."""
+    if fmu.below("sources/") and BUILD not in fmu.members:
+        yield "sources", "there is no buildDescription.xml"
+
+
+@warning("2.3", None, "list them under SourceFiles")
+def sources_not_listed(fmu: Fmu) -> Claims:
+    """There are C sources, but neither SourceFiles nor a build description lists any."""
+    code = [name for name in fmu.below("sources/") if name.endswith((".c", ".cpp", ".cc"))]
+    if code and BUILD not in fmu.members and not any(i.sources for i in fmu.description.interfaces):
+        yield "sources", f"{len(code)} files, and no list of what to compile"
+
+
+@note(None, "2.5.1.3", "leave them out; importers bring their own")
+def headers_of_the_standard(fmu: Fmu) -> Claims:
+    """The headers of FMI are among the sources."""
+    for name in fmu.below("sources/"):
+        if posixpath.basename(name) in _HEADERS:
+            yield name, "is a header of the standard"
+
+
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+_NAMES = ("variableName", "inStreamVariableName", "outStreamVariableName")
+_CONNECTED = ("input", "output", "parameter", "calculatedParameter")
+
+
+def _document(fmu: Fmu) -> Document | None:
+    return read_document(TERMINALS, fmu.bytes(TERMINALS)) if TERMINALS in fmu.members else None
+
+
+def _terminals(fmu: Fmu) -> Iterator[Element]:
+    document = _document(fmu)
+    if document and document.root is not None:
+        yield from document.root.iter("Terminal")
+
+
+def _place(element: Element) -> str:
+    return f"{TERMINALS} (line {element.sourceline})"
+
+
+@error("2.3", "2.4.9", "follow fmi3TerminalsAndIcons.xsd")
+def bad_terminals_file(fmu: Fmu) -> Claims:
+    """terminalsAndIcons.xml does not follow its schema, or is of another version."""
+    document = _document(fmu)
+    if document is None:
+        return
+    if document.root is None:
+        yield TERMINALS, document.fault
+        return
+    yield from violations(document, "fmi3/fmi3TerminalsAndIcons.xsd")
+    version = document.root.get("fmiVersion")
+    if fmu.description.version == 3 and version != fmu.description.root.get("fmiVersion"):
+        yield TERMINALS, f"fmiVersion={version} differs from modelDescription.xml"
+
+
+@warning("2.3", "2.5.1.2", "move it to terminalsAndIcons")
+def misplaced_terminals(fmu: Fmu) -> Claims:
+    """terminalsAndIcons.xml lies where no importer looks for it."""
+    for name in fmu.members:
+        if (
+            name.endswith("terminalsAndIcons.xml")
+            and name != TERMINALS
+            and not name.startswith("extra/")
+        ):
+            yield name, f"expected at {TERMINALS}"
+
+
+@error("2.3", "2.4.9", "name a variable of modelDescription.xml")
+def terminal_of_unknown_variable(fmu: Fmu) -> Claims:
+    """A terminal refers to a variable that does not exist."""
+    known = {v.name for v in fmu.description.variables}
+    known |= {a.get("name", "") for v in fmu.description.variables for a in v.aliases}
+    for terminal in _terminals(fmu):
+        for member in terminal:
+            for attribute in _NAMES:
+                name = member.get(attribute)
+                if name is not None and name not in known:
+                    yield _place(member), f"terminal {terminal.get('name')}: no variable {name}"
+
+
+@error("2.3", "2.4.9", "give each a name of its own")
+def terminal_names(fmu: Fmu) -> Claims:
+    """Terminals of one level, or members of one terminal, share a name; or a plug's has none."""
+    document = _document(fmu)
+    if document is None or document.root is None:
+        return
+    levels = [*document.root.iter("Terminals"), *document.root.iter("Terminal")]
+    for level in levels:
+        for name, count in Counter(t.get("name") for t in level.iterfind("Terminal")).items():
+            if count > 1:
+                yield _place(level), f"{count} terminals are named {name}"
+    for terminal in _terminals(fmu):
+        names = [m.get("memberName") for m in terminal.iterfind("TerminalMemberVariable")]
+        for name, count in Counter(n for n in names if n is not None).items():
+            if count > 1:
+                yield _place(terminal), f"{count} members are named {name}"
+        if terminal.get("matchingRule") in ("plug", "bus") and None in names:
+            yield (
+                _place(terminal),
+                f"a member has no memberName in a {terminal.get('matchingRule')}",
+            )
+
+
+@warning("2.3", "2.4.9", "use inputs, outputs and parameters")
+def terminal_of_local_variable(fmu: Fmu) -> Claims:
+    """A member that is a signal or flow is a variable that cannot be connected."""
+    causality = {v.name: v.causality for v in fmu.description.variables}
+    for terminal in _terminals(fmu):
+        for member in terminal.iterfind("TerminalMemberVariable"):
+            name = member.get("variableName", "")
+            if member.get("variableKind") in ("signal", "inflow", "outflow") and (
+                causality.get(name, "input") not in _CONNECTED
+            ):
+                yield _place(member), f"{name} has causality {causality[name]}"
+
+
+@error("2.3", "2.4.9", "pack the picture as PNG")
+def icon_missing(fmu: Fmu) -> Claims:
+    """An icon that is referred to is not there, or is SVG without the PNG it must come with."""
+    for graphic in _graphics(fmu):
+        name = f"terminalsAndIcons/{graphic.get('iconBaseName')}.png"
+        if name not in fmu.members:
+            yield _place(graphic), f"{name} is not in the FMU"
+    document = _document(fmu)
+    icon = (
+        document.root.find("GraphicalRepresentation/Icon")
+        if document and document.root is not None
+        else None
+    )
+    if icon is not None and "terminalsAndIcons/icon.png" not in fmu.members:
+        yield _place(icon), "terminalsAndIcons/icon.png is not in the FMU"
+    for svg in ("terminalsAndIcons/icon.svg", "documentation/diagram.svg"):
+        png = svg.removesuffix("svg") + "png"
+        if svg in fmu.members and png not in fmu.members:
+            yield svg, f"comes without {png}"
+
+
+def _graphics(fmu: Fmu) -> Iterator[Element]:
+    for terminal in _terminals(fmu):
+        yield from terminal.iterfind("TerminalGraphicalRepresentation")
+
+
+@warning("2.3", "2.5.1", "save it as PNG")
+def picture_is_no_png(fmu: Fmu) -> Claims:
+    """A picture is named .png, but is none."""
+    for name in fmu.members:
+        shown = name == "model.png" or name.startswith(("terminalsAndIcons/", "documentation/"))
+        if shown and name.endswith(".png") and not fmu.bytes(name).startswith(b"\x89PNG\r\n\x1a\n"):
+            yield name, "does not begin as a PNG file does"
+
+
+_ROOMS = ("binaries", "documentation", "extra", "resources", "sources", "terminalsAndIcons")
+_MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
+_DOMAIN = re.compile(r"[A-Za-z0-9-]+(\.[A-Za-z0-9_-]+)+")
+
+
+@note("2.3", "2.5.1.1", "add documentation/index.html")
+def no_documentation(fmu: Fmu) -> Claims:
+    """There is no documentation/index.html."""
+    if "documentation/index.html" not in fmu.members:
+        yield "documentation", "there is no index.html"
+
+
+@note("2.3", "2.5.1.1", "add documentation/licenses/license.txt")
+def no_licence(fmu: Fmu) -> Claims:
+    """Neither the description nor a file says under which licence the FMU is given."""
+    if not fmu.below("documentation/licenses/") and not fmu.description.root.get("license"):
+        yield "documentation/licenses", "nothing is said of a licence"
+
+
+@warning("2.3", "2.5.1.1", "name the first file license.txt or .html")
+def licence_without_entry(fmu: Fmu) -> Claims:
+    """There is a folder of licences without license.txt, license.html or license.spdx."""
+    names = fmu.below("documentation/licenses/")
+    if names and not any(re.search(r"/license\.(txt|html|spdx)$", name) for name in names):
+        yield "documentation/licenses", f"{names[0]}, but no license.txt, .html or .spdx"
+
+
+@note("2.3", "2.5.1", "move it below resources or extra")
+def unexpected_file(fmu: Fmu) -> Claims:
+    """A file lies where the standard foresees none."""
+    known = {"modelDescription.xml"} | ({"model.png"} if fmu.description.version == 2 else set())
+    for name in sorted(fmu.members):
+        if name not in known and name.partition("/")[0] not in _ROOMS:
+            yield name, "is nothing that the standard foresees"
+
+
+@warning(None, "2.5.1.6", "use a folder such as extra/org.example")
+def extra_without_domain(fmu: Fmu) -> Claims:
+    """A folder below extra is not named after a domain, so that names can collide."""
+    for folder in dict.fromkeys(name.split("/")[1] for name in fmu.below("extra/")):
+        if not _DOMAIN.fullmatch(folder):
+            yield f"extra/{folder}", "is not named in reverse domain notation"
+
+
+@error("", "2.6", "add it to the root element")
+def bad_layered_standard(fmu: Fmu) -> Claims:
+    """The manifest of a layered standard does not say its name, version and description."""
+    for name in fmu.below("extra/"):
+        if name.endswith("/fmi-ls-manifest.xml"):
+            document = read_document(name, fmu.bytes(name))
+            if document.root is None:
+                yield name, document.fault
+                continue
+            # The root element is up to the layered standard; its attributes are not.
+            for attribute in ("name", "version", "description"):
+                if document.root.get(f"{{{_MANIFEST}}}fmi-ls-{attribute}") is None:
+                    yield name, f"has no fmi-ls-{attribute}"

@@ -1,1 +1,0 @@
-"""The other files of an FMU: sources, terminals, icons, documentation."""
