@@ -80,19 +80,8 @@ def test_another_tool_compiles_the_sources_to_the_same_results(build, name, vers
     time = np.arange(300) * 5e-4
     [fed] = fmu.names("input")
     wave = fmu.sizes()[fed] * np.sin(40.0 * time)
-    inputs = np.array(list(zip(time, wave, strict=True)), dtype=[("time", "f8"), (fed, "f8")])
-    ours, theirs = (
-        fmpy.simulate_fmu(
-            str(file),
-            fmi_type="CoSimulation",
-            stop_time=time[-1],
-            step_size=5e-4,
-            output_interval=5e-4,
-            input=inputs,
-            output=fmu.names("output", "state"),
-        )
-        for file in (fmu.path, path)
-    )
+    options = {"input": {"time": time, fed: wave}, "output": fmu.names("output", "state")}
+    ours, theirs = (fmu.simulate(time[-1], 5e-4, file, **options) for file in (fmu.path, path))
     assert ours.tobytes() == theirs.tobytes()
 
 
@@ -194,16 +183,8 @@ def test_the_reference_inside_is_met(fmu, tmp_path):
         path.write_bytes(content[f"{LS_REF}/{run.find(tag).get('source')}"])
         tables.append(read_csv(path))
     stimuli, expected = tables
-    step = float(run.get("stepSize"))
-    found = fmpy.simulate_fmu(
-        str(fmu.path),
-        fmi_type="CoSimulation",
-        stop_time=float(run.get("stopTime")),
-        step_size=step,
-        output_interval=step,
-        input=stimuli,
-        output=fmu.names("output"),
-    )
+    stop, step = (float(run.get(name)) for name in ("stopTime", "stepSize"))
+    found = fmu.simulate(stop, step, input=stimuli, output=fmu.names("output"))
     assert set(expected.dtype.names) == {"time", *fmu.names("output")}
     for name in fmu.names("output"):
         tolerance = TOLERANCE.get(fmu.model.name, 1e-11)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import fmpy
 import libcosimpy.CosimExecution
 import libcosimpy.CosimManipulator
 import libcosimpy.CosimObserver
@@ -55,17 +54,8 @@ def test_fmpy_and_our_kernel_give_the_same_bits(fmu, step):
     system, settings, inputs = _alone(fmu, time)
     with system.prepare(step=step, stop=stop) as simulation:
         ours = simulation.run(inputs=inputs)
-    kinds = [("time", "f8"), *((name, "f8") for name in inputs)]
-    outputs = fmu.names("output")
-    theirs = fmpy.simulate_fmu(
-        str(fmu.path),
-        stop_time=stop,
-        output_interval=step,
-        step_size=step,
-        start_values=settings,
-        input=np.array(list(zip(time, *inputs.values(), strict=True)), dtype=kinds),
-        output=outputs,
-    )
+    outputs, table = fmu.names("output"), {"time": time, **inputs}
+    theirs = fmu.simulate(stop, step, start_values=settings, input=table, output=outputs)
     np.testing.assert_array_equal(ours.time, theirs["time"])
     for name in outputs:
         assert len(np.unique(theirs[name])) > 10

@@ -54,17 +54,6 @@ def test_a_saved_state_keeps_parameters_and_phase(fmu, slave, identical):
     instance.api.freeFMUState(fresh)
 
 
-def test_two_halves_equal_the_whole(fmu, slave, identical):
-    """The second half runs in another instance, from the state the first half ended in."""
-    settings = fmu.settings()
-    whole = slave(fmu).initialize(settings).run(0, 80)
-    first, second = slave(fmu).initialize(settings), slave(fmu)
-    upper = first.run(0, 40)
-    bytes_ = first.api.serializeFMUState(first.api.getFMUState())
-    second.api.setFMUState(second.api.deserializeFMUState(bytes_))
-    assert identical(np.vstack([upper, second.run(40, 80)]), whole)
-
-
 RESUME = """
 import importlib.util, pathlib, sys
 conftest, path, version, target, state = sys.argv[1:]
@@ -133,17 +122,6 @@ def test_time_is_that_of_the_last_communication_point(name, build, slave):
     assert instance.get(["time"]) == [2.0]
     instance.api.doStep(2.0, 0.25)
     assert instance.get(["time"]) == [2.25]
-
-
-def test_interleaved_instances_do_not_disturb_one_another(fmu, slave, identical):
-    settings = fmu.settings()
-    alone = slave(fmu).initialize(settings).run(0, 40)
-    one, two = slave(fmu).initialize(settings), slave(fmu).initialize()
-    rows = []
-    for n in range(40):
-        rows.append(one.run(n, n + 1))
-        two.run(2 * n, 2 * n + 2)
-    assert identical(np.vstack(rows), alone)
 
 
 def test_a_description_of_another_build_is_refused(fmu, slave):

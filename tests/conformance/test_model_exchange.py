@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import fmpy
 import numpy as np
 import pytest
@@ -12,10 +9,7 @@ from fmpy.fmi1 import FMICallException
 from scipy.integrate import solve_ivp
 
 from stickslip import models
-
-spec = importlib.util.spec_from_file_location("equations", Path(__file__).with_name("equations.py"))
-equations = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(equations)
+from tests.conformance import equations
 
 CONTINUOUS = list(equations.OF)
 SAMPLED = [name for name in models.model_names() if models.load_model(name).sampled]
@@ -122,15 +116,7 @@ def test_the_results_are_those_of_co_simulation(build, name, version, tolerance)
     time = np.arange(count + 1) * step
     values = fmu.sizes()[fed] * 1.5 * np.sin(2 * np.pi * 4.0 * time + 0.5)
     states = fmu.names("state")
-    stepped = fmpy.simulate_fmu(
-        str(fmu.path),
-        fmi_type="CoSimulation",
-        stop_time=time[-1],
-        output_interval=step,
-        step_size=step,
-        input=np.array(list(zip(time, values, strict=True)), dtype=[("time", "f8"), (fed, "f8")]),
-        output=states,
-    )
+    stepped = fmu.simulate(time[-1], step, input={"time": time, fed: values}, output=states)
     solved = solve(fmu, held(time, **{fed: values}), output=states, output_interval=step)
     assert len(solved) == count + 1
     for state in states:
@@ -169,20 +155,16 @@ def test_samples_are_time_events_with_the_bits_of_co_simulation(
 def test_another_tool_finds_the_events(build, name):
     fmu = build(name, 3)
     time = np.arange(101) * 5e-4
-    inputs = [size * np.sin(40.0 * (k + 1) * time) for k, size in enumerate(fmu.sizes().values())]
-    kinds = [("time", "f8"), *((n, "f8") for n in fmu.names("input"))]
-    table = np.array(list(zip(time, *inputs, strict=True)), dtype=kinds)
-    common = {"output": fmu.names("output"), "output_interval": 5e-4}
-    stepped = fmpy.simulate_fmu(
-        str(fmu.path),
-        fmi_type="CoSimulation",
-        stop_time=0.05,
-        step_size=5e-4,
-        input=table,
-        **common,
-    )
-    solved = solve(fmu, table, **common)
-    for output in fmu.names("output"):
+    outputs = fmu.names("output")
+    table = {"time": time} | {
+        name: size * np.sin(40.0 * (k + 1) * time)
+        for k, (name, size) in enumerate(fmu.sizes().items())
+    }
+    stepped = fmu.simulate(0.05, 5e-4, input=table, output=outputs)
+    kinds = [(name, "f8") for name in table]
+    inputs = np.array(list(zip(*table.values(), strict=True)), dtype=kinds)
+    solved = solve(fmu, inputs, output=outputs, output_interval=5e-4)
+    for output in outputs:
         np.testing.assert_allclose(solved[output], stepped[output], rtol=1e-9, atol=1e-12)
 
 

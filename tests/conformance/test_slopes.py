@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-spec = importlib.util.spec_from_file_location("equations", Path(__file__).with_name("equations.py"))
-equations = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(equations)
+from tests.conformance import equations
 
 CONTINUOUS = list(equations.OF)
 pytestmark = [
@@ -62,22 +57,6 @@ def test_they_equal_complex_steps_of_the_equations(solved):
         exact = equations.jacobian(fmu.target, point, p)
         expected = [[exact[u][k] for k in knowns(fmu)] for u in unknowns(fmu)]
         np.testing.assert_allclose(matrix(solved), expected, rtol=1e-11, atol=1e-11)
-
-
-def test_they_equal_central_differences(solved):
-    fmu = solved.fmu
-    for point in fmu.points(10):
-        differences = []
-        for known in knowns(fmu):
-            h = 1e-5 * abs(point[known])
-            up, down = ({**point, known: point[known] + s * h} for s in (1, -1))
-            differences.append(
-                (moved(solved, up) - moved(solved, down)) / (up[known] - down[known])
-            )
-        moved(solved, point)
-        found = matrix(solved)
-        scale = np.abs(found).max(axis=1, keepdims=True)
-        np.testing.assert_allclose(found / scale, np.transpose(differences) / scale, atol=2e-5)
 
 
 def test_at_rest_they_are_the_mean_of_both_sides(solved):

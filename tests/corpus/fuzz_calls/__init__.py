@@ -8,7 +8,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.models import load_model
+from stickslip.models import Model
 from stickslip.models.export.headers import table_header
 from stickslip.models.export.sources import FmiVersion, c_files, compiled, fmi_headers
 
@@ -50,11 +50,10 @@ class Fuzzer:
     program: Path
 
     @classmethod
-    def build(cls, compiler: str, model: str, version: FmiVersion, folder: Path) -> Fuzzer:
-        described, here = load_model(model), Path(__file__).parent
-        files = c_files(described, version) | {"table.h": table_header(described, "token")}
+    def build(cls, compiler: str, model: Model, version: FmiVersion, folder: Path) -> Fuzzer:
+        files = c_files(model, version) | {"table.h": table_header(model, "token")}
         files |= {f"system/{name}": text for name, text in fmi_headers(version).items()}
-        files |= {file.name: file.read_text() for file in here.glob("*.[ch]")}
+        files |= {file.name: file.read_text() for file in Path(__file__).parent.glob("*.[ch]")}
         for path, text in files.items():
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_text(text)

@@ -23,7 +23,8 @@ def main() -> None:
             sys.exit("no gcc or clang with working sanitizers for addresses")
         for version in (2, 3):
             for name in names:
-                fuzzer = Fuzzer.build(compiler, name, version, Path(folder, f"{name}{version}"))
+                model, place = models.load_model(name), Path(folder, f"{name}{version}")
+                fuzzer = Fuzzer.build(compiler, model, version, place)
                 begin = time.perf_counter()
                 found = fuzzer.run(options.seed, each)
                 if found.fault:
