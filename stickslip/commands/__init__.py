@@ -4,6 +4,34 @@ The first line of the file, ``stickslip NAME`` and what it does, makes it a comm
 """
 
 import argparse
+from collections.abc import Callable, Mapping
+from typing import Any
+
+SEVERAL: dict[str, Any] = {"nargs": "+", "action": "extend", "default": []}
+"""An option that takes several values and can be repeated."""
+FLAG = {"action": "store_true"}
+
+
+def add_options(
+    parser: argparse._ActionsContainer, texts: Mapping[str, str], **settings: Any
+) -> None:
+    """Declare options that share their settings; ``texts`` is ``--name METAVAR`` -> help."""
+    for option, text in texts.items():
+        name, _, metavar = option.partition(" ")
+        shown: dict[str, Any] = {"metavar": metavar} if metavar else {}
+        parser.add_argument(name, help=text, **shown, **settings)
+
+
+def at_least(least: int) -> Callable[[str], int]:
+    """Return the type of an option that is a whole number, for ``argparse``."""
+
+    def whole_number(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"must be at least {least}, got {value}")
+        return value
+
+    return whole_number
 
 
 def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:

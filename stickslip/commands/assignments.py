@@ -4,33 +4,20 @@ from __future__ import annotations
 
 import math
 from argparse import ArgumentParser
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from stickslip.catalog.parameters import LUGRE
-from stickslip.commands import add_old_spelling
+from stickslip.commands import SEVERAL, add_old_spelling, add_options
 from stickslip.errors import UsageError
+from stickslip.fmi.messages import suggestion
 
-_WORDS = {"true": True, "on": True, "false": False, "off": False}
-
-
-def add_set_option(parser: ArgumentParser, what: str) -> None:
-    """Declare ``--set``, which can be repeated and takes several assignments."""
-    parser.add_argument(
-        "--set", nargs="+", action="extend", default=[], metavar="NAME=VALUE", help=what
-    )
+_WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
 
 
-def add_coarse_option(parser: ArgumentParser) -> None:
-    """Declare ``--coarse``, which can be repeated and takes several factors."""
-    parser.add_argument(
-        "--coarse",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME=FACTOR",
-        help="start learning at these factors times the identified values, e.g. F_s=0.7 "
-        "F_c=0.7 v_s=3 sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1",
-    )
+def add_set_option(parser: ArgumentParser, what: str = "") -> None:
+    """Declare ``--set``, of the simulated drive where nothing else is given."""
+    what = what or "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME"
+    add_options(parser, {"--set NAME=VALUE": what}, **SEVERAL)
 
 
 def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
@@ -51,42 +38,41 @@ def coarse_factors(texts: Iterable[str]) -> dict[str, float]:
     Raises
     ------
     UsageError
-        When a name is none of LuGre's five, or a factor is not a positive finite number.
+        When a name is not one of LuGre's five, or a factor is not a positive finite number.
     """
     factors: dict[str, float] = {}
-    for name, value in split_assignments(texts, "--coarse", "F_c=0.7").items():
-        if name not in LUGRE:
-            raise UsageError(f"--coarse {name}={value}: expected one of {', '.join(LUGRE)}")
-        try:
-            factors[name] = float(value)
-        except ValueError:
-            factors[name] = math.nan
-        if not (math.isfinite(factors[name]) and factors[name] > 0.0):
+    for name, value in split_assignments(texts, "--coarse").items():
+        factor = _number("--coarse", name, value)
+        if name not in LUGRE or not 0.0 < factor < math.inf:
             raise UsageError(
-                f"--coarse {name}={value}: the factor must be a positive number, got '{value}'"
+                f"--coarse {name}={value}: expected one of {', '.join(LUGRE)} and a positive number"
             )
+        factors[name] = factor
     return factors
 
 
 def split_assignments(
-    texts: Iterable[str], option: str = "--set", example: str = "drive.F_c=6.5"
+    texts: Iterable[str], option: str = "--set", known: Collection[str] = ()
 ) -> dict[str, str]:
     """Return name -> value as it was written.
 
     Parameters
     ----------
-    option, example : named in messages
+    option : named in messages
+    known : names that are accepted; empty for any
 
     Raises
     ------
     UsageError
-        When a text is no assignment, or a name comes twice.
+        When a text is not an assignment, or a name is unknown or comes twice.
     """
     values: dict[str, str] = {}
     for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise UsageError(f"{option} {text}: expected NAME=VALUE, such as {example}")
+        name, _, value = (part.strip() for part in text.partition("="))
+        if not (name and value):
+            raise UsageError(f"{option} {text}: expected NAME=VALUE")
+        if known and name not in known:
+            raise UsageError(f"{option} {text}: no '{name}'{suggestion(name, known)}")
         if name in values:
             raise UsageError(f"{option} {text}: {name} is set twice")
         values[name] = value
@@ -101,7 +87,7 @@ def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
     Raises
     ------
     UsageError
-        When another component is named, or a value is no number.
+        When another component is named, or a value is not a number.
     """
     changes: dict[str, float | str] = {}
     for name, value in split_assignments(texts).items():
@@ -110,11 +96,14 @@ def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
             continue
         if not name.startswith("drive."):
             raise UsageError(f"--set {name}: only the drive's parameters can be set, as drive.NAME")
-        try:
-            number = _WORDS[value.lower()] if value.lower() in _WORDS else float(value)
-        except ValueError:
-            raise UsageError(
-                f"--set {name}={value}: the value must be a number, true or false, got '{value}'"
-            ) from None
-        changes[name.removeprefix("drive.")] = float(number)
+        changes[name.removeprefix("drive.")] = _number("--set", name, value)
     return changes
+
+
+def _number(option: str, name: str, value: str) -> float:
+    try:
+        return _WORDS[value.lower()] if value.lower() in _WORDS else float(value)
+    except ValueError:
+        raise UsageError(
+            f"{option} {name}={value}: the value must be a number, true or false"
+        ) from None

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from stickslip import models
+from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.fmi.process import Threads
 
@@ -18,17 +19,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("models", nargs="*", metavar="MODEL", help="all of them by default")
     parser.add_argument("--fmi", choices=["2", "3", "both"], default="both")
-    parser.add_argument(
-        "--law",
-        metavar="NAME",
-        help=f"friction law of the models that contain one: {', '.join(models.law_names())}",
-    )
+    laws = ", ".join(models.law_names())
+    add_options(parser, {"--law NAME": f"friction law of the models that contain one: {laws}"})
     add_platform_option(parser)
-    parser.add_argument(
-        "--cross-check",
-        action="store_true",
-        help="also write inputs and expected results in the layout of the FMI Cross-Check",
-    )
+    check = "also write inputs and expected results in the layout of the FMI Cross-Check"
+    add_options(parser, {"--cross-check": check}, **FLAG)
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 

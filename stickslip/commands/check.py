@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from stickslip import fmucheck
+from stickslip.commands import FLAG, add_options
 from stickslip.fmucheck import Report, Severity
 
 
@@ -14,16 +15,14 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.epilog = "status 0: no errors; 1: errors (with --strict also warnings); 2: usage"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu")
-    parser.add_argument("--json", action="store_true", help="print findings as JSON")
-    parser.add_argument("--strict", action="store_true", help="warnings count as errors")
-    parser.add_argument("--no-run", action="store_true", help="do not load the binary")
-    parser.add_argument(
-        "--timeout",
-        type=float,
-        default=20.0,
-        metavar="S",
-        help="time limit of the binary for one rule",
-    )
+    flags = {
+        "--json": "print findings as JSON",
+        "--strict": "warnings count as errors",
+        "--no-run": "do not load the binary",
+    }
+    add_options(parser, flags, **FLAG)
+    limit = {"--timeout S": "time limit of the binary for one rule"}
+    add_options(parser, limit, type=float, default=20.0)
     parser.set_defaults(run=run)
 
 

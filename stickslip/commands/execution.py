@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from stickslip import ga
+from stickslip.commands import FLAG, add_options, at_least
 from stickslip.errors import UsageError
 from stickslip.ga.execution.checkpoint import check
 from stickslip.tuning.execution import Execution, processors
@@ -29,13 +30,8 @@ def add_algorithm_option(parser: argparse.ArgumentParser, *aliases: str) -> None
 
 def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
     """Declare where work is done."""
-    parser.add_argument(
-        "--workers",
-        type=int,
-        default=processors(),
-        metavar="N",
-        help=f"number of {what} that run in parallel (default: number of processors)",
-    )
+    workers = f"number of {what} that run in parallel (default: number of processors)"
+    add_options(parser, {"--workers N": workers}, type=at_least(1), default=processors())
     place = parser.add_mutually_exclusive_group()
     place.add_argument(
         "--pool",
@@ -44,28 +40,18 @@ def add_worker_options(parser: argparse.ArgumentParser, what: str) -> None:
         default="threads",
         help="kind of workers on this machine",
     )
-    place.add_argument(
-        "--cluster",
-        dest="where",
-        metavar="ADDRESS",
-        help="run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here",
-    )
+    dask = "run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here"
+    add_options(place, {"--cluster ADDRESS": dask}, dest="where")
 
 
 def add_execution_options(parser: argparse.ArgumentParser) -> None:
-    """Declare where candidates run, and the checkpoint."""
+    """Declare where candidates run, the checkpoint and the seed."""
     add_worker_options(parser, "candidates")
-    parser.add_argument(
-        "--checkpoint",
-        type=Path,
-        metavar="FILE",
-        help="checkpoint, written after every generation; with this option it is kept at the end",
-    )
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue from the checkpoint of a killed or interrupted run, if there is one",
-    )
+    file = "checkpoint, written after every generation; with this option it is kept at the end"
+    add_options(parser, {"--checkpoint FILE": file}, type=Path)
+    resume = "continue from the checkpoint of a killed or interrupted run, if there is one"
+    add_options(parser, {"--resume": resume}, **FLAG)
+    add_options(parser, {"--seed": "random seed of the algorithm"}, type=at_least(0), default=0)
 
 
 def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
@@ -74,12 +60,10 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
     Raises
     ------
     UsageError
-        When the number of workers is none, or a checkpoint is there and is not to be resumed.
+        When a checkpoint is there and is not to be resumed.
     StateError
-        When it is to be resumed, but is no checkpoint.
+        When it is to be resumed, but is not a checkpoint.
     """
-    if options.workers < 1:
-        raise UsageError(f"--workers must be at least 1, got {options.workers}")
     path = options.checkpoint or checkpoint
     execution = Execution(options.workers, options.where, path, options.resume)
     for path in _kept(execution, options):  # before anything is done

@@ -12,7 +12,8 @@ import numpy as np
 
 from stickslip import models
 from stickslip.catalog.parameters import friction_law
-from stickslip.commands.platforms import add_platform_option, parse_platforms
+from stickslip.commands import FLAG, add_options
+from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.evaluation.guards import Trial, benefit_of, inspect
@@ -28,13 +29,8 @@ MOST_SAMPLES = 10_000_000
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser("compensator", help="the tuned compensator: FMU, C or PLC code")
-    parser.add_argument(
-        "--parameters",
-        type=Path,
-        required=True,
-        metavar="FILE.json",
-        help="parameters of the compensator: a learned.json",
-    )
+    parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
+    add_options(parser, parameters, type=Path, required=True)
     parser.add_argument(
         "--as",
         dest="form",
@@ -42,14 +38,9 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
         default="fmu",
         help="an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC",
     )
-    parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="export the whole force, even if it makes the loop worse",
-    )
-    add_platform_option(parser)
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
+    force = "export the whole force, even if it makes the loop worse"
+    add_options(parser, {"--force": force}, **FLAG)
+    add_fmu_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -125,11 +116,4 @@ def _warn(message: str) -> None:
 def _write(options: argparse.Namespace, start: dict[str, float]) -> list[Path]:
     if options.form != "fmu":
         return write_compensator(options.out, options.form, start=start)
-    fmu = models.build_fmu(
-        "compensator",
-        options.out,
-        fmi=2 if options.fmi == "2" else 3,
-        platforms=parse_platforms(options.platform),
-        start=start,
-    )
-    return [fmu]
+    return [models.build_fmu("compensator", options.out, start=start, **fmu_options(options))]

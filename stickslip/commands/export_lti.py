@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.commands.platforms import add_platform_option, parse_platforms
+from stickslip.commands import FLAG, add_options
+from stickslip.commands.platforms import add_fmu_options, fmu_options
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
@@ -16,18 +17,11 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "file", type=Path, metavar="FILE.toml|FILE.json", help="see models/lti/README.md"
     )
-    for option in ("--step", "--stop"):
-        parser.add_argument(
-            option, type=float, metavar="S", help="proposed by the FMU (default: from the poles)"
-        )
-    parser.add_argument(
-        "--held",
-        action="store_true",
-        help="outputs with direct gain hold the last sample, for controllers in discrete time",
-    )
-    parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
-    add_platform_option(parser)
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
+    times = dict.fromkeys(("--step S", "--stop S"), "proposed by the FMU (default: from the poles)")
+    add_options(parser, times, type=float)
+    held = "outputs with direct gain hold the last sample, for controllers in discrete time"
+    add_options(parser, {"--held": held}, **FLAG)
+    add_fmu_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -40,7 +34,6 @@ def run(options: argparse.Namespace) -> None:
         step=described.step if options.step is None else options.step,
         stop=described.stop if options.stop is None else options.stop,
         held=options.held,
-        fmi=2 if options.fmi == "2" else 3,
-        platforms=parse_platforms(options.platform),
+        **fmu_options(options),
     )
     print(path)

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import cosim
+from stickslip.commands import add_options
 from stickslip.commands.assignments import add_set_option, split_assignments
-from stickslip.commands.platforms import add_platform_option, parse_platforms
+from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import UsageError
 
 NAME = "FILE.ssp"
@@ -19,13 +20,9 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
     parser = exports.add_parser(NAME, help="a whole system of FMUs as one FMU")
     parser.add_argument("--as", dest="form", choices=["fmu"], required=True)
-    parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
-    parser.add_argument(
-        "--step", type=float, metavar="S", help="communication step, instead of that of the file"
-    )
-    parser.add_argument(
-        "--variant", metavar="NAME", help="variant of the .ssp to export, if it has several"
-    )
+    step = {"--step S": "communication step, instead of that of the file"}
+    add_options(parser, step, type=float)
+    add_options(parser, {"--variant NAME": "variant of the .ssp to export, if it has several"})
     parser.add_argument(
         "--coupling",
         choices=["gauss_seidel", "jacobi"],
@@ -33,18 +30,13 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
         help="(default gauss_seidel)",
     )
     add_set_option(parser, "start values: component.variable=VALUE")
-    for what, usual in (
-        ("outputs", "those of the system, or of all components"),
-        ("parameters", "all"),
-    ):
-        parser.add_argument(
-            f"--{what}",
-            nargs="*",
-            metavar="NAME",
-            help=f"names or patterns (drive.*) of the FMU's variables (default: {usual})",
-        )
-    add_platform_option(parser)
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
+    names = "names or patterns (drive.*) of the FMU's variables (default: "
+    variables = {
+        "--outputs NAME": f"{names}those of the system, or of all components)",
+        "--parameters NAME": f"{names}all)",
+    }
+    add_options(parser, variables, nargs="*")
+    add_fmu_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -61,11 +53,10 @@ def run(options: argparse.Namespace) -> None:
         system,
         options.out / f"{file.stem}.fmu",
         step=step,
-        fmi=2 if options.fmi == "2" else 3,
         coupling=options.coupling,
         outputs=options.outputs,
         parameters=options.parameters,
         experiment=replace(experiment, step=step),
-        platforms=parse_platforms(options.platform),
+        **fmu_options(options),
     )
     print(path)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from stickslip.commands import FLAG, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
-from stickslip.errors import UsageError
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import files_of, write_fleet
@@ -31,28 +31,16 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("table", type=Path, metavar="TABLE")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
-    parser.add_argument(
-        "--seed",
-        type=int,
-        default=0,
-        help="random seed of the genetic algorithm, the same for each drive",
-    )
+    seed = {"--seed": "random seed of the genetic algorithm, the same for each drive"}
+    add_options(parser, seed, type=at_least(0), default=0)
     add_worker_options(parser, "drives")
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="keep what an earlier run learned from the same rows, files, seed and versions",
-    )
+    resume = "keep what an earlier run learned from the same rows, files, seed and versions"
+    add_options(parser, {"--resume": resume}, **FLAG)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Learn all drives, write the results, say what is known; return 1 if a drive failed."""
-    if options.seed < 0 or options.workers < 1:
-        raise UsageError(
-            f"--seed must be at least 0 and --workers at least 1, got {options.seed} and "
-            f"{options.workers}"
-        )
+    """Learn all drives, write the results, print what is known; return 1 if a drive failed."""
     drives = read_fleet(options.table)
     with reserved(options.out, files_of(drives)):
         return _learn(options, drives)
@@ -63,14 +51,14 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
     with TerminalProgress(sys.stderr) as progress:
         done = 0
 
-        def tell(drive: Drive, outcome: Outcome) -> None:
+        def on_done(drive: Drive, outcome: Outcome) -> None:
             nonlocal done
             done += 1
             progress.stage(f"{done}: {drive.name} {outcome.reason or 'learned'}")
 
         progress.stage(f"learning {len(drives)} drives")
         fleet = learn_fleet(
-            drives, options.out, seed=options.seed, execution=execution, on_done=tell
+            drives, options.out, seed=options.seed, execution=execution, on_done=on_done
         )
     table = fleet_table(fleet)
     write_fleet(fleet, table, options.out)
@@ -90,7 +78,7 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
 
 
 def _print_drives(fleet: Fleet) -> None:
-    """Print by what each drive was judged and how well what is known."""
+    """Print the criterion of each drive and how well its parameters are known."""
     width = max(len(drive.name) for drive in fleet.drives)
     for drive in fleet.drives:
         if drive.name in fleet.reasons:
@@ -100,8 +88,8 @@ def _print_drives(fleet: Fleet) -> None:
         known: dict[str, list[str]] = {visible: [] for visible in VISIBLE}
         for name, parameter in document["parameters"].items():
             known[parameter["visible"]].append(name)
-        said = "; ".join(f"{visible}: {' '.join(of)}" for visible, of in known.items() if of)
-        print(f"{drive.name:{width}}  {document['judge']}; {said}")
+        parameters = [f"{visible}: {' '.join(of)}" for visible, of in known.items() if of]
+        print(f"{drive.name:{width}}  {'; '.join([document['judge'], *parameters])}")
 
 
 def _print_parameters(table: pd.DataFrame) -> None:

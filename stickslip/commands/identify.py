@@ -16,13 +16,12 @@ from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved, staged
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.rig import rig_of
-from stickslip.servo.systems import Changes
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder for identified.json")
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
+    add_set_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -31,23 +30,15 @@ def run(options: argparse.Namespace) -> None:
     truth = drive_changes(options.set)
     drive_truth(truth)
     with reserved(options.out, ["identified.json"]):
-        _identify(options, truth)
-
-
-def _identify(options: argparse.Namespace, truth: Changes) -> None:
-    with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
-        estimates = identify(rig, LOOP, progress.stage).estimates
-    for name, estimate in estimates.items():
-        print(f"{name:8} {estimate.value:12.6g} +- {estimate.standard_error:<10.2g} {UNITS[name]}")
-    if options.out:
-        content = {
-            name: {
-                "value": estimate.value,
-                "unit": UNITS[name],
-                "standard_error": estimate.standard_error,
-            }
-            for name, estimate in estimates.items()
-        }
+        with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
+            estimates = identify(rig, LOOP, progress.stage).estimates
+        content = {}
+        for name, found in estimates.items():
+            value, error, unit = found.value, found.standard_error, UNITS[name]
+            print(f"{name:8} {value:12.6g} +- {error:<10.2g} {unit}")
+            content[name] = {"value": value, "unit": unit, "standard_error": error}
+        if not options.out:
+            return
         changed = {f"drive.{name}": value for name, value in truth.items()}
         with staged(options.out, {"name": "identify", "set": changed}) as staging:
             atomic_write(staging / "identified.json", json.dumps(content, indent=2) + "\n")

@@ -1,7 +1,4 @@
-"""``--isolate``: FMUs from outside in a process of their own, wherever a command runs some.
-
-That is the default where it is tested, on Linux: nobody knows what a stranger's FMU does.
-"""
+"""``--isolate``: FMUs in a process of their own; the default where it is tested, on Linux."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ import argparse
 import sys
 
 from stickslip import cosim
+from stickslip.commands import add_options
 from stickslip.errors import UsageError
 
 
@@ -21,18 +19,11 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
         help="run the FMUs in a child process, so that a crash does not end the command (default "
         "on Linux)",
     )
-    parser.add_argument(
-        "--timeout",
-        type=float,
-        metavar="S",
-        help="with isolation: time limit of the run (default: 30 s for each step)",
-    )
-    parser.add_argument(
-        "--memory",
-        type=float,
-        metavar="MB",
-        help="with isolation: memory limit (Linux, default 4096)",
-    )
+    limits = {
+        "--timeout S": "with isolation: time limit of the run (default: 30 s for each step)",
+        "--memory MB": "with isolation: memory limit (Linux, default 4096)",
+    }
+    add_options(parser, limits, type=float)
 
 
 def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
@@ -41,7 +32,7 @@ def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
     Raises
     ------
     UsageError
-        When there is a limit for nothing.
+        When a limit is given without isolation.
     """
     given = {"timeout": options.timeout, "memory": options.memory}
     limits = {name: value for name, value in given.items() if value is not None}

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from stickslip.catalog.parameters import unit_of
-from stickslip.commands import add_old_spelling
+from stickslip.commands import FLAG, add_old_spelling, add_options, at_least
 from stickslip.commands.execution import (
     add_algorithm_option,
     add_execution_options,
@@ -21,7 +21,6 @@ from stickslip.commands.execution import (
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_benefit
-from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, Finding, raise_errors
 from stickslip.pipeline.log_learning import FILES, LogLearning, learn, read_and_check, write_learned
@@ -43,10 +42,9 @@ FIGURES = {
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--log", type=Path, required=True, metavar="FILE", help="log in CSV, Parquet or MAT format"
-    )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for results and report")
+    log = {"--log FILE": "log in CSV, Parquet or MAT format"}
+    add_options(parser, log, type=Path, required=True)
+    add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     criterion = parser.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
@@ -55,20 +53,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "motion; auto: the one that the log allows",
     )
     add_old_spelling(parser, "--judge", criterion)
-    parser.add_argument("--seed", type=int, default=0, help="random seed of the genetic algorithm")
-    parser.add_argument(
-        "--seeds",
-        type=int,
-        default=1,
-        metavar="N",
-        help="number of searches, each with its own seed",
-    )
-    parser.add_argument("--check", action="store_true", help="only check the log")
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="write the whole force of the compensator even if it makes tracking worse",
-    )
+    seeds = {"--seeds N": "number of searches, each with its own seed"}
+    add_options(parser, seeds, type=at_least(1), default=1)
+    flags = {
+        "--check": "only check the log",
+        "--force": "write the whole force of the compensator even if it makes tracking worse",
+    }
+    add_options(parser, flags, **FLAG)
     add_algorithm_option(parser)
     add_execution_options(parser)
     add_log_options(parser)
@@ -77,11 +68,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Check the log, learn, print the parameters, and write the results."""
-    if options.seed < 0 or options.seeds < 1:
-        raise UsageError(
-            f"--seed must be at least 0 and --seeds at least 1, "
-            f"got {options.seed} and {options.seeds}"
-        )
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
@@ -153,10 +139,8 @@ def print_estimation(estimation: Estimation) -> None:
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
     if len(estimation.searches) > 1:
-        said = ", ".join(
-            f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()
-        )
-        print(f"spread over {len(estimation.searches)} searches: {said}")
+        spread = [f"{name} {100 * value:.2g} %" for name, value in estimation.spread().items()]
+        print(f"spread over {len(estimation.searches)} searches: {', '.join(spread)}")
     for name, value in estimation.figures.errors().items():
         if math.isfinite(value):
             print(f"relative error {100 * value:9.4g} %  {FIGURES[name]}")

@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from stickslip.catalog.parameters import PAPER
+from stickslip.commands import SEVERAL, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.planning import LINEAR, ROTARY, Stretch, arrange, draw_plan, plan
@@ -29,37 +30,21 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "moves, slow reversals, constant speeds, quick ramps and a sine sweep. Run it on the "
         "drive, log time, force and position, and learn from the log."
     )
-    parser.add_argument(
-        "--motion",
-        choices=("linear", "rotary"),
-        default="linear",
-        help="rotary: units with rad in place of m",
-    )
+    motion = {"--motion": "rotary: units with rad in place of m"}
+    add_options(parser, motion, choices=("linear", "rotary"), default="linear")
     for name, (unit, text) in _OPTIONS.items():
-        default = f"default {getattr(LINEAR, name):g}"
-        if getattr(LINEAR, name) != getattr(ROTARY, name):
-            default += f", rotary {getattr(ROTARY, name):g}"
-        parser.add_argument(f"--{name}", type=float, metavar=unit, help=f"{text} ({default})")
-    parser.add_argument(
-        "--show",
-        nargs="+",
-        default=[],
-        metavar="PARAMETER",
-        help=f"give more time to these parameters: {', '.join(PAPER)}",
-    )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        default=Path("plan.csv"),
-        metavar="FILE.csv",
-        help="file of the command (default plan.csv)",
-    )
-    parser.add_argument("--plot", type=Path, metavar="FILE.png", help="also draw the command")
+        default = f"default {getattr(LINEAR, name):g}, rotary {getattr(ROTARY, name):g}"
+        add_options(parser, {f"--{name} {unit}": f"{text} ({default})"}, type=float)
+    show = f"give more time to these parameters: {', '.join(PAPER)}"
+    add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
+    out = {"--out FILE.csv": "file of the command (default plan.csv)"}
+    add_options(parser, out, type=Path, default=Path("plan.csv"))
+    add_options(parser, {"--plot FILE.png": "also draw the command"}, type=Path)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the command and say what runs when, and how much room it needs."""
+    """Write the command, and print when each part runs and how far it travels."""
     for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
         if path and path.suffix.lower() != suffix:
             raise UsageError(f"{path}: expected a file name that ends in {suffix}")
@@ -72,13 +57,13 @@ def run(options: argparse.Namespace) -> None:
     atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
         atomic_write(options.plot, draw_plan(table, stretches, options.motion))
-    _say(table, stretches, "rad" if options.motion == "rotary" else "m")
+    _print_parts(table, stretches, "rad" if options.motion == "rotary" else "m")
     print(options.out)
     if options.plot:
         print(options.plot)
 
 
-def _say(table: pd.DataFrame, stretches: tuple[Stretch, ...], unit: str) -> None:
+def _print_parts(table: pd.DataFrame, stretches: tuple[Stretch, ...], unit: str) -> None:
     time, v, x = (table[name].to_numpy() for name in table.columns)
     for stretch in stretches:
         begin, end = time[stretch.begin], time[stretch.end]

@@ -1,9 +1,11 @@
-"""The option ``--platform``, for commands that build binaries."""
+"""The options of an FMU that is written: ``--platform``, ``--fmi`` and ``--out``."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 from stickslip.errors import UsageError
 from stickslip.fmi.toolchain import PLATFORMS, Platform, host_platform
@@ -18,6 +20,18 @@ def add_platform_option(parser: argparse.ArgumentParser) -> None:
         metavar="PLATFORM",
         help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
     )
+
+
+def add_fmu_options(parser: argparse.ArgumentParser) -> None:
+    """Declare version, platforms and folder of one FMU."""
+    parser.add_argument("--fmi", choices=["2", "3"], default="2", help="version of the standard")
+    add_platform_option(parser)
+    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR")
+
+
+def fmu_options(options: argparse.Namespace) -> dict[str, Any]:
+    """Return version and platforms as the functions that write FMUs take them."""
+    return {"fmi": int(options.fmi), "platforms": parse_platforms(options.platform)}
 
 
 def parse_platforms(names: Sequence[str]) -> list[Platform]:

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.assignments import (
-    add_coarse_option,
     add_set_option,
     add_source_option,
     coarse_factors,
@@ -46,47 +46,35 @@ from stickslip.tuning.published import study_as_published
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of the results (default results/paper; with --as-published "
-        "results/as_published)",
+    out = "folder of the results (default results/paper; with --as-published results/as_published)"
+    add_options(parser, {"--out DIR": out}, type=Path)
+    mode = (
+        "drive: each candidate runs on the drive FMU, as in the paper; record: learn everything "
+        "from one recording of 20 s"
     )
-    parser.add_argument(
-        "--mode",
-        choices=["drive", "record"],
-        default="drive",
-        help="drive: each candidate runs on the drive FMU, as in the paper; record: learn "
-        "everything from one recording of 20 s",
+    add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
+    flags = {
+        "--as-published": "only the paper's learning as published, from coarse starts over several "
+        "seeds, and under other interpretations of the paper",
+        "--complete": "also learn as published and from one recording, and compare all steps; "
+        "takes two minutes on two cores",
+    }
+    add_options(parser, flags, **FLAG)
+    seeds = (
+        "number of seeds that learn as published (default 20); a quarter of them also learn under "
+        "each other interpretation"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the algorithm")
-    parser.add_argument(
-        "--as-published",
-        action="store_true",
-        help="only the paper's learning as published, from coarse starts over several seeds, and "
-        "under other interpretations of the paper",
+    settings = {"type": at_least(1), "default": 20, "dest": "published_seeds"}
+    add_options(parser, {"--seeds N": seeds}, **settings)
+    coarse = (
+        "start learning at these factors times the identified values, e.g. F_s=0.7 F_c=0.7 v_s=3 "
+        "sigma_0=0.5 sigma_1=0.5; a parameter not named has the factor 1"
     )
-    parser.add_argument(
-        "--complete",
-        action="store_true",
-        help="also learn as published and from one recording, and compare all steps; takes two "
-        "minutes on two cores",
-    )
-    parser.add_argument(
-        "--seeds",
-        type=int,
-        default=20,
-        dest="published_seeds",
-        metavar="N",
-        help="number of seeds that learn as published (default 20); a quarter of them also learn "
-        "under each other interpretation",
-    )
+    add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
     add_algorithm_option(parser, "--preset")
-    add_coarse_option(parser)
     add_execution_options(parser)
     add_source_option(parser, FEEDS)
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
+    add_set_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -152,10 +140,6 @@ MODES = {
 
 def run(options: argparse.Namespace) -> None:
     """Reproduce, write the results and print the main figures."""
-    if options.seed < 0:
-        raise UsageError(f"--seed must be at least 0, got {options.seed}")
-    if options.published_seeds < 1:
-        raise UsageError(f"--seeds must be at least 1, got {options.published_seeds}")
     mode = "published" if options.as_published else options.mode
     if options.as_published:
         _refuse(options)
@@ -178,7 +162,7 @@ def run(options: argparse.Namespace) -> None:
         complete=options.complete,
         coarse=coarse_factors(options.coarse),
     )
-    drive_truth(chosen.truth)  # a wrong name or value is told before anything is done
+    drive_truth(chosen.truth)  # before anything is done
     compute, files, usual = MODES[mode]
     out = options.out or Path(usual)
     with (

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from stickslip import cosim
+from stickslip.commands import FLAG, SEVERAL, add_options
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
@@ -17,68 +18,34 @@ from stickslip.simulation import Model
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
-    parser.add_argument(
-        "--stop", type=float, metavar="S", help="stop time, instead of that of the file"
-    )
-    parser.add_argument(
-        "--step",
-        type=float,
-        metavar="S",
-        help="communication step, instead of that of the file; 1/500 of the run for an FMU that "
-        "proposes none",
-    )
+    numbers = {
+        "--stop S": "stop time, instead of that of the file",
+        "--step S": "communication step, instead of that of the file; 1/500 of the run for an FMU "
+        "that proposes none",
+        "--tolerance REL": "relative tolerance of the solvers, instead of that of the FMUs",
+        "--until S": "halt at this time, before the stop",
+        "--real-time FACTOR": "simulated seconds per second (default: full speed)",
+    }
+    add_options(parser, numbers, type=float)
     add_set_option(parser, "start values: component.variable=VALUE; arrays as 'x=1 2 3'")
-    parser.add_argument(
-        "--input",
-        type=Path,
-        metavar="FILE.csv|FILE.parquet",
-        help="table with a column time [s] and one per input, interpolated linearly (default: the "
-        "input in the package)",
-    )
-    parser.add_argument(
-        "--hold",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="COLUMN",
-        help="columns of --input that are held instead of interpolated",
-    )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="REL",
-        help="relative tolerance of the solvers, instead of that of the FMUs",
-    )
-    parser.add_argument(
-        "--allow-nan", action="store_true", help="continue when an output is NaN or infinite"
-    )
-    parser.add_argument(
-        "--variant", metavar="NAME", help="variant of the .ssp to load, if it has several"
-    )
-    parser.add_argument(
-        "--until", type=float, metavar="S", help="halt at this time, before the stop"
-    )
-    parser.add_argument("--save", type=Path, metavar="FILE", help="file for the state at --until")
-    parser.add_argument("--resume", type=Path, metavar="FILE", help="continue from a saved state")
-    parser.add_argument(
-        "--real-time",
-        type=float,
-        metavar="FACTOR",
-        help="simulated seconds per second (default: full speed)",
-    )
-    parser.add_argument(
-        "--record",
-        nargs="+",
-        action="extend",
-        metavar="NAME",
-        help="names or patterns (drive.*) of signals (default: all outputs and inputs)",
-    )
+    files = {
+        "--input FILE.csv|FILE.parquet": "table with a column time [s] and one per input, "
+        "interpolated linearly (default: the input in the package)",
+        "--out FILE.csv|FILE.parquet": "file for the recorded signals",
+        "--save FILE": "file for the state at --until",
+        "--resume FILE": "continue from a saved state",
+    }
+    add_options(parser, files, type=Path)
+    several = {
+        "--hold COLUMN": "columns of --input that are held instead of interpolated",
+        "--record NAME": "names or patterns (drive.*) of signals (default: all outputs and inputs)",
+    }
+    add_options(parser, several, **SEVERAL)
+    add_options(parser, {"--allow-nan": "continue when an output is NaN or infinite"}, **FLAG)
+    add_options(parser, {"--variant NAME": "variant of the .ssp to load, if it has several"})
     points = parser.add_mutually_exclusive_group()
-    points.add_argument("--every", type=int, default=1, metavar="N", help="record every N-th point")
-    points.add_argument("--last", action="store_true", help="record only the last point")
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE.csv|FILE.parquet", help="file for the recorded signals"
-    )
+    add_options(points, {"--every N": "record every N-th point"}, type=int, default=1)
+    add_options(points, {"--last": "record only the last point"}, **FLAG)
     add_isolation(parser)
     parser.set_defaults(run=run)
 

@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_table4
@@ -24,24 +25,16 @@ from stickslip.servo.systems import FEEDS, Changes
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--parameters",
-        type=Path,
-        required=True,
-        metavar="FILE.json",
-        help="parameters of the compensator: a learned.json",
-    )
+    parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
+    add_options(parser, parameters, type=Path, required=True)
     add_source_option(parser, FEEDS)
-    parser.add_argument(
-        "--velocity-filter",
-        action="store_true",
-        help="compensate with a Kalman filter for the velocity and feedforward of inertia, and "
-        "print the contribution of each",
+    velocity_filter = (
+        "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
+        "the contribution of each"
     )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for table4.csv and attribution.csv"
-    )
-    add_set_option(parser, "parameters of the simulated drive: drive.NAME=VALUE, drive.law=NAME")
+    add_options(parser, {"--velocity-filter": velocity_filter}, **FLAG)
+    add_options(parser, {"--out DIR": "folder for table4.csv and attribution.csv"}, type=Path)
+    add_set_option(parser)
     parser.set_defaults(run=run)
 
 

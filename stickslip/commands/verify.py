@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from stickslip.commands import SEVERAL, add_options
 from stickslip.errors import ResultsError
 from stickslip.results.folder import verify
 
@@ -18,25 +19,19 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = "status 0: all files are as written; 1: some are not; 2: usage"
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
-    parser.add_argument(
-        "--without",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="PATTERN",
-        help="files that may be missing, such as '*.fmu' in a repository",
-    )
+    missing = {"--without PATTERN": "files that may be missing, such as '*.fmu' in a repository"}
+    add_options(parser, missing, **SEVERAL)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Name what is not as it was written, a line a file."""
+    """Print a line for each file that is not as it was written."""
     bad = []
     for folder in options.folders:
         verdict = verify(folder, options.without)
-        for name, said in (*verdict.notes.items(), *verdict.faults.items()):
+        for name, fault in (*verdict.notes.items(), *verdict.faults.items()):
             shown = name if name.isprintable() else repr(name)
-            print(f"{folder / shown}: {said}")
+            print(f"{folder / shown}: {fault}")
         if verdict.faults:
             bad.append(f"{folder}: {verdict}")
         else:

@@ -222,7 +222,6 @@ def test_wrong_values_are_told(stage, capsys):
     assert "outside" in complaint(capsys, "reproduce", "--set", "drive.F_c=-1")
     assert "must be a number" in complaint(capsys, "reproduce", "--set", "drive.F_c=x")
     assert "expected NAME=VALUE" in complaint(capsys, "simulate", stage, "--set", "m")
-    assert "--workers" in complaint(capsys, "reproduce", "--workers", "0")
     assert "does not divide" in complaint(capsys, "simulate", stage, "--stop", "0.1001")
     assert "out of reach" in complaint(capsys, "design", "--phase-margin", "89")
 
@@ -248,7 +247,15 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(tmp_path, stage
 
 
 @pytest.mark.parametrize(
-    "arguments", [["reprodoce"], ["design", "--mass", "x"], ["build", "--fmi", "4"]]
+    "arguments",
+    [
+        ["reprodoce"],
+        ["design", "--mass", "x"],
+        ["build", "--fmi", "4"],
+        ["learn", "--log", "log.csv", "--seed", "-1"],
+        ["reproduce", "--seeds", "0"],
+        ["reproduce", "--workers", "0"],
+    ],
 )
 def test_wrong_usage_is_told_in_one_line(arguments, capsys):
     with pytest.raises(SystemExit) as ended:
@@ -256,6 +263,7 @@ def test_wrong_usage_is_told_in_one_line(arguments, capsys):
     assert ended.value.code == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert line.startswith("stickslip: ")
+    assert arguments[-2 if len(arguments) > 1 else 0] in line
     assert "--help" in line
 
 

@@ -1,18 +1,23 @@
-"""Logs as MAT files."""
+"""Logs as MAT files, which ``mat_reader`` reads in a process of its own."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping
-from typing import Any
+import os
+import subprocess
+import sys
+import zipfile
 
 import numpy as np
 
-from stickslip.cosim.signals.parquet import MOST_VALUES
 from stickslip.errors import RecordingError
-from stickslip.logs.mat5 import DamagedError, Other, read_variables
+from stickslip.fmi.process import child_process
+from stickslip.logs import mat_reader
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
+
+TIMEOUT = 60.0
+"""Time limit of the reader [s]."""
 
 
 def recognises(data: bytes, suffix: str) -> bool:
@@ -28,24 +33,14 @@ def read(path: str, data: bytes) -> LogTable:
     RecordingError
         When it cannot be read or holds no vector of numbers.
     """
-    if data.startswith((b"MATLAB 7.3", b"\x89HDF")):
-        content = _hdf5(path, data)
-    else:
-        try:
-            content = read_variables(data)
-        except DamagedError as error:
-            raise RecordingError(
-                f"{path}: not a MAT file of version 5, or damaged ({error}); save it with "
-                "save(..., '-v7')"
-            ) from None
     numbers: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     faults: dict[str, str] = {}
-    for name, found in _flat(content):
-        if isinstance(found, Other):
-            faults[name] = f"expected a vector of numbers, got {found.kind}"
+    for name, found in _variables(path, data).items():
+        if found.dtype.kind == "U":
+            faults[name] = f"expected a vector of numbers, got {found}"
             continue
-        with np.errstate(invalid="ignore"):  # odd kinds of NaN
+        with np.errstate(invalid="ignore"):  # signalling NaN
             value = found.astype(np.float64)
         if value.size == 1:
             scalars[name] = float(value.ravel()[0])
@@ -58,42 +53,27 @@ def read(path: str, data: bytes) -> LogTable:
         else:
             faults[name] = f"expected a vector, got an array {value.shape}"
     if not numbers:
-        found = ", ".join(sorted([*scalars, *faults])[:8]) or "nothing"
-        raise RecordingError(f"{path}: no vectors of numbers; there is {found}")
+        names = ", ".join(sorted([*scalars, *faults])[:8]) or "nothing"
+        raise RecordingError(f"{path}: no vectors of numbers; there is {names}")
     return LogTable(path, (*numbers, *faults), numbers, faults=faults, scalars=scalars)
 
 
-def _flat(content: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield arrays by name; a struct gives its fields."""
-    for name, value in content.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
-
-
-def _hdf5(path: str, data: bytes) -> dict[str, Any]:
-    """Return the arrays of a MAT file of version 7.3."""
-    try:
-        import h5py
-    except ImportError:
-        raise RecordingError(
-            f"{path}: a MAT file of version 7.3; save it with save(..., '-v7'), or install h5py"
-        ) from None
-    content: dict[str, Any] = {}
-
-    def keep(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-            if item.size > MOST_VALUES:
-                raise ValueError(f"{item.size} values, at most {MOST_VALUES} are read")
-            array = np.asarray(item[()])
-            numeric = array.dtype.kind in "fiub" and "MATLAB_empty" not in item.attrs
-            content[name.replace("/", ".")] = array if numeric else Other(f"{array.dtype}")
-
-    try:
-        with h5py.File(io.BytesIO(data), "r") as file:
-            file.visititems(keep)
-    except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:
-        said = " ".join(str(error).split())[:80]
-        raise RecordingError(f"{path}: a damaged MAT file of version 7.3 ({said})") from None
-    return content
+def _variables(path: str, data: bytes) -> dict[str, np.ndarray]:
+    search = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "OPENBLAS_NUM_THREADS": "1"}
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    command = [sys.executable, "-P", mat_reader.__file__]
+    with child_process(command, env=os.environ | search, **pipes) as process:
+        try:
+            output, errors = process.communicate(data, TIMEOUT)
+            with np.load(io.BytesIO(output), allow_pickle=False) as found:
+                names = found["names"].tolist()
+                return {name: found[f"arr_{k}"] for k, name in enumerate(names)}
+        except subprocess.TimeoutExpired:
+            reason = f"not read within {TIMEOUT:g} s"
+        except (ValueError, OSError, KeyError, EOFError, zipfile.BadZipFile):
+            said = errors.decode("utf-8", "replace").strip().splitlines()
+            reason = said[-1][:80] if said else f"its reader ended with {process.returncode}"
+    raise RecordingError(
+        f"{path}: not a MAT file, damaged, or of version 7.3 and h5py is not installed "
+        f"({reason}); save it with save(..., '-v7')"
+    )

@@ -43,7 +43,6 @@ def test_tables_tell_the_seed_and_count_a_thousand_runs(folder):
         ["--pool", "processes"],
         ["--coarse", "F_c=2"],
         ["--complete"],
-        ["--seeds", "0"],
     ],
     ids=" ".join,
 )
