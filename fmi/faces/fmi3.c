@@ -1,5 +1,10 @@
-/* FMI 3.0, what both interfaces share, and Co-Simulation: names and types over face.h. */
-#include "fmi3.h"
+/* FMI 3.0 over face.h. */
+#include <fmi3Functions.h>
+
+#define FMI(name) fmi3##name
+#define COUNTED , size_t nValues
+#define REQUIRE_COUNTED REQUIRE_COUNT(count, nValues)
+#include "both.h"
 
 static void emit(const Logger *logger, const char *name, Status status, const char *category,
                  const char *message) {
@@ -7,35 +12,24 @@ static void emit(const Logger *logger, const char *name, Status status, const ch
                                                message);
 }
 
-const char *fmi3GetVersion(void) { return fmi3Version; }
-
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[]) {
-    REQUIRE(ANY);
-    NEED(!nCategories || categories);
-    return (fmi3Status)instance_log(instance, loggingOn, nCategories, categories);
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                         fmi3Boolean visible, fmi3Boolean loggingOn,
+                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+                                         const fmi3ValueReference intermediate[],
+                                         size_t nIntermediate, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log,
+                                         fmi3IntermediateUpdateCallback update) {
+    const Logger logger = {emit, (void (*)(void))log, environment, loggingOn};
+    return instance_new(name, token, resources, false, logger);
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(
-    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
-    fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
-    fmi3Boolean earlyReturnAllowed, const fmi3ValueReference requiredIntermediateVariables[],
-    size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
-    fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
-    const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
-    return instance_new(instanceName, instantiationToken, resourcePath, false, logger);
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback log) {
+    const Logger logger = {emit, (void (*)(void))log, environment, loggingOn};
+    return instance_new(name, token, resources, true, logger);
 }
-
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible,
-                                          fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage) {
-    const Logger logger = {emit, (void (*)(void))logMessage, instanceEnvironment, loggingOn};
-    return instance_new(instanceName, instantiationToken, resourcePath, true, logger);
-}
-
-void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined,
                                        fmi3Float64 tolerance, fmi3Float64 startTime,
@@ -46,130 +40,109 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
     return (fmi3Status)instance_enter_initialization(instance);
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    REQUIRE(INITIALIZATION);
-    return (fmi3Status)instance_exit_initialization(instance);
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) {
-    REQUIRE(STEPPING | EVENT | CONTINUOUS);
-    return (fmi3Status)instance_terminate(instance);
-}
-
-fmi3Status fmi3Reset(fmi3Instance instance) {
-    REQUIRE(ANY);
-    return (fmi3Status)instance_reset(instance);
-}
-
-#define ACCESS(Name, TYPE)                                                                         \
-    fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
-                             size_t count, fmi3##Name values[], size_t nValues) {                  \
-        REQUIRE(ANY);                                                                              \
-        REQUIRE_COUNT(count, nValues);                                                             \
-        NEED(!count || (references && values));                                                    \
-        for (size_t k = 0; k < count; k++) {                                                       \
-            double value_k;                                                                        \
-            if (instance_get(instance, references[k], TYPE, &value_k, __func__) != OK)             \
-                return fmi3Error;                                                                  \
-            values[k] = (fmi3##Name)value_k;                                                       \
-        }                                                                                          \
-        return fmi3OK;                                                                             \
-    }                                                                                              \
-    fmi3Status fmi3Set##Name(fmi3Instance instance, const fmi3ValueReference references[],         \
-                             size_t count, const fmi3##Name values[], size_t nValues) {            \
-        REQUIRE(ALIVE);                                                                            \
-        REQUIRE_COUNT(count, nValues);                                                             \
-        NEED(!count || (references && values));                                                    \
-        for (size_t k = 0; k < count; k++)                                                         \
-            if (instance_accepts(instance, references[k], TYPE, (double)values[k], __func__) !=    \
-                OK)                                                                                \
-                return fmi3Error;                                                                  \
-        for (size_t k = 0; k < count; k++)                                                         \
-            if (instance_put(instance, references[k], (double)values[k]) != OK)                    \
-                return fmi3Error;                                                                  \
-        return fmi3OK;                                                                             \
-    }
+CHANGE(EnterStepMode, STEPPING, OK)
 
 ACCESS(Float64, REAL)
 ACCESS(Int32, INTEGER)
 ACCESS(Boolean, BOOLEAN)
 
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                        size_t nUnknowns, const fmi3ValueReference knowns[],
-                                        size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                        fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED);
-    REQUIRE_COUNT(nKnowns, nSeed);
-    REQUIRE_COUNT(nUnknowns, nSensitivity);
-    NEED((!nUnknowns || (unknowns && sensitivity)) && (!nKnowns || (knowns && seed)));
-    return (fmi3Status)slopes_multiply(instance, DIRECTIONAL, (Chosen){unknowns, nUnknowns},
-                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
-}
+#define DERIVATIVE_PRODUCT(Name, PRODUCT, nGiven, nResults)                                        \
+    fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference unknowns[],           \
+                             size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns,  \
+                             const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],    \
+                             size_t nSensitivity) {                                                \
+        REQUIRE(STEPPING | INITIALIZED);                                                           \
+        REQUIRE_COUNT(nGiven, nSeed);                                                              \
+        REQUIRE_COUNT(nResults, nSensitivity);                                                     \
+        NEED((!nUnknowns || unknowns) && (!nKnowns || knowns));                                    \
+        NEED((!nSeed || seed) && (!nSensitivity || sensitivity));                                  \
+        return (fmi3Status)slopes_multiply(instance, PRODUCT, (Chosen){unknowns, nUnknowns},       \
+                                           (Chosen){knowns, nKnowns}, seed, sensitivity,           \
+                                           __func__);                                              \
+    }
+DERIVATIVE_PRODUCT(DirectionalDerivative, DIRECTIONAL, nKnowns, nUnknowns)
+DERIVATIVE_PRODUCT(AdjointDerivative, ADJOINT, nUnknowns, nKnowns)
 
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                    size_t nUnknowns, const fmi3ValueReference knowns[],
-                                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                    fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED);
-    REQUIRE_COUNT(nUnknowns, nSeed);
-    REQUIRE_COUNT(nKnowns, nSensitivity);
-    NEED((!nUnknowns || (unknowns && seed)) && (!nKnowns || (knowns && sensitivity)));
-    return (fmi3Status)slopes_multiply(instance, ADJOINT, (Chosen){unknowns, nUnknowns},
-                                       (Chosen){knowns, nKnowns}, seed, sensitivity, __func__);
-}
-
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    REQUIRE(ANY);
-    NEED(FMUState);
-    return (fmi3Status)instance_save(instance, FMUState);
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
-    REQUIRE(ANY);
-    return (fmi3Status)instance_restore(instance, FMUState);
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    REQUIRE(ANY);
-    return FMUState ? (fmi3Status)instance_forget(instance, FMUState) : fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
-    REQUIRE(ANY);
-    NEED(size);
-    return (fmi3Status)instance_serialized_size(instance, FMUState, size);
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte state[],
-                                 size_t size) {
-    REQUIRE(ANY);
-    NEED(state);
-    return (fmi3Status)instance_serialize(instance, FMUState, state, size);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte state[], size_t size,
-                                   fmi3FMUState *FMUState) {
-    REQUIRE(ANY);
-    NEED(state && FMUState);
-    return (fmi3Status)instance_deserialize(instance, state, size, FMUState);
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 h,
+                      fmi3Boolean no_restore, fmi3Boolean *event, fmi3Boolean *terminate,
+                      fmi3Boolean *early, fmi3Float64 *last) {
     REQUIRE(STEPPING);
-    return fmi3OK;
-}
-
-fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
-                      fmi3Float64 communicationStepSize,
-                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
-                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
-    REQUIRE(STEPPING);
-    NEED(eventHandlingNeeded && terminateSimulation && earlyReturn && lastSuccessfulTime);
-    const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
-    *eventHandlingNeeded = false;
-    *terminateSimulation = false;
-    *earlyReturn = false;
-    *lastSuccessfulTime = instance_time(instance);
+    NEED(event && terminate && early && last);
+    const Status status = instance_step(instance, time, h);
+    *event = *terminate = *early = false;
+    *last = instance_time(instance);
     return (fmi3Status)status;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again,
+                                    fmi3Boolean *terminate, fmi3Boolean *nominals,
+                                    fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next) {
+    REQUIRE(EVENT);
+    NEED(again && terminate && nominals && values && defined && next);
+    *again = *terminate = *nominals = *values = false;
+    return (fmi3Status)exchange_update(instance, defined, next);
+}
+
+#define NUMBER_OF(Name, number)                                                                    \
+    fmi3Status fmi3GetNumberOf##Name(fmi3Instance instance, size_t *count) {                       \
+        REQUIRE(ANY);                                                                              \
+        NEED(count);                                                                               \
+        *count = number;                                                                           \
+        return fmi3OK;                                                                             \
+    }
+NUMBER_OF(EventIndicators, 0)
+NUMBER_OF(ContinuousStates, exchange_count(instance))
+
+/* The rest, which every binary must export: what modelDescription.xml does not declare. */
+#define UNAVAILABLE(Name, ...)                                                                     \
+    fmi3Status fmi3##Name(__VA_ARGS__) {                                                           \
+        return (fmi3Status)instance_unavailable(instance, __func__);                               \
+    }
+#define OF fmi3Instance instance, const fmi3ValueReference references[], size_t count
+#define UNAVAILABLE_TYPE(Name)                                                                     \
+    UNAVAILABLE(Get##Name, OF, fmi3##Name values[], size_t nValues)                                \
+    UNAVAILABLE(Set##Name, OF, const fmi3##Name values[], size_t nValues)
+
+UNAVAILABLE_TYPE(Float32)
+UNAVAILABLE_TYPE(Int8)
+UNAVAILABLE_TYPE(UInt8)
+UNAVAILABLE_TYPE(Int16)
+UNAVAILABLE_TYPE(UInt16)
+UNAVAILABLE_TYPE(UInt32)
+UNAVAILABLE_TYPE(Int64)
+UNAVAILABLE_TYPE(UInt64)
+UNAVAILABLE_TYPE(String)
+UNAVAILABLE(GetBinary, OF, size_t sizes[], fmi3Binary values[], size_t nValues)
+UNAVAILABLE(SetBinary, OF, const size_t sizes[], const fmi3Binary values[], size_t nValues)
+UNAVAILABLE(GetClock, OF, fmi3Clock values[])
+UNAVAILABLE(SetClock, OF, const fmi3Clock values[])
+UNAVAILABLE(GetIntervalDecimal, OF, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+UNAVAILABLE(GetIntervalFraction, OF, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+            fmi3IntervalQualifier qualifiers[])
+UNAVAILABLE(SetIntervalDecimal, OF, const fmi3Float64 intervals[])
+UNAVAILABLE(SetIntervalFraction, OF, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+UNAVAILABLE(GetShiftDecimal, OF, fmi3Float64 shifts[])
+UNAVAILABLE(GetShiftFraction, OF, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+UNAVAILABLE(SetShiftDecimal, OF, const fmi3Float64 shifts[])
+UNAVAILABLE(SetShiftFraction, OF, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+UNAVAILABLE(GetOutputDerivatives, OF, const fmi3Int32 orders[], fmi3Float64 values[],
+            size_t nValues)
+UNAVAILABLE(GetNumberOfVariableDependencies, fmi3Instance instance, fmi3ValueReference reference,
+            size_t *count)
+UNAVAILABLE(GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent,
+            size_t elementsOfDependent[], fmi3ValueReference independents[],
+            size_t elementsOfIndependents[], fmi3DependencyKind kinds[], size_t count)
+UNAVAILABLE(EnterConfigurationMode, fmi3Instance instance)
+UNAVAILABLE(ExitConfigurationMode, fmi3Instance instance)
+UNAVAILABLE(EvaluateDiscreteStates, fmi3Instance instance)
+UNAVAILABLE(ActivateModelPartition, fmi3Instance instance, fmi3ValueReference clock,
+            fmi3Float64 time)
+
+fmi3Instance
+fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
+                                  fmi3Boolean visible, fmi3Boolean loggingOn,
+                                  fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                  fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
+                                  fmi3UnlockPreemptionCallback unlock) {
+    return NULL;
 }
