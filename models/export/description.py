@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
 from stickslip.models.export.law import Law, merge, read_toml
-from stickslip.models.export.units import DISPLAY, UNITS, rate_unit
+from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
@@ -29,6 +29,7 @@ ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
 motor force, force of the compensator before this one in a chain."""
 AXIS = {"T_s", "m", "b", "tau_i"}
 """Sample period of the loop; mass, viscous friction and current-loop lag of its axis."""
+MODELS = Path(__file__).parents[1]
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
@@ -155,6 +156,9 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
         When the file is not well formed.
     """
     content = read_toml(folder / "model.toml")
+    if "include" in content:  # variables that several models have, before the model's own
+        for section, tables in read_toml(MODELS / content["include"]).items():
+            content[section] = tables | content.get(section, {})
     content.setdefault("parameters", {})
     if law is not None:
         merge(content, law)
@@ -227,7 +231,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
         raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
     if (shown := table.get("display")) and shown not in DISPLAY.get(table.get("unit", "1"), {}):
         raise DescriptionError(f"{where}: {shown} is no display unit of {table.get('unit')}")
-    size = table.get("size", ())
+    unit, size = table.get("unit"), table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = list(itertools.product(*(range(1, n + 1) for n in size)))
     if len(start) not in (1, len(indices)):
@@ -238,12 +242,12 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             role=role,
             description=table["description"],
             type=table.get("type", "real"),
-            unit=table.get("unit"),
-            display=table.get("display"),
+            unit=unit,
+            display=table.get("display", READ_IN.get(unit)),
             start=start[place if len(start) > 1 else 0],
             minimum=table.get("min"),
             maximum=table.get("max"),
-            nominal=table.get("nominal"),
+            nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit)),
             is_output=role == "output" or table.get("output", False),
             depends=_depends(where, table),
             uses=tuple(table.get("uses", ())),

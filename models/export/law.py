@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stickslip.models.errors import DescriptionError
-from stickslip.models.export.units import force_and_length
+from stickslip.models.export.units import READ_IN, force_and_length
 
 Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]
@@ -154,7 +154,7 @@ def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
         start=tuple(map(float, start)),
         low=table["min"],
         high=table["max"],
-        display=table.get("display"),
+        display=table.get("display", READ_IN.get(table["unit"])),
         symbol=table["symbol"],
         coordinate=table.get("coordinate", "linear"),
         at_least=table.get("at_least"),

@@ -11,12 +11,11 @@ from xml.etree import ElementTree as ET
 
 from stickslip import fmi
 from stickslip.models.export import xml
-from stickslip.models.export.description import Model
+from stickslip.models.export.description import MODELS, Model
 from stickslip.models.export.headers import table_source, variables_header
 
 FmiVersion = Literal[2, 3]
 
-MODELS = Path(__file__).parent.parent
 FACES = Path(fmi.__file__).parent / "faces"
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
 # took a tenth more time.

@@ -32,6 +32,11 @@ DISPLAY = {
 }
 """Unit -> what people read it in, and how many of those it is."""
 
+READ_IN = {"m": "mm", "m/s": "mm/s", "s": "ms"}
+"""Unit -> display unit where model.toml and law.toml give none."""
+NOMINAL = {"N": 10.0, "m": 0.01, "m/s": 0.01, "m/s2": 0.1, "s": 1e-4}
+"""Unit -> nominal value of a signal where model.toml and law.toml give none."""
+
 
 def rate_unit(unit: str) -> str:
     """Return the unit of a derivative by time."""

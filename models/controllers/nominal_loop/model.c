@@ -1,7 +1,5 @@
 #include "model.h"
 
-#include "numerics/sampling.h"
-
 enum { ORDER = sizeof(((Memory *)0)->x) / sizeof(double) };
 
 static double product(const double row[ORDER], const double x[ORDER]) {
@@ -9,10 +7,6 @@ static double product(const double row[ORDER], const double x[ORDER]) {
     for (int i = 0; i < ORDER; i++)
         sum += row[i] * x[i];
     return sum;
-}
-
-void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    *w = (Memory){.k = first_sample(t, p->T_s)};
 }
 
 /* One sample: x+ = A x + B v_cmd + E a_cmd, v_r = C x+ + D v_cmd. */
@@ -25,21 +19,10 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     w->v_held = product(p->C, w->x) + p->D * u->v_cmd;
 }
 
-bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    if (!samples_countable(w->k, p->T_s, t + h))
-        return false;
-    for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
-        sample(w, u, p);
-    double all = w->v_held;
-    for (int i = 0; i < ORDER; i++)
-        all += w->x[i];
-    return all - all == 0.0; /* finite */
-}
+#include "numerics/sampled.h"
 
-double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
-    for (; samples_countable(w->k, p->T_s, t) && sample_reached(w->k, p->T_s, t); w->k += 1.0)
-        sample(w, u, p);
-    return w->k * p->T_s;
+void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
+    *w = (Memory){.k = first_sample(t, p->T_s)};
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,

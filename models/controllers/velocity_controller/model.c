@@ -1,7 +1,6 @@
 #include "model.h"
 
 #include "numerics/elementary.h"
-#include "numerics/sampling.h"
 
 static double limited(double force, double limit) {
     return force > limit ? limit : force < -limit ? -limit : force;
@@ -35,23 +34,10 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     w->J = integrated(w->J, J, e_x, demanded, w->u_held);
 }
 
+#include "numerics/sampled.h"
+
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     *w = (Memory){.k = first_sample(t, p->T_s), .x_last = u->x_enc};
-}
-
-bool model_step(double t, double h, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    if (!samples_countable(w->k, p->T_s, t + h))
-        return false;
-    for (; sample_due(w->k, p->T_s, t + h); w->k += 1.0)
-        sample(w, u, p);
-    const double all = w->u_held + w->v_filtered + w->I + w->J;
-    return all - all == 0.0; /* finite */
-}
-
-double model_sample(double t, Memory *w, const Inputs *u, const Parameters *p) {
-    for (; samples_countable(w->k, p->T_s, t) && sample_reached(w->k, p->T_s, t); w->k += 1.0)
-        sample(w, u, p);
-    return w->k * p->T_s;
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,
