@@ -18,11 +18,12 @@ from stickslip.fmi.toolchain import (
     standard_functions,
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
-from stickslip.models.export import fmi2, fmi3, icon
+from stickslip.models.export import icon
 from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.documentation import index
 from stickslip.models.export.headers import table_header
 from stickslip.models.export.law import Law, read_law, read_toml
+from stickslip.models.export.model_description import model_description
 from stickslip.models.export.reference import cross_check, layered_standard, reference_file
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
@@ -38,7 +39,6 @@ from stickslip.models.export.terminals import terminals_and_icons
 
 _ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
-_DESCRIPTION = {2: fmi2.model_description, 3: fmi3.model_description}
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes from the same sources
 
 
@@ -154,7 +154,7 @@ def pack_fmu(
     token = _token(model, fmi)
     files = c_files(model, fmi) | {"table.h": table_header(model, token)}
     texts = {
-        "modelDescription.xml": _DESCRIPTION[fmi](model, token),
+        "modelDescription.xml": model_description(model, token, fmi),
         "documentation/index.html": index(model, _ICON[fmi]),
         "documentation/licenses/license.txt": text(MODELS / "license.txt"),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(model),
@@ -213,7 +213,7 @@ def _binaries(
 
 def _token(model: Model, fmi: FmiVersion) -> str:
     """Return the hash of sources and description: the same sources, the same FMU."""
-    digest = hashlib.sha256(_DESCRIPTION[fmi](model, "").encode())
+    digest = hashlib.sha256(model_description(model, "", fmi).encode())
     for path, content in sorted(c_files(model, fmi).items()):
         digest.update(f"\0{path}\0{content}".encode())
     return digest.hexdigest()[:32]
