@@ -231,7 +231,8 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
         raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
     if (shown := table.get("display")) and shown not in DISPLAY.get(table.get("unit", "1"), {}):
         raise DescriptionError(f"{where}: {shown} is no display unit of {table.get('unit')}")
-    unit, size = table.get("unit"), table.get("size", ())
+    unit: str | None = table.get("unit")
+    size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = list(itertools.product(*(range(1, n + 1) for n in size)))
     if len(start) not in (1, len(indices)):
@@ -243,11 +244,11 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             description=table["description"],
             type=table.get("type", "real"),
             unit=unit,
-            display=table.get("display", READ_IN.get(unit)),
+            display=table.get("display", READ_IN.get(unit or "")),
             start=start[place if len(start) > 1 else 0],
             minimum=table.get("min"),
             maximum=table.get("max"),
-            nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit)),
+            nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit or "")),
             is_output=role == "output" or table.get("output", False),
             depends=_depends(where, table),
             uses=tuple(table.get("uses", ())),

@@ -19,7 +19,7 @@ from stickslip.fmi.toolchain import (
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
 from stickslip.models.export import icon
-from stickslip.models.export.description import Model, read_model
+from stickslip.models.export.description import MODELS, Model, read_model
 from stickslip.models.export.documentation import index
 from stickslip.models.export.headers import table_header
 from stickslip.models.export.law import Law, read_law, read_toml
@@ -27,7 +27,6 @@ from stickslip.models.export.model_description import model_description
 from stickslip.models.export.reference import cross_check, layered_standard, reference_file
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
-    MODELS,
     FmiVersion,
     build_description,
     c_files,
