@@ -48,7 +48,7 @@ def build(folder: Path, name: str, version: int, extra: int = 0) -> Path:
 
 def library(name: str) -> Path:
     """Compile one model."""
-    flags = (f"-DSTART={name.upper()}_START", f"-DSTEP=step_{name}")
+    flags = (f"-DMODEL_START={name.upper()}_START", f"-DMODEL_STEP=step_{name}")
     return fmu.library(name, HERE / "ring.h", HERE / "ring.c", flags=flags)
 
 

@@ -7,7 +7,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.coupling_state import memory_of_coupling, recall
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
@@ -15,7 +14,7 @@ from stickslip.cosim.assembly.wiring import connected_inputs
 from stickslip.cosim.errors import ConnectionFault, ExperimentError
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
-from stickslip.cosim.kernel import coupling as tables
+from stickslip.cosim.kernel import structures as tables
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
@@ -102,8 +101,7 @@ class Coupled:
     def follow(self, ends: Array) -> None:
         """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
         if hasattr(self, "_table"):
-            self._ends = ends
-            self._table.ends = ends.ctypes.data
+            self._table.ends = tables.doubles(ends)
 
     @property
     def effort(self) -> dict[str, int]:
@@ -217,7 +215,7 @@ class Coupled:
             work=(ctypes.c_double * (n * n + 6 * n))(),
         )
 
-    def _member(self, name: str, slot: kernel.Component) -> Any:
+    def _member(self, name: str, slot: tables.Component) -> Any:
         fmu, n, degree = self._system.components[name], slot.n_inputs, self._coupling.degree
         sources = self._system.sources()
         shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.ctypeslib import as_array
 
-from stickslip.cosim.kernel.coupling import MAX_PAST
+from stickslip.cosim.kernel.structures import MAX_PAST
 from stickslip.cosim.signals.signals import Array
 
 _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.signals.signals import Array
 
@@ -15,8 +15,8 @@ from stickslip.cosim.signals.signals import Array
 def disturb(
     tables: Tables,
     layout: Layout,
-    run: kernel.Run,
-    slots: Mapping[str, kernel.Component],
+    run: structures.Run,
+    slots: Mapping[str, structures.Component],
     external: Array,
     ends: Array,
 ) -> None:
@@ -38,16 +38,18 @@ def disturb(
     for component, slot in slots.items():
         mine = [name for name in layout.outputs[component] if name in tables]
         slot.n_disturbances = len(mine)
-        slot.disturbances = (kernel.Disturbance * len(mine))(
+        slot.disturbances = (structures.Disturbance * len(mine))(
             *(_entry(layout.columns[name], tables[name]) for name in mine)
         )
 
 
-def _entry(column: int, table: Disturbance) -> kernel.Disturbance:
-    return kernel.Disturbance(column, *map(kernel.doubles, (table.keep, table.add, table.ends)))
+def _entry(column: int, table: Disturbance) -> structures.Disturbance:
+    return structures.Disturbance(
+        column, *map(structures.doubles, (table.keep, table.add, table.ends))
+    )
 
 
-def held_values(slots: Mapping[str, kernel.Component], row: Array, done: int) -> Array:
+def held_values(slots: Mapping[str, structures.Component], row: Array, done: int) -> Array:
     """Return for each signal the value that it keeps if it sticks from now on, (width,).
 
     Parameters
@@ -62,11 +64,11 @@ def held_values(slots: Mapping[str, kernel.Component], row: Array, done: int) ->
     return values
 
 
-def hold_values(slots: Mapping[str, kernel.Component], values: Array) -> None:
+def hold_values(slots: Mapping[str, structures.Component], values: Array) -> None:
     """Let signals that stick keep the values (width,) that ``held_values`` returned."""
     for entry in _entries(slots):
         entry.held = values[entry.column]
 
 
-def _entries(slots: Mapping[str, kernel.Component]) -> list[kernel.Disturbance]:
+def _entries(slots: Mapping[str, structures.Component]) -> list[structures.Disturbance]:
     return [slot.disturbances[i] for slot in slots.values() for i in range(slot.n_disturbances)]

@@ -11,13 +11,12 @@ import numpy as np
 from numpy.ctypeslib import as_array
 from numpy.typing import NDArray
 
-from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.batch import Batch, batches
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.kernel import doubles
-from stickslip.cosim.kernel import general_path as mirror
+from stickslip.cosim.kernel import structures
+from stickslip.cosim.kernel.structures import doubles
 from stickslip.cosim.signals.signals import Table
 from stickslip.fmi.description.variables import Value, Variable
 
@@ -70,7 +69,7 @@ class GeneralComponent:
         self._starts: tuple[list[Batch], ...] = ()
         self._names = [variable.name for variable in inputs]
         self._tables: Mapping[str, Table] = {}
-        self.c = mirror.GeneralComponent(
+        self.c = structures.GeneralComponent(
             version=fmu.version,
             model_exchange=fmu.interface == "model_exchange",
             event_mode=fmu.event_mode,
@@ -80,14 +79,14 @@ class GeneralComponent:
             input_ports=_ports(self._inputs, inputs, ahead),
             output_ports=_ports(self._outputs, outputs, [False] * len(outputs)),
             n_inputs=len(inputs),
-            courses=(mirror.Course * len(inputs))(),
+            courses=(structures.Course * len(inputs))(),
             before=(ctypes.c_double * len(inputs))(),
             after=(ctypes.c_double * len(inputs))(),
             rates=(ctypes.c_double * (2 * len(inputs)))(),
             tolerance=tolerance or fmu.experiment.tolerance or TOLERANCE,
             n_clocks=len(fmu.clocks),
-            clocks=(mirror.Clock * len(fmu.clocks))(
-                *(mirror.Clock(c.reference, c.asked, c.interval, c.shift) for c in fmu.clocks)
+            clocks=(structures.Clock * len(fmu.clocks))(
+                *(structures.Clock(c.reference, c.asked, c.interval, c.shift) for c in fmu.clocks)
             ),
             n_states=fmu.n_states,
             n_indicators=fmu.n_indicators,
@@ -95,19 +94,19 @@ class GeneralComponent:
         )
         self.c.call[:] = _addresses(fmu, library)
         if fmu.interface == "model_exchange":
-            self.c.cvode = _cvode(fmu)
+            self.c.cvode = ctypes.addressof(_cvode(fmu))
 
-    def attach_to(self, slot: kernel.Component) -> None:
+    def attach_to(self, slot: structures.Component) -> None:
         """Let a component of the kernel, wired as if it were plain, be on the general path."""
         slot.version = 2
         slot.log = ctypes.pointer(self.c.log)
         slot.input_references = (ctypes.c_uint32 * slot.n_inputs)(*range(slot.n_inputs))
         slot.output_references = (ctypes.c_uint32 * slot.n_outputs)(*range(slot.n_outputs))
 
-    def bind(self, slot: kernel.Component, library: ctypes.CDLL) -> None:
+    def bind(self, slot: structures.Component, library: ctypes.CDLL) -> None:
         """Take the functions of a dressed component from the library that steps it."""
         self._kernel = library
-        names = [f"general_{name.removeprefix('fmi2')}" for name in kernel.calls(2)]
+        names = [f"general_{name}" for (name,) in structures.calls("FMI2_CALLS")]
         slot.call[: len(names)] = [_address(getattr(library, name, None)) for name in names]
 
     def state_calls(self) -> tuple[int, int, int]:
@@ -145,11 +144,11 @@ class GeneralComponent:
         for i, name in enumerate(self._names):
             table = tables.get(name)
             self.c.courses[i] = (
-                mirror.Course(
+                structures.Course(
                     len(table.time), doubles(table.time), doubles(table.values), table.held
                 )
                 if table
-                else mirror.Course()
+                else structures.Course()
             )
 
     def hold(self, values: Mapping[str, tuple[Variable, Value]]) -> None:
@@ -203,12 +202,14 @@ class GeneralComponent:
         return list(owners.values())
 
 
-def _groups(sources: Sequence[Batch]) -> mirror.Groups:
-    return mirror.Groups(len(sources), (mirror.Group * len(sources))(*(b.group() for b in sources)))
+def _groups(sources: Sequence[Batch]) -> structures.Groups:
+    return structures.Groups(
+        len(sources), (structures.Group * len(sources))(*(b.group() for b in sources))
+    )
 
 
 def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Sequence[bool]) -> Any:
-    ports = (mirror.Port * len(variables))()
+    ports = (structures.Port * len(variables))()
     for port, variable, early in zip(ports, variables, ahead, strict=True):
         port.group = next(i for i, batch in enumerate(sources) if batch.holds(variable))
         port.place = sources[port.group].place(variable)
@@ -228,7 +229,8 @@ def _addresses(fmu: Fmu, library: Library) -> list[int]:
         0
         if name in {"-", library.lacks_reset} or not set(reasons) & set(needs)
         else library.address(name)
-        for name, reasons in mirror.general_calls(fmu.version)
+        for _, *names, reasons in structures.calls("GENERAL_CALLS")
+        for name in [names[fmu.version - 2]]
     ]
 
 
@@ -241,7 +243,7 @@ def _cvode_table() -> Any:
     from fmpy.sundials import libraries  # loads the libraries, which not every platform has
 
     places = [value for name, value in vars(libraries).items() if name.startswith("sundials_")]
-    names = mirror.cvode_calls()
+    names = [name for _, name, *_ in structures.calls("CVODE_CALLS")]
     found = (next(p for p in places if hasattr(p, name)) for name in names)
     return (ctypes.c_void_p * len(names))(
         *(_address(getattr(place, name)) for place, name in zip(found, names, strict=True))

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.cosim import kernel
 from stickslip.cosim.fmu.names import component_of, variable_of
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.signals import Array, Input, Table, sampled
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.system import System
@@ -48,16 +48,14 @@ class InputEvents:
             elif signal is not None and (hasattr(signal, "sample") or callable(signal)):
                 self.values[:, i] = sampled(name, signal, self.times)
 
-    def attach(self, run: kernel.Run) -> None:
+    def attach(self, run: structures.Run) -> None:
         """Let a run, which is about to begin, stop at these."""
         n = run.n_events = len(self.times)
-        self._events = (kernel.InputEvent * n)(
-            *map(kernel.InputEvent, self.steps.tolist(), self.times.tolist())
+        run.events = (structures.InputEvent * n)(
+            *map(structures.InputEvent, self.steps.tolist(), self.times.tolist())
         )
-        self._parts = (ctypes.c_double * (2 * run.width if n else 0))()
-        run.events = self._events
-        run.event_inputs = self.values.ctypes.data
-        run.parts = ctypes.addressof(self._parts)
+        run.parts = (ctypes.c_double * (2 * run.width if n else 0))()
+        run.event_inputs = structures.doubles(self.values)
 
 
 def joined(time: Array, ends: Array, values: Array) -> Table:

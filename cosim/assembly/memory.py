@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import ExperimentError
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import Span
 from stickslip.cosim.system.record import Deviation, Record
@@ -39,7 +39,12 @@ class Memory:
     """
 
     def __init__(
-        self, run: kernel.Run, layout: Layout, record: Record, time: Array, room: Room = np.empty
+        self,
+        run: structures.Run,
+        layout: Layout,
+        record: Record,
+        time: Array,
+        room: Room = np.empty,
     ) -> None:
         self._run, self._room = run, room
         self._time = time
@@ -52,7 +57,7 @@ class Memory:
         run.n_selected = self._recorded
         run.every = record.every
         entries = [_entry(label, d, layout, time) for label, d in layout.summed.items()]
-        sums = (kernel.SumOfSquares * len(entries))(*entries)
+        sums = (structures.SumOfSquares * len(entries))(*entries)
         run.sums, run.n_sums = sums, len(entries)
         self._sums = dict(zip(layout.summed, sums, strict=True))
         self._whole = layout.whole
@@ -71,7 +76,7 @@ class Memory:
         """
         run = self._run
         self._external = external
-        run.external = external.ctypes.data if external.size else None
+        run.external = structures.doubles(external) if external.size else None
         room = np.empty if apart else self._room
         if self._whole or (apart and (run.n_steps + 1) * run.width <= _MOST_APART):
             self._take(room((run.n_steps + 1, run.width)), used_again=False)
@@ -79,7 +84,7 @@ class Memory:
             self._take(self._block, used_again=True)
         if self._recorded:
             self._record = room((len(self._time[:: self._every]), self._recorded))
-            run.record = self._record.ctypes.data
+            run.record = structures.doubles(self._record)
 
     def rows(self) -> Array:
         """Return the rows of all signals up to the last step done; none where they are not kept."""
@@ -139,20 +144,20 @@ class Memory:
 
     def _take(self, rows: Array, *, used_again: bool) -> None:
         self._rows = rows
-        self._run.rows, self._run.used_again = rows.ctypes.data, used_again
+        self._run.rows, self._run.used_again = structures.doubles(rows), used_again
 
     def _row(self, step: int) -> Array:
         row: Array = self._rows[step - (self._run.block_start if self._run.used_again else 0)]
         return row
 
 
-def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> kernel.SumOfSquares:
+def _entry(label: str, what: Deviation, layout: Layout, time: Array) -> structures.SumOfSquares:
     steps = np.flatnonzero(Span(what.begin, what.end).covers(time))
     if not len(steps):
         raise ExperimentError(
             f"cannot sum up {label!r}: no point in time lies in {what.begin} to {what.end} s"
         )
-    entry = kernel.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
+    entry = structures.SumOfSquares(layout.columns[what.signal], -1, 0.0, steps[0], steps[-1] + 1)
     if isinstance(what.reference, str):
         entry.reference = layout.columns[what.reference]
     else:

@@ -7,12 +7,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, get_args
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.batch import batches
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value, Variable
 from stickslip.fmi.messages import shown
@@ -63,14 +63,14 @@ class Settings:
             if variable.is_signal
         }
 
-    def attach(self, component: str, slot: kernel.Component) -> None:
+    def attach(self, component: str, slot: structures.Component) -> None:
         """Let a component of the kernel take its start values from here."""
         structure, early, late = (self._batches.get((component, p), []) for p in get_args(_Phase))
         if component in self._general_components:
             self._general_components[component].start_with(structure, early, late)
             return
         starts = [*early, *late]
-        table = (kernel.Setting * len(starts))()
+        table = (structures.Setting * len(starts))()
         for setting, batch in zip(table, starts, strict=True):
             setting.set, setting.call = batch.address, batch.call.encode()
             setting.late = batch in late

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import ParameterError, SignalError
@@ -20,6 +19,7 @@ from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.values import converted
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.scenario import Disturbance, Tables
 from stickslip.cosim.system.scaling import Scaling
 from stickslip.cosim.system.system import System
@@ -94,21 +94,21 @@ class Change:
         self._group = batch.group()
         self._general = general
 
-    def entry(self, component: int) -> kernel.Change:
+    def entry(self, component: int) -> structures.Change:
         """Return it as the kernel takes it."""
         batch = self._batch
         address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
         if self._general:
             address = self._general.tune_call()
             values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
-        setting = kernel.Setting(
+        setting = structures.Setting(
             set=address,
             call=batch.call.encode(),
             n=len(batch.references),
             references=batch.references,
             values=values,
         )
-        return kernel.Change(self.step, component, setting)
+        return structures.Change(self.step, component, setting)
 
 
 def tune(
@@ -155,4 +155,4 @@ def tune(
 def in_order(changes: Sequence[Change], order: Sequence[str]) -> Any:
     """Return the kernel's table of changes; ``changes`` must exist as long as it."""
     place = {name: i for i, name in enumerate(order)}
-    return (kernel.Change * len(changes))(*(c.entry(place[c.component]) for c in changes))
+    return (structures.Change * len(changes))(*(c.entry(place[c.component]) for c in changes))

@@ -15,6 +15,7 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.function import Function, FunctionLibrary
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
 from stickslip.cosim.system.system import System
 
@@ -46,7 +47,7 @@ def wire(
     jacobi: bool,
     tolerance: float | None,
     retry: Collection[str] = (),
-) -> tuple[kernel.Run, dict[str, GeneralComponent]]:
+) -> tuple[structures.Run, dict[str, GeneralComponent]]:
     """Return a run that lacks its times, its memory and the instances of the FMUs.
 
     With it come the components on the general path. ``tolerance`` is the relative one of
@@ -57,12 +58,12 @@ def wire(
     columns, width = layout.columns, len(layout.columns)
     sources = system.sources()
     inputs = connected_inputs(system, layout, order, jacobi=jacobi)
-    components = (kernel.Component * len(order))()
+    components = (structures.Component * len(order))()
     for name, slot in zip(order, components, strict=True):
         fmu = system.components[name]
         slot.version = fmu.version
         slot.call[: len(libraries[name].calls)] = libraries[name].calls
-        slot.log = ctypes.pointer(kernel.Log())
+        slot.log = ctypes.pointer(structures.Log())
         if fmu.interface == "co_simulation":
             slot.tolerance = tolerance or fmu.experiment.tolerance or 0.0
 
@@ -99,7 +100,7 @@ def wire(
             general_components[name] = general
             general.attach_to(slot)
     kinds = {(c.version, c.n_inputs > 0, c.n_outputs > 0) for c in components}
-    run = kernel.Run(
+    run = structures.Run(
         components=components,
         n_components=len(order),
         uniform=next((v for v in (2, 3) if kinds == {(v, True, True)}), 0),
@@ -111,15 +112,15 @@ def wire(
     return run, general_components
 
 
-def _transform(slot: kernel.Component, transforms: Sequence[Transform]) -> None:
+def _transform(slot: structures.Component, transforms: Sequence[Transform]) -> None:
     """Let the inputs of a component be scaled or mapped."""
     lines = [t if isinstance(t, Scaling) else IDENTITY for t in transforms]
     if any(line != IDENTITY for line in lines):
         slot.scales = _doubles([s.factor for s in lines] + [s.offset for s in lines])
     if any(isinstance(t, ValueMap) for t in transforms):
         pairs = [t.pairs if isinstance(t, ValueMap) else () for t in transforms]
-        slot.maps = (kernel.Map * len(pairs))(
-            *(kernel.Map(len(p), _doubles([x for pair in p for x in pair])) for p in pairs)
+        slot.maps = (structures.Map * len(pairs))(
+            *(structures.Map(len(p), _doubles([x for pair in p for x in pair])) for p in pairs)
         )
 
 

@@ -10,13 +10,14 @@ from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.container.variables import TYPES, Shown
 from stickslip.cosim.errors import ParameterError
 from stickslip.cosim.fmu.names import component_of
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.variables import Value
 
 
 def system_header(
     system: System,
-    run: kernel.Run,
+    run: structures.Run,
     order: Sequence[str],
     layout: Layout,
     shown: Sequence[Shown],
@@ -66,7 +67,7 @@ def system_header(
     )
 
 
-def _lists(i: int, part: kernel.Component) -> list[str]:
+def _lists(i: int, part: structures.Component) -> list[str]:
     n, outputs = part.n_inputs, part.n_outputs
     lists = [
         ("uint32_t", "read", part.input_references[:n]),
@@ -81,7 +82,7 @@ def _lists(i: int, part: kernel.Component) -> list[str]:
     ]
 
 
-def _wiring(i: int, part: kernel.Component) -> str:
+def _wiring(i: int, part: structures.Component) -> str:
     members = {
         "version": part.version,
         "inputs": part.inputs,

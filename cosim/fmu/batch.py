@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from stickslip.cosim.fmu.library import Library
-from stickslip.cosim.kernel.general_path import STORED, Group
+from stickslip.cosim.kernel.structures import STORED, Group
 from stickslip.fmi.description.variables import Scalar, Value, Variable
 
 
@@ -59,7 +59,7 @@ class Batch:
         return Group(
             self.address,
             self.call.encode(),
-            STORED.index(self._type),
+            [*STORED.values()].index(self._type),
             self.discrete,
             len(self.references),
             self.references,

@@ -9,11 +9,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
+from stickslip.cosim.kernel.structures import step_calls
 from stickslip.fmi.binary import NotALibrary, read_library
 from stickslip.fmi.description.variables import SETTERS
 
@@ -101,7 +101,7 @@ class Library:
         """Return what the kernel needs; without a reset an FMU can be run, too."""
         return [
             0 if name == self.lacks_reset else self.address(name)
-            for name in kernel.calls(self._version)
+            for name in step_calls(self._version)
         ]
 
     def _lacks(self, name: str) -> FmuError:

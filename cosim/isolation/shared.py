@@ -12,7 +12,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from stickslip.cosim.kernel.marks import Mark
+from stickslip.cosim.kernel.structures import Mark
 from stickslip.cosim.signals.signals import Array
 
 _SHRINK, _FUTURE_WRITE = 0x2, 0x10  # seals of Linux: to make it shorter, to write by calls

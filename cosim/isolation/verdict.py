@@ -7,10 +7,10 @@ import math
 import signal
 from collections.abc import Sequence
 
-from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import LOST
-from stickslip.cosim.kernel.marks import Mark
+from stickslip.cosim.kernel import structures
+from stickslip.cosim.kernel.structures import Mark
 from stickslip.cosim.system.system import System
 
 _UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # calls at no simulated time
@@ -58,5 +58,5 @@ def called(mark: Mark, order: Sequence[str]) -> str | None:
     """Return the component that was called, None where the kernel called none."""
     if not (mark.component and mark.first):
         return None
-    place, rest = divmod(mark.component - mark.first, ctypes.sizeof(kernel.Component))
+    place, rest = divmod(mark.component - mark.first, ctypes.sizeof(structures.Component))
     return None if rest or not 0 <= place < len(order) else order[place]

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from ctypes import Structure, byref, c_uint16, c_uint64
+from ctypes import byref
 
 from stickslip.cosim import kernel
-
-
-class Arithmetic(Structure):
-    """How the processor rounds and treats numbers near zero: ``arithmetic.h``."""
-
-    _fields_ = (("control", c_uint64), ("x87", c_uint16))
+from stickslip.cosim.kernel.structures import Arithmetic
 
 
 @contextmanager

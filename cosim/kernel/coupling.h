@@ -2,8 +2,7 @@
  * steps of several lengths. One scheme covers all: components step in turn, and each input follows
  * the polynomial of a degree through the last known points of its source. A fresh input knows the
  * point at the end of the step too, because its source stepped before, or is guessed in a loop.
- *
- * cosim/kernel/coupling.py mirrors these structures, same fields, same order, and fills them. */
+ */
 #ifndef COSIM_COUPLING_H
 #define COSIM_COUPLING_H
 
@@ -18,10 +17,6 @@ typedef struct {
     int64_t feeds_through; /* not 0: outputs show its value at the end of the step */
     int64_t holds;         /* not 0: a discrete value, which follows no polynomial */
 } Link;
-
-/* Both versions agree in these, but for the name of the status type. */
-typedef int StateCall(void *instance, void **state);
-typedef int RestoreCall(void *instance, void *state);
 
 /* What a component needs here beyond kernel.h. */
 typedef struct {

@@ -40,12 +40,9 @@ typedef void Complaint(int line, const char *function, const char *file, const c
     X(void, CVodeFree, (void **memory))
 
 #define CVODE_MEMBER(result, name, arguments) result(*name) arguments;
-#define CVODE_NAME(result, name, arguments) #name " "
 
 struct Cvode {
     CVODE_CALLS(CVODE_MEMBER)
 };
-
-EXPORT const char *cvode_calls(void); /* names separated by blanks, in the order of Cvode */
 
 #endif

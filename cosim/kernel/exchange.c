@@ -23,8 +23,6 @@ struct Integrator {
     const char *discarded;     /* the last such call that returned discard */
 };
 
-const char *cvode_calls(void) { return CVODE_CALLS(CVODE_NAME); }
-
 static fmi2Status exchange(GeneralComponent *f, enum Call place, double *values, size_t n) {
     AnyCall *call = calling(f, place);
     return noted(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));

@@ -9,9 +9,6 @@ enum { MAX_ITERATIONS = 10000 };
 #define FMI3(place, fmi2, fmi3, interfaces) fmi3,
 static const char *const NAMES[][N_CALLS] = {{GENERAL_CALLS(FMI2)}, {GENERAL_CALLS(FMI3)}};
 
-#define LINE(place, fmi2, fmi3, interfaces) fmi2 " " fmi3 " " interfaces "\n"
-const char *general_calls(void) { return GENERAL_CALLS(LINE); }
-
 #ifdef MARKED
 AnyCall *calling(const GeneralComponent *f, enum Call place) {
     MARK_CALL(NAMES[f->version - 2][place]);

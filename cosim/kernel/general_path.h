@@ -2,7 +2,7 @@
  *
  * The kernel's loop knows SetReal, DoStep and GetReal on rows of doubles. The general path gives it
  * these for FMUs with other types, arrays, event mode or Model Exchange. References are then places
- * in its lists of ports. cosim/kernel/general_path.py mirrors these structures. */
+ * in its lists of ports.*/
 #ifndef COSIM_GENERAL_PATH_H
 #define COSIM_GENERAL_PATH_H
 
@@ -109,8 +109,6 @@ typedef struct {
     double next;            /* s; infinite where it is not known */
 } Clock;
 
-typedef int StateCall(void *instance, void **state);
-
 typedef struct Integrator Integrator;
 typedef struct Cvode Cvode;
 
@@ -202,8 +200,6 @@ static inline double rounding_of(double t) { return 4.0 * DBL_EPSILON * fabs(t);
             return status_;                                                                        \
         }                                                                                          \
     } while (0)
-
-EXPORT const char *general_calls(void);
 
 /* Set tunable parameters between two steps, as an event where the FMU knows events. */
 EXPORT fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], size_t n,

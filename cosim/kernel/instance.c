@@ -7,11 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FMI2_NAME(call) "fmi2" #call " "
-#define FMI3_NAME(call) "fmi3" #call " "
-const char *fmi2_calls(void) { return FMI2_CALLS(FMI2_NAME); }
-const char *fmi3_calls(void) { return FMI3_CALLS(FMI3_NAME); }
-
 /* What an FMU passes to the logger as its environment may be anything, so what it is given is a
  * place in this table: it can be recognised without being followed. */
 enum { MOST_LOGS = 1 << 16 };

@@ -1,6 +1,6 @@
 /* Steps a whole run of coupled FMUs without leaving C.
  *
- * cosim/kernel/__init__.py mirrors these structures, same fields, same order, and fills them.
+ * cosim/kernel/structures.py reads the structures of the headers from their text.
  * All signals of one point in time lie side by side in a row of doubles: inputs from outside first,
  * then the columns of each component. Row n belongs to time start + n * step. */
 #ifndef COSIM_KERNEL_H
@@ -46,14 +46,24 @@ typedef struct {
 typedef struct {
     FMI3_CALLS(FMI3_MEMBER)
 } Fmi3;
+typedef union {
+    Fmi2 fmi2;
+    Fmi3 fmi3;
+} Calls;
 
-/* Start values of one type. Within one FMI version the setters differ in the type of the values
- * only. */
+/* Both versions agree in these, but for the name of the status type. */
+typedef int StateCall(void *instance, void **state);
+typedef int RestoreCall(void *instance, void *state);
+
+/* Within one FMI version the setters differ in the type of the values only. */
+typedef union {
+    fmi2Status (*fmi2)(fmi2Component, const fmi2ValueReference[], size_t, const void *);
+    fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
+} Setter;
+
+/* Start values of one type. */
 typedef struct {
-    union {
-        fmi2Status (*fmi2)(fmi2Component, const fmi2ValueReference[], size_t, const void *);
-        fmi3Status (*fmi3)(fmi3Instance, const fmi3ValueReference[], size_t, const void *, size_t);
-    } set;
+    Setter set;
     const char *call;
     int64_t late; /* in Initialization Mode, as inputs are; else before it */
     size_t n;
@@ -122,10 +132,7 @@ typedef struct {
     size_t n_outputs;
     const uint32_t *output_references;
     int64_t column; /* of the first output in a row */
-    union {
-        Fmi2 fmi2;
-        Fmi3 fmi3;
-    } call;
+    Calls call;
     const int64_t *input_offsets; /* of each input, and where they are gathered, if SCATTERED */
     double *gathered;
     const double *scales; /* n_inputs factors, then as many offsets; NULL where nothing is scaled */
@@ -214,8 +221,6 @@ typedef struct {
     double *began;  /* (width), or NULL: the first row */
 } Run;
 
-EXPORT const char *fmi2_calls(void); /* names separated by blanks */
-EXPORT const char *fmi3_calls(void);
 EXPORT void instantiate(Component *c, const char *name, const char *token, const char *resources);
 EXPORT void release(Component *c);
 void clear_log(Log *log);

@@ -1,5 +1,5 @@
 /* Which call an FMU is in, written where another process can read it when this one has died.
- * Compiled with MARKED only; else it costs nothing. cosim/kernel/marks.py mirrors the structure. */
+ * Compiled with MARKED only; else it costs nothing.*/
 #ifndef COSIM_MARK_H
 #define COSIM_MARK_H
 

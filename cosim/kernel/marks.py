@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from ctypes import CDLL, Structure, addressof, c_char, c_double, c_void_p
+from ctypes import CDLL, addressof, c_void_p
 from pathlib import Path
 
-
-class Mark(Structure):
-    """The last call that was begun: ``Mark`` of ``mark.h``, and what Python adds to it."""
-
-    _fields_ = (
-        ("first", c_void_p),
-        ("component", c_void_p),
-        ("t", c_double),
-        ("call", c_char * 64),
-        ("name", c_char * 512),
-    )
-
-    def begin(self, name: str, call: str) -> None:
-        """Note a call that the kernel does not make: on whom, and which."""
-        self.component = None
-        self.t = math.nan
-        self.name, self.call = name.encode()[:511], call.encode()[:63]
-
+from stickslip.cosim.kernel.structures import Mark
 
 _place: list[tuple[Mark, Path]] = []
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stickslip.cosim import kernel
+from stickslip.cosim.kernel import structures
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache
 
@@ -28,7 +29,7 @@ __attribute__((noinline)) static bool step_until(Run *run, int64_t end) {{
 """
 
 
-def unroll(run: kernel.Run) -> str | None:
+def unroll(run: structures.Run) -> str | None:
     """Return ``steps.h`` for the components of a run; None where the tables serve better."""
     n = run.n_components
     if not 0 < n <= MOST_COMPONENTS or any(run.components[i].maps for i in range(n)):
@@ -53,7 +54,7 @@ def unroll(run: kernel.Run) -> str | None:
     )
 
 
-def _references(i: int, c: kernel.Component) -> list[str]:
+def _references(i: int, c: structures.Component) -> list[str]:
     tables = ("in", c.input_references[: c.n_inputs]), ("out", c.output_references[: c.n_outputs])
     return [
         f"static const uint32_t {name}{i}[] = {{{', '.join(map(str, table))}}};"
@@ -62,7 +63,7 @@ def _references(i: int, c: kernel.Component) -> list[str]:
     ]
 
 
-def _set(i: int, c: kernel.Component) -> str:
+def _set(i: int, c: structures.Component) -> str:
     values = f"now + {c.input_offset}"
     if c.inputs == kernel.SCATTERED:
         terms = [f"now[{offset}]" for offset in c.input_offsets[: c.n_inputs]]
@@ -75,10 +76,10 @@ def _set(i: int, c: kernel.Component) -> str:
     return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"
 
 
-def _get(i: int, c: kernel.Component) -> str:
+def _get(i: int, c: structures.Component) -> str:
     return f"get(run, c + {i}, {c.version}, out{i}, {c.n_outputs}, next + {c.column})"
 
 
-def _add(i: int, s: kernel.SumOfSquares) -> str:
+def _add(i: int, s: structures.SumOfSquares) -> str:
     reference = f"row[{s.reference}]" if s.reference >= 0 else f"run->sums[{i}].constant"
     return f"    add_square(run->sums + {i}, n, row[{s.column}], {reference});\n"

@@ -20,6 +20,7 @@ from stickslip.cosim.assembly.wiring import library_of, wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
 from stickslip.cosim.fmu.single_instance import claim, release
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
@@ -103,9 +104,9 @@ class Prepared:
             system, self._layout, groups, self._libraries, coupling, self._general_components
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
-        self._moved = np.zeros(len(self.order), np.uint8)
-        self._began = np.empty(self._run.width)
-        self._run.moved, self._run.began = self._moved.ctypes.data, self._began.ctypes.data
+        moved = (ctypes.c_uint8 * len(self.order))()
+        self._moved = np.ctypeslib.as_array(moved)
+        self._run.moved, self._run.began = moved, (ctypes.c_double * self._run.width)()
         self._coupled.attach(self._run)
         self._attach(self._new_settings(system.parameters))
         self._instantiate()
@@ -241,7 +242,7 @@ class Prepared:
             if self._epochs.get(name, 0) < fatal.times(self.spec.system.components[name].binary):
                 self._lose(name, slot)
 
-    def _lose(self, name: str, slot: kernel.Component) -> None:
+    def _lose(self, name: str, slot: structures.Component) -> None:
         slot.instance = None
         self._coupled.lose(name)
         if general := self._general_components.get(name):
@@ -311,7 +312,9 @@ class Prepared:
             self._kernel.release(slot)
         return SimulationError(message)
 
-    def _cancel(self, name: str, slot: kernel.Component, general: GeneralComponent | None) -> None:
+    def _cancel(
+        self, name: str, slot: structures.Component, general: GeneralComponent | None
+    ) -> None:
         """End a step that goes on by itself, or else leave the instance to it."""
         instance = general.c.instance if general else slot.instance
         if self._libraries[name].function("fmi2CancelStep")(ctypes.c_void_p(instance)) not in {
@@ -321,6 +324,6 @@ class Prepared:
             self._lose(name, slot)
 
 
-def _message_of(slot: kernel.Component) -> str:
+def _message_of(slot: structures.Component) -> str:
     message = slot.log.contents.message.decode(errors="replace").strip()
     return f"; the FMU says: {message}" if message else ""

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.fmu.library import Library
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.signals.signals import Array
 
 # Of ``fmi2StatusKind``.
@@ -26,7 +27,10 @@ class Ending:
 
 
 def ending(
-    run: kernel.Run, slot: kernel.Component, general: GeneralComponent | None, library: Library
+    run: structures.Run,
+    slot: structures.Component,
+    general: GeneralComponent | None,
+    library: Library,
 ) -> Ending | None:
     """Return how an FMU ended a run in a step; None when it failed instead."""
     if run.done < 0 or run.done >= run.n_steps or not slot.instance:
@@ -46,13 +50,13 @@ def ending(
     return None
 
 
-def last_outputs(slot: kernel.Component) -> Array:
+def last_outputs(slot: structures.Component) -> Array:
     """Return the outputs (n_outputs,) of an FMU that ended a run."""
     outputs = np.empty(slot.n_outputs)
     get = ctypes.CFUNCTYPE(
         ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
         *([ctypes.c_size_t] if slot.version == 3 else []),
-    )(slot.call[kernel.calls(slot.version).index(_GETTERS[slot.version])])  # fmt: skip
+    )(slot.call[structures.step_calls(slot.version).index(_GETTERS[slot.version])])  # fmt: skip
     more = [len(outputs)] if slot.version == 3 else []
     references = ctypes.cast(slot.output_references, ctypes.c_void_p)
     get(slot.instance, references, len(outputs), outputs.ctypes.data, *more)

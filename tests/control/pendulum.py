@@ -24,8 +24,7 @@ _VARIABLES = [
 
 def pendulum(folder: Path, version: int, derivatives: bool) -> Path:
     """Write the FMU; with ``derivatives`` it declares its directional derivatives."""
-    flags = ("-Wno-unused-parameter", "-Wno-missing-prototypes")
-    library = fmu.library("pendulum", Path(__file__).with_name("pendulum.c"), flags=flags)
+    library = fmu.library("pendulum", Path(__file__).with_name("pendulum.c"))
     plural = "s" if version == 3 else ""
     flag = f'providesDirectionalDerivative{plural}="true"' if derivatives else ""
     description = fmu.describe("pendulum", version, _VARIABLES, {"ModelExchange": flag})

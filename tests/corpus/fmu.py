@@ -157,7 +157,8 @@ def library(
     stubs = (f"__attribute__((weak)) SHOWN int {name}(void) {{ return 3; }}\n" for name in names)
     if complete:
         files["absent.c"] = _SHOWN + "".join(dict.fromkeys(stubs))
-    files |= {source.name: source.read_text(encoding="utf-8") for source in sources}
+    shared = Path(__file__).with_name("fmu.h")
+    files |= {source.name: source.read_text(encoding="utf-8") for source in (shared, *sources)}
     return toolchain.shared_library(name, files, flags=flags)
 
 

@@ -16,7 +16,7 @@
 
 enum { U, Y, K, FAULT_TIME, SUM, N_REALS };
 enum { FAULT = N_REALS, N, FLAG, TEXT };
-enum { GIVE_NAN = 10, TERMINATE, RETURN_EARLY, FAIL_TO_INITIALISE };
+enum { GIVE_NAN = 10, END, RETURN_EARLY, FAIL_TO_INITIALISE };
 
 typedef struct {
     double real[N_REALS];
@@ -76,151 +76,91 @@ static int initialise(Model *m) {
     return m->fault == FAIL_TO_INITIALISE ? complain(m, 3, 0.0) : 0;
 }
 
-#define REALS(i)                                                                                   \
-    if (r[i] >= N_REALS) {                                                                         \
-        return 3;                                                                                  \
-    }
-
-/* FMI 2.0 */
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return "2.0"; }
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                              fmi2Boolean logging) {
-    Model *m = calloc(1, sizeof *m);
-    (void)name, (void)resources, (void)visible, (void)logging, (void)type;
-    if (!m || strcmp(guid, TOKEN) != 0) {
-        free(m);
-        return NULL;
-    }
-    m->callbacks = callbacks;
-    start(m);
-    return m;
-}
-void fmi2FreeInstance(fmi2Component c) { free(c); }
-fmi2Status fmi2Reset(fmi2Component c) { return start(c), fmi2OK; }
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d,
-                               fmi2Boolean e, fmi2Real f) {
-    (void)c, (void)a, (void)b, (void)d, (void)e, (void)f;
-    return fmi2OK;
-}
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return (fmi2Status)initialise(c); }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return (void)c, fmi2OK; }
-fmi2Status fmi2Terminate(fmi2Component c) { return (void)c, fmi2OK; }
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                       const fmi2Real v[]) {
+static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
     for (size_t i = 0; i < n; i++) {
-        REALS(i)
-        ((Model *)c)->real[r[i]] = v[i];
+        if (r[i] >= N_REALS) {
+            return 3;
+        }
+        m->real[r[i]] = v[i];
     }
-    return fmi2OK;
-}
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) {
-        REALS(i)
-        v[i] = value(c, r[i]);
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          const fmi2Integer v[]) {
-    for (size_t i = 0; i < n; i++) {
-        *(r[i] == N ? &((Model *)c)->n : &((Model *)c)->fault) = v[i];
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          const fmi2Boolean v[]) {
-    (void)r;
-    return n ? (((Model *)c)->flag = v[0]), fmi2OK : fmi2OK;
-}
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                         const fmi2String v[]) {
-    (void)r;
-    snprintf(((Model *)c)->text, 32, "%s", n ? v[0] : "");
-    return fmi2OK;
-}
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          fmi2Integer v[]) {
-    for (size_t i = 0; i < n; i++) {
-        v[i] = r[i] == N ? ((Model *)c)->n : ((Model *)c)->fault;
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                          fmi2Boolean v[]) {
-    (void)r;
-    return n ? (v[0] = ((Model *)c)->flag), fmi2OK : fmi2OK;
-}
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
-    (void)r;
-    return n ? (v[0] = ((Model *)c)->text), fmi2OK : fmi2OK;
-}
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last) {
-    (void)last;
-    return (fmi2Status)step(c, t, h);
+    return 0;
 }
 
-/* FMI 3.0 */
-const char *fmi3GetVersion(void) { return "3.0"; }
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
-                                         fmi3Boolean visible, fmi3Boolean logging,
-                                         fmi3Boolean events, fmi3Boolean early,
-                                         const fmi3ValueReference required[], size_t n,
-                                         fmi3InstanceEnvironment environment,
-                                         fmi3LogMessageCallback log,
-                                         fmi3IntermediateUpdateCallback update) {
+static int get(const Model *m, const unsigned r[], size_t n, double v[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (r[i] >= N_REALS) {
+            return 3;
+        }
+        v[i] = value(m, r[i]);
+    }
+    return 0;
+}
+
+static Model *create(const char *token, const fmi2CallbackFunctions *callbacks,
+                     fmi3LogMessageCallback log, void *environment) {
     Model *m = calloc(1, sizeof *m);
-    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early;
-    (void)required, (void)n, (void)update;
     if (!m || strcmp(token, TOKEN) != 0) {
         free(m);
         return NULL;
     }
+    m->callbacks = callbacks;
     m->log = log;
     m->environment = environment;
     start(m);
     return m;
 }
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
-fmi3Status fmi3Reset(fmi3Instance c) { return start(c), fmi3OK; }
-fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b, fmi3Float64 d,
-                                       fmi3Boolean e, fmi3Float64 f) {
-    (void)a, (void)b, (void)d, (void)e, (void)f;
-    return (fmi3Status)initialise(c);
+
+static bool due(const Model *m, double t, int fault) {
+    return t >= m->real[FAULT_TIME] && m->fault == fault;
 }
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return (void)c, fmi3OK; }
-fmi3Status fmi3Terminate(fmi3Instance c) { return (void)c, fmi3OK; }
-fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n,
-                          const fmi3Float64 v[], size_t nv) {
-    return (void)nv, (fmi3Status)fmi2SetReal(c, r, n, v);
+
+#define MAKE create(token, callbacks, log, environment)
+#define ENTER initialise(m)
+/* The event must not matter: event mode is not used. */
+#define STEP                                                                                       \
+    (*event = true, *terminate = due(m, t, END), *early = due(m, t, RETURN_EARLY),                 \
+     *reached = *early ? t : t + h, step(m, t, h))
+#include "fmu.h"
+
+static int *integer(Model *m, unsigned reference) { return reference == N ? &m->n : &m->fault; }
+
+static int set_integers(Model *m, const unsigned r[], size_t n, const int v[]) {
+    for (size_t i = 0; i < n; i++) {
+        *integer(m, r[i]) = v[i];
+    }
+    return 0;
 }
-fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3Float64 v[],
-                          size_t nv) {
-    return (void)nv, (fmi3Status)fmi2GetReal(c, r, n, v);
+fmi2Status fmi2SetInteger(fmi2Component c, const unsigned r[], size_t n, const fmi2Integer v[]) {
+    return (fmi2Status)set_integers(c, r, n, v);
 }
-fmi3Status fmi3SetInt32(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3Int32 v[],
-                        size_t nv) {
-    return (void)nv, (fmi3Status)fmi2SetInteger(c, r, n, v);
+fmi3Status fmi3SetInt32(fmi3Instance c, const unsigned r[], size_t n, const fmi3Int32 v[],
+                        size_t values) {
+    return (fmi3Status)set_integers(c, r, n, v);
 }
-fmi3Status fmi3SetBoolean(fmi3Instance c, const fmi3ValueReference r[], size_t n,
-                          const fmi3Boolean v[], size_t nv) {
-    (void)r, (void)nv;
+fmi2Status fmi2GetInteger(fmi2Component c, const unsigned r[], size_t n, fmi2Integer v[]) {
+    for (size_t i = 0; i < n; i++) {
+        v[i] = *integer(c, r[i]);
+    }
+    return fmi2OK;
+}
+fmi2Status fmi2SetBoolean(fmi2Component c, const unsigned r[], size_t n, const fmi2Boolean v[]) {
+    return n ? (((Model *)c)->flag = v[0]), fmi2OK : fmi2OK;
+}
+fmi3Status fmi3SetBoolean(fmi3Instance c, const unsigned r[], size_t n, const fmi3Boolean v[],
+                          size_t values) {
     return n ? (((Model *)c)->flag = v[0]), fmi3OK : fmi3OK;
 }
-fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference r[], size_t n,
-                         const fmi3String v[], size_t nv) {
-    return (void)nv, (fmi3Status)fmi2SetString(c, r, n, v);
+fmi2Status fmi2GetBoolean(fmi2Component c, const unsigned r[], size_t n, fmi2Boolean v[]) {
+    return n ? (v[0] = ((Model *)c)->flag), fmi2OK : fmi2OK;
 }
-fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean last,
-                      fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-                      fmi3Float64 *reached) {
-    const Model *m = c;
-    const bool due = t >= m->real[FAULT_TIME];
-    (void)last;
-    *event = true; /* must not matter: event mode is not used */
-    *terminate = due && m->fault == TERMINATE;
-    *early = due && m->fault == RETURN_EARLY;
-    *reached = *early ? t : t + h;
-    return (fmi3Status)step(c, t, h);
+fmi2Status fmi2SetString(fmi2Component c, const unsigned r[], size_t n, const fmi2String v[]) {
+    snprintf(((Model *)c)->text, 32, "%s", n ? v[0] : "");
+    return fmi2OK;
+}
+fmi3Status fmi3SetString(fmi3Instance c, const unsigned r[], size_t n, const fmi3String v[],
+                         size_t values) {
+    return (fmi3Status)fmi2SetString(c, r, n, v);
+}
+fmi2Status fmi2GetString(fmi2Component c, const unsigned r[], size_t n, fmi2String v[]) {
+    return n ? (v[0] = ((Model *)c)->text), fmi2OK : fmi2OK;
 }

@@ -4,73 +4,44 @@ from __future__ import annotations
 
 import ctypes
 import inspect
-from itertools import chain
 from pathlib import Path
 
 import fmpy
-import pytest
 
 from stickslip.cosim import kernel
-from stickslip.cosim.kernel import arithmetic, coupling, general_path, marks
+from stickslip.cosim.kernel import structures
 from stickslip.fmi import toolchain
 
-MIRRORS = {
-    (header, name): structure
-    for header, module in {
-        "kernel.h": kernel,
-        "general_path.h": general_path,
-        "coupling.h": coupling,
-        "arithmetic.h": arithmetic,
-        "mark.h": marks,
-    }.items()
-    for name, structure in inspect.getmembers(module, inspect.isclass)
-    if issubclass(structure, ctypes.Structure) and structure.__module__ == module.__name__
-}
+HEADERS = ["kernel.h", "general_path.h", "coupling.h", "arithmetic.h", "mark.h"]
 ADDED = {"Mark": ["name"]}  # fields behind those of the C structure, which only Python uses
 
 
-def fields(name, structure):
-    return [field for field, *_ in structure._fields_ if field not in ADDED.get(name, [])]
-
-
-@pytest.fixture(scope="module")
-def measured():
-    """Return for each structure its size and the offset and size of each field, from C."""
-    here = Path(kernel.__file__).parent
-    headers = Path(fmpy.__file__).parent / "c-code"
+def test_structures_have_the_layout_of_the_headers():
+    here, standard = Path(kernel.__file__).parent, Path(fmpy.__file__).parent / "c-code"
     files = {h.name: h.read_text(encoding="utf-8") for h in here.glob("*.h")}
-    files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
-    units = {}
-    for (header, name), structure in MIRRORS.items():
-        entries = [
-            f"offsetof({name}, {f}), sizeof((({name} *)0)->{f})," for f in fields(name, structure)
-        ]
-        units[f"{name}.c"] = (
-            f'#include <stddef.h>\n#include "kernel.h"\n#include "{header}"\n'
-            f"EXPORT extern const size_t layout_{name}[];\n"
-            f"const size_t layout_{name}[] = {{sizeof({name}), {' '.join(entries)}}};\n"
-        )
-    library = ctypes.CDLL(str(toolchain.shared_library("layouts", files | units)))
-    return {
-        name: list(
-            (ctypes.c_size_t * (1 + 2 * len(fields(name, structure)))).in_dll(
-                library, f"layout_{name}"
-            )
-        )
-        for (_, name), structure in MIRRORS.items()
+    files |= {f"system/{h.name}": h.read_text() for h in standard.glob("fmi[23]*.h")}
+    mirrors = {
+        name: {f: getattr(c, f) for f, *_ in c._fields_ if f not in ADDED.get(name, [])}
+        for name, c in inspect.getmembers(structures, inspect.isclass)
+        if c.__module__ == structures.__name__
     }
-
-
-@pytest.mark.parametrize("name", [name for _, name in MIRRORS])
-def test_a_structure_is_that_of_the_header(measured, name):
-    structure = next(s for (_, n), s in MIRRORS.items() if n == name)
-    names = fields(name, structure)
-    places = [getattr(structure, field) for field in names]
-    assert measured[name][1:] == [*chain(*((p.offset, p.size) for p in places))]
-    size = getattr(structure, ADDED[name][0]).offset if name in ADDED else ctypes.sizeof(structure)
-    assert measured[name][0] == size
-
-
-def test_every_structure_is_compared():
-    assert len(MIRRORS) >= 22
-    assert sum(len(s._fields_) for s in MIRRORS.values()) > 200
+    places = [(name, field) for name, fields in mirrors.items() for field in fields]
+    assert len(mirrors) >= 22
+    assert len(places) > 200
+    entries = [f"sizeof({name})," for name in mirrors]
+    entries += [f"offsetof({n}, {f}), sizeof((({n} *)0)->{f})," for n, f in places]
+    includes = "".join(f'#include "{header}"\n' for header in HEADERS)
+    files["layouts.c"] = (
+        f"#include <stddef.h>\n{includes}EXPORT extern const size_t layouts[];\n"
+        f"const size_t layouts[] = {{{' '.join(entries)}}};\n"
+    )
+    library = ctypes.CDLL(str(toolchain.shared_library("layouts", files)))
+    found = iter((ctypes.c_size_t * (len(mirrors) + 2 * len(places))).in_dll(library, "layouts"))
+    sizes = {name: next(found) for name in mirrors}
+    for name, size in sizes.items():
+        added = ADDED.get(name)
+        c = getattr(structures, name)
+        assert size == (getattr(c, added[0]).offset if added else ctypes.sizeof(c)), name
+    for name, field in places:
+        mirror = mirrors[name][field]
+        assert (next(found), next(found)) == (mirror.offset, mirror.size), f"{name}.{field}"

@@ -53,10 +53,8 @@ def write(tmp_path_factory):
         if key in made:
             return made[key]
         options = [
-            "-DRESET=" + reset.replace("missing", ""),
+            "-DRESTART=" + reset.replace("missing", ""),
             f"-DNOISE={noise}",
-            "-Wno-unused-parameter",
-            "-Wno-variadic-macro-arguments-omitted",
         ]
         options += ["-DWITHOUT_RESET", "-Wno-unused-function"] if reset == "missing" else []
         binary = fmu.library(

@@ -23,9 +23,8 @@ typedef union {
 
 typedef struct {
     Value v[N_VALUES];
-    double t, x[MAX_X], next_event, z_before;
-    bool exchange, event_mode, early, terminate, configuring, initializing, running;
-    const fmi2CallbackFunctions *callbacks;
+    double t, x[MAX_X], next_event;
+    bool event_mode, early, terminate, initializing, running;
 } Model;
 
 /* place in the table */
@@ -63,7 +62,6 @@ static void start(Model *m) {
 static size_t n_states(const Model *m) {
     return MODEL == STATE_SPACE ? (size_t)m->v[N].i : MODEL == BALL || MODEL == OSCILLATOR ? 2 : 0;
 }
-static size_t n_indicators(void) { return MODEL == BALL; }
 
 static void read_states(Model *m) {
     for (size_t i = 0; i < n_states(m); i++) {
@@ -75,9 +73,15 @@ static void read_states(Model *m) {
 }
 
 /* The tolerance of its own solver that it is told, 0 where it is told none. */
-static void setup(Model *m, double t, bool told, double tolerance) {
+static int setup(Model *m, double t, bool told, double tolerance) {
     m->t = t;
     m->v[TOLD].d = told ? tolerance : 0.0;
+    return 0;
+}
+
+static int initialise(Model *m) {
+    m->initializing = true;
+    return 0;
 }
 
 /* By the standard inputs cannot be set before Initialization Mode. */
@@ -85,9 +89,10 @@ static bool allowed(const Model *m, unsigned reference) {
     return MODEL != FEEDTHROUGH || reference >= 30 || m->initializing || m->running;
 }
 
-static void begin(Model *m) {
+static int begin(Model *m) {
     read_states(m);
     m->running = true;
+    return 0;
 }
 
 static void derivatives(const Model *m, double *dx) {
@@ -130,8 +135,6 @@ static void outputs(Model *m) {
         m->v[GAIN].d = 2.0 * m->v[FORCE].d;
     }
 }
-
-static double indicator(const Model *m) { return m->x[0]; }
 
 static bool due(const Model *m) {
     return (MODEL == BALL && m->x[0] <= 0.0 && m->x[1] < 0.0) ||
@@ -189,6 +192,17 @@ static bool step(Model *m, double end) {
         update(m);
     }
     return false;
+}
+
+static int do_step(Model *m, double end, bool *event, bool *early) {
+    while (m->t < end - 1e-12) {
+        *event = step(m, end) || *event;
+        if (m->early || m->terminate) {
+            break;
+        }
+    }
+    *early = m->early && m->t < end - 1e-12;
+    return 0;
 }
 
 /* Typed access: one body for all types. */
@@ -255,177 +269,60 @@ fmi3Status fmi3SetBinary(void *c, const unsigned r[], size_t n, const size_t siz
     return fmi3OK;
 }
 
-static Model *create(bool exchange) {
-    Model *m = calloc(1, sizeof *m);
+/* Where the resources lie: a URI in FMI 2.0; in FMI 3.0 a path that ends in a separator, which
+ * Model Exchange does not check. */
+static bool well_placed(const char *resources, bool version_2, bool exchange) {
+    const char end = resources[0] ? resources[strlen(resources) - 1] : '\0';
+    return version_2 ? strncmp(resources, "file:///", 8) == 0
+                     : exchange || end == '/' || end == '\\';
+}
+
+static Model *create(bool placed, bool events, bool early) {
+    Model *m = placed ? calloc(1, sizeof *m) : NULL;
     if (m) {
-        m->exchange = exchange;
+        m->event_mode = events;
+        m->early = early;
         start(m);
     }
     return m;
 }
 
-/* FMI 2.0 */
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return "2.0"; }
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                              fmi2Boolean logging) {
-    (void)name, (void)guid, (void)callbacks, (void)visible, (void)logging;
-    return strncmp(resources, "file:///", 8) == 0 ? create(type == fmi2ModelExchange) : NULL;
+static int update_info(Model *m, fmi2EventInfo *info) {
+    update(m);
+    info->terminateSimulation = m->terminate;
+    info->valuesOfContinuousStatesChanged = fmi2True;
+    info->nextEventTimeDefined = isfinite(m->next_event);
+    info->nextEventTime = m->next_event;
+    return 0;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
-fmi2Status fmi2Reset(fmi2Component c) { return start(c), fmi2OK; }
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real t,
-                               fmi2Boolean e, fmi2Real f) {
-    (void)e, (void)f;
-    return setup(c, t, a, b), fmi2OK;
-}
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    return ((Model *)c)->initializing = true, fmi2OK;
-}
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return begin(c), fmi2OK; }
-fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    ((Model *)c)->v[EVENTS].i += MODEL == OSCILLATOR;
-    return fmi2OK;
-}
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (void)c, fmi2OK; }
-fmi2Status fmi2Terminate(fmi2Component c) { return (void)c, fmi2OK; }
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last) {
-    Model *m = c;
-    (void)last;
-    step(m, t + h);
-    return m->terminate ? fmi2Discard : fmi2OK;
-}
+
+#define MAKE create(well_placed(resources, callbacks, exchange), events, early)
+#define SETUP setup(m, t, told, tolerance)
+#define ENTER initialise(m)
+#define LEAVE begin(m)
+#define STEP                                                                                       \
+    (do_step(m, t + h, event, early), *terminate = ((Model *)m)->terminate,                        \
+     *reached = ((Model *)m)->t, 0)
+#define SAVES
+#define EXCHANGE
+#define OWN_REALS
+#define N_STATES n_states(m)
+#define INDICATORS (MODEL == BALL)
+#define INDICATE n ? z[0] = ((Model *)m)->x[0], 0 : 0
+#define UPDATE update_info(m, info)
+#define ENTER_EVENT_MODE (((Model *)m)->v[EVENTS].i += MODEL == OSCILLATOR, 0)
+#include "fmu.h"
+
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value) {
     *value = kind == fmi2Terminated && ((Model *)c)->terminate;
     return fmi2OK;
 }
 fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
-    (void)kind;
     return *value = ((Model *)c)->t, fmi2OK;
 }
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
-    Model *m = c;
-    update(m);
-    *info = (fmi2EventInfo){.terminateSimulation = m->terminate,
-                            .valuesOfContinuousStatesChanged = fmi2True,
-                            .nextEventTimeDefined = isfinite(m->next_event),
-                            .nextEventTime = m->next_event};
-    return fmi2OK;
-}
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set, fmi2Boolean *enter,
-                                       fmi2Boolean *terminate) {
-    (void)c, (void)no_set;
-    return *enter = *terminate = fmi2False, fmi2OK;
-}
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) { return ((Model *)c)->t = t, fmi2OK; }
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
-    return memcpy(x, ((Model *)c)->x, n * sizeof *x), fmi2OK;
-}
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
-    return memcpy(((Model *)c)->x, x, n * sizeof *x), fmi2OK;
-}
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
-    return (void)n, derivatives(c, dx), fmi2OK;
-}
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
-    return n ? (z[0] = indicator(c)), fmi2OK : fmi2OK;
-}
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
-    (void)c;
-    for (size_t i = 0; i < n; i++) {
-        x[i] = 1.0;
-    }
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    *state = *state ? *state : malloc(sizeof(Model));
-    return *state ? memcpy(*state, c, sizeof(Model)), fmi2OK : fmi2Error;
-}
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    return memcpy(c, state, sizeof(Model)), fmi2OK;
-}
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    (void)c;
-    free(*state);
-    return *state = NULL, fmi2OK;
-}
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *size) {
-    (void)c, (void)s;
-    return *size = sizeof(Model), fmi2OK;
-}
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte room[], size_t size) {
-    return (void)c, memcpy(room, s, size), fmi2OK;
-}
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte room[], size_t size,
-                                   fmi2FMUstate *s) {
-    return (void)size,
-           fmi2GetFMUstate(c, s) == fmi2OK ? (memcpy(*s, room, sizeof(Model)), fmi2OK) : fmi2Error;
-}
-
-/* FMI 3.0: the same, but for the arguments */
-const char *fmi3GetVersion(void) { return "3.0"; }
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
-                                         fmi3Boolean visible, fmi3Boolean logging,
-                                         fmi3Boolean events, fmi3Boolean early,
-                                         const fmi3ValueReference required[], size_t n,
-                                         fmi3InstanceEnvironment environment,
-                                         fmi3LogMessageCallback log,
-                                         fmi3IntermediateUpdateCallback intermediate) {
-    (void)name, (void)token, (void)visible, (void)logging, (void)required, (void)n;
-    (void)environment, (void)log, (void)intermediate;
-    const size_t end = strlen(resources);
-    Model *m = resources[end - 1] == '/' || resources[end - 1] == '\\' ? create(false) : NULL;
-    if (m) {
-        m->event_mode = events;
-        m->early = early;
-    }
-    return m;
-}
-fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
-                                          fmi3Boolean visible, fmi3Boolean logging,
-                                          fmi3InstanceEnvironment environment,
-                                          fmi3LogMessageCallback log) {
-    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)environment;
-    (void)log;
-    return create(true);
-}
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
-    return (fmi3Status)fmi2GetFMUstate(c, state);
-}
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
-    return (fmi3Status)fmi2SetFMUstate(c, state);
-}
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
-    return (fmi3Status)fmi2FreeFMUstate(c, state);
-}
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *size) {
-    return (fmi3Status)fmi2SerializedFMUstateSize(c, s, size);
-}
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte room[], size_t size) {
-    return (void)c, memcpy(room, s, size), fmi3OK;
-}
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte room[], size_t size,
-                                   fmi3FMUState *s) {
-    return (fmi3Status)fmi2DeSerializeFMUstate(c, (const fmi2Byte *)room, size, s);
-}
-fmi3Status fmi3Reset(fmi3Instance c) { return start(c), fmi3OK; }
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {
-    return ((Model *)c)->configuring = true, fmi3OK;
-}
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
-    return ((Model *)c)->configuring = false, fmi3OK;
-}
-fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b, fmi3Float64 t,
-                                       fmi3Boolean e, fmi3Float64 f) {
-    (void)e, (void)f;
-    setup(c, t, a, b);
-    return ((Model *)c)->initializing = true, fmi3OK;
-}
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return begin(c), fmi3OK; }
-fmi3Status fmi3EnterEventMode(fmi3Instance c) { return (fmi3Status)fmi2EnterEventMode(c); }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n,
                         const fmi3Clock values[]) {
     for (size_t i = 0; i < n; i++) {
@@ -450,63 +347,4 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference r[], 
         }
     }
     return fmi3OK;
-}
-fmi3Status fmi3EnterStepMode(fmi3Instance c) { return (void)c, fmi3OK; }
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return (void)c, fmi3OK; }
-fmi3Status fmi3Terminate(fmi3Instance c) { return (void)c, fmi3OK; }
-fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean no_set,
-                      fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-                      fmi3Float64 *reached) {
-    Model *m = c;
-    (void)no_set;
-    *event = false;
-    while (m->t < t + h - 1e-12) {
-        *event = step(m, t + h) || *event;
-        if (m->early || m->terminate) {
-            break;
-        }
-    }
-    *early = m->early && m->t < t + h - 1e-12;
-    *terminate = m->terminate;
-    *reached = m->t;
-    return fmi3OK;
-}
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate,
-                                    fmi3Boolean *nominals, fmi3Boolean *states,
-                                    fmi3Boolean *defined, fmi3Float64 *next) {
-    fmi2EventInfo info;
-    fmi2NewDiscreteStates(c, &info);
-    *again = *nominals = false;
-    *states = true;
-    *terminate = info.terminateSimulation;
-    *defined = info.nextEventTimeDefined;
-    *next = info.nextEventTime;
-    return fmi3OK;
-}
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set, fmi3Boolean *enter,
-                                       fmi3Boolean *terminate) {
-    (void)c, (void)no_set;
-    return *enter = *terminate = false, fmi3OK;
-}
-fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 t) { return ((Model *)c)->t = t, fmi3OK; }
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {
-    return *n = n_states(c), fmi3OK;
-}
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n) {
-    return (void)c, *n = n_indicators(), fmi3OK;
-}
-fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n) {
-    return (fmi3Status)fmi2GetContinuousStates(c, x, n);
-}
-fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t n) {
-    return (fmi3Status)fmi2SetContinuousStates(c, x, n);
-}
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 dx[], size_t n) {
-    return (void)n, derivatives(c, dx), fmi3OK;
-}
-fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 z[], size_t n) {
-    return (fmi3Status)fmi2GetEventIndicators(c, z, n);
-}
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n) {
-    return (fmi3Status)fmi2GetNominalsOfContinuousStates(c, x, n);
 }

@@ -1,0 +1,228 @@
+"""The structures of the kernel's headers as ctypes classes of the same name, read from there."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from ctypes import (
+    POINTER,
+    Structure,
+    c_bool,
+    c_char,
+    c_char_p,
+    c_double,
+    c_float,
+    c_int8,
+    c_int16,
+    c_int32,
+    c_int64,
+    c_size_t,
+    c_uint8,
+    c_uint16,
+    c_uint32,
+    c_uint64,
+    c_void_p,
+)
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_HEADERS = ("kernel", "course", "general_path", "coupling", "cvode", "arithmetic", "mark")
+_TEXT = re.sub(
+    r"/\*.*?\*/",
+    "",
+    "".join(Path(__file__).with_name(f"{h}.h").read_text(encoding="utf-8") for h in _HEADERS),
+    flags=re.DOTALL,
+)
+_BODIES = {
+    name: body for body, name in re.findall(r"typedef struct[\w ]*\{([^{}]*)\} (\w+);", _TEXT)
+}
+
+
+def calls(table: str) -> list[list[str]]:
+    """Return the entries of a list such as ``FMI2_CALLS(X)`` in the headers."""
+    block = re.search(rf"#define {table}\(X\)((?:.*\\\n)+.*)", _TEXT)
+    entries = re.findall(r"X\(([^()]*)", block[1]) if block else []
+    return [[word.strip(' "') for word in entry.split(",")] for entry in entries]
+
+
+def step_calls(version: int) -> list[str]:
+    """Return the names of the functions in ``Component.call``."""
+    return [f"fmi{version}{name}" for (name,) in calls(f"FMI{version}_CALLS")]
+
+
+MAX_PAST = 3
+STORED = {
+    "double": c_double,
+    "float": c_float,
+    "int8_t": c_int8,
+    "uint8_t": c_uint8,
+    "int16_t": c_int16,
+    "uint16_t": c_uint16,
+    "int32_t": c_int32,
+    "uint32_t": c_uint32,
+    "int64_t": c_int64,
+    "uint64_t": c_uint64,
+    "bool": c_bool,
+    "char *": c_char_p,
+}
+"""The types of values in the order of ``enum Stored``; the last stands for all text."""
+_LENGTHS = {"N_CALLS": len(calls("GENERAL_CALLS")), "MAX_PAST": MAX_PAST}
+_TYPES: dict[str, Any] = {
+    **STORED,
+    "char": c_char,
+    "size_t": c_size_t,
+    "fmi3Boolean": c_bool,
+    "fmi3Float64": c_double,
+    "fmi2CallbackFunctions": c_void_p * 5,
+    "Setter": c_void_p,
+    "Calls": c_void_p * len(calls("FMI2_CALLS")),
+}
+
+
+def _fields(name: str) -> list[tuple[str, Any]]:
+    fields = []
+    for base, declared in re.findall(r"(?:const |struct )*(\w+)\b ?([^;]+);", _BODIES[name]):
+        for stars, field, length in re.findall(r"(\**)(\w+)(?:\[(\w+)\])?", declared):
+            kind: Any = _TYPES.get(f"{base} {stars}" if base == "char" and stars else base)
+            if stars and base != "char":
+                kind = POINTER(kind) if kind else c_void_p
+            if length:
+                kind = kind * (_LENGTHS.get(length) or int(length))
+            fields.append((field, kind))
+    return fields
+
+
+def _mirror(*added: tuple[str, Any]) -> Callable[[type[Structure]], Any]:
+    """Give a class the fields of the structure of its name, and those that only Python uses."""
+
+    def give(cls: type[Structure]) -> type[Structure]:
+        cls._fields_ = [*_fields(cls.__name__), *added]
+        _TYPES[cls.__name__] = cls
+        return cls
+
+    return give
+
+
+def doubles(values: NDArray[np.float64]) -> Any:
+    """Return a pointer to an array, which it keeps."""
+    return values.ctypes.data_as(POINTER(c_double))
+
+
+@_mirror()
+class Setting(Structure):
+    """Start values of one type for one component."""
+
+
+@_mirror()
+class Change(Structure):
+    """Values that a component is given when a step is done."""
+
+
+@_mirror()
+class Log(Structure):
+    """Messages of a component since the start of the last run."""
+
+
+@_mirror()
+class Disturbance(Structure):
+    """What a scenario does to one signal."""
+
+
+@_mirror()
+class Map(Structure):
+    """Pairs of values of one input."""
+
+
+@_mirror()
+class SumOfSquares(Structure):
+    """A sum of (signal - reference)^2 over time."""
+
+
+@_mirror()
+class Component(Structure):
+    """One instance and its place in the rows."""
+
+
+@_mirror()
+class Answers(Structure):
+    """What FMI 3.0 FMUs say about their last step."""
+
+
+@_mirror()
+class InputEvent(Structure):
+    """When an exposed input jumps within a step."""
+
+
+@_mirror()
+class Run(Structure):
+    """One run: what to step, where to put it, and how it went."""
+
+
+@_mirror()
+class Group(Structure):
+    """Variables that one call gets or sets."""
+
+
+@_mirror()
+class Groups(Structure):
+    """A list of groups."""
+
+
+@_mirror()
+class Port(Structure):
+    """A column of the kernel's rows: one element of one group."""
+
+
+@_mirror()
+class Course(Structure):
+    """How an input runs over time."""
+
+
+@_mirror()
+class Clock(Structure):
+    """An input clock that ticks by time."""
+
+
+@_mirror()
+class GeneralComponent(Structure):
+    """An FMU seen by the kernel as a plain one."""
+
+
+@_mirror()
+class Link(Structure):
+    """What one input follows."""
+
+
+@_mirror()
+class Member(Structure):
+    """What a component needs beyond ``Component``."""
+
+
+@_mirror()
+class Loop(Structure):
+    """Components that are solved together."""
+
+
+@_mirror()
+class Coupling(Structure):
+    """How the components of a run are coupled."""
+
+
+@_mirror()
+class Arithmetic(Structure):
+    """How the processor rounds and treats numbers near zero."""
+
+
+@_mirror(("name", c_char * 512))
+class Mark(Structure):
+    """The last call that was begun, and the name of the component in a call from Python."""
+
+    def begin(self, name: str, call: str) -> None:
+        """Note a call that the kernel does not make: on whom, and which."""
+        self.component = None
+        self.t = math.nan
+        self.name, self.call = name.encode()[:511], call.encode()[:63]
