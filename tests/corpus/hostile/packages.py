@@ -22,21 +22,23 @@ OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
 TIMES = 'startTime="0" stopTime="1"'
 
 
-def document(root: str, inside: str, version: str = "1.0") -> str:
+def document(root: str, inside: str, version: str = "1.0", name: str = "n") -> str:
     """Return a file of SSP."""
-    declared = "".join(f' xmlns:{p}="{_ROOT}{name}"' for p, name in _NAMES.items())
-    name = "" if root in {"ssm:ParameterMapping", "ssb:SignalDictionary"} else ' name="n"'
-    return f'<{root} version="{version}"{name}{declared}>{inside}</{root}>'
+    declared = "".join(f' xmlns:{p}="{_ROOT}{part}"' for p, part in _NAMES.items())
+    named = "" if root in {"ssm:ParameterMapping", "ssb:SignalDictionary"} else f' name="{name}"'
+    return f'<{root} version="{version}"{named}{declared}>{inside}</{root}>'
 
 
-def component(name: str, inside: str = "", *, fmi: int = 2) -> str:
-    """Return a component that is the reference FMU: y = x + d u, of u [m/s] and x, y [m]."""
-    return f'<ssd:Component name="{name}" source="resources/{fmi}.fmu">{inside}</ssd:Component>'
+def component(name: str, inside: str = "", *, fmu: object = 2) -> str:
+    """Return a component; by default the reference FMU: y = x + d u, of u [m/s] and x, y [m]."""
+    return f'<ssd:Component name="{name}" source="resources/{fmu}.fmu">{inside}</ssd:Component>'
 
 
-def connection(start: str, end: str, inside: str = "", *, convert: bool = False) -> str:
-    """Return a connection of ``element.connector``; units go unconverted, unless said otherwise."""
-    words = []
+def connection(
+    start: str, end: str, inside: str = "", *, convert: bool = False, **more: str
+) -> str:
+    """Return a connection of ``element.connector``; by default units are not converted."""
+    words = [f'{name}="{text}"' for name, text in more.items()]
     for which, (element, _, connector) in (
         ("start", start.rpartition(".")),
         ("end", end.rpartition(".")),
@@ -83,33 +85,43 @@ def experiment(step: str = "0.1", times: str = TIMES, declared: str = f'xmlns:os
     )
 
 
-def structure(
+def system(
+    name: str,
     elements: str,
     connections: Sequence[str] = (),
     *,
     connectors: str = "",
     before: str = "",
     behind: str = "",
+) -> str:
+    """Return a system; ``before`` comes before its elements, ``behind`` behind its connections."""
+    joined = f"<ssd:Connections>{''.join(connections)}</ssd:Connections>" if connections else ""
+    ends = f"<ssd:Connectors>{connectors}</ssd:Connectors>" if connectors else ""
+    inside = f"{ends}{before}<ssd:Elements>{elements}</ssd:Elements>{joined}{behind}"
+    return f'<ssd:System name="{name}">{inside}</ssd:System>'
+
+
+def structure(
+    elements: str,
+    connections: Sequence[str] = (),
+    *,
     rest: str = "",
     times: str | None = None,
     version: str = "1.0",
+    name: str = "n",
+    **parts: str,
 ) -> str:
     """Return a SystemStructure.ssd.
 
     Parameters
     ----------
-    before, behind : elements and connections of the system
     rest : behind the system
     times : a DefaultExperiment
+    parts : connectors, before and behind, see system
     """
-    joined = f"<ssd:Connections>{''.join(connections)}</ssd:Connections>" if connections else ""
-    ends = f"<ssd:Connectors>{connectors}</ssd:Connectors>" if connectors else ""
-    system = (
-        f'<ssd:System name="s">{ends}{before}<ssd:Elements>{elements}</ssd:Elements>{joined}'
-        f"{behind}</ssd:System>"
-    )
     proposed = experiment() if times is None else times
-    return document("ssd:SystemStructureDescription", system + rest + proposed, version)
+    whole = system("s", elements, connections, **parts) + rest + proposed
+    return document("ssd:SystemStructureDescription", whole, version, name)
 
 
 def packed(text: Text, files: Mapping[str, Text] | None = None) -> Callable[[Path], None]:

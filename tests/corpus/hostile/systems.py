@@ -19,6 +19,7 @@ from tests.corpus.hostile.packages import (
     experiment,
     packed,
     structure,
+    system,
     values,
 )
 
@@ -65,10 +66,7 @@ def _arrays(first: int, second: int) -> str:
     def ends(size: int) -> str:
         return connector("v", "input", f'<ssc:Float64/><ssc:Dimension size="{size}"/>')
 
-    inner = (
-        f'<ssd:System name="i"><ssd:Connectors>{ends(second)}</ssd:Connectors><ssd:Elements>{A}'
-        "</ssd:Elements></ssd:System>"
-    )
+    inner = system("i", A, connectors=ends(second))
     joined = [connection("v", "i.v")]
     return structure(inner, joined, connectors=ends(first), version="2.0")
 
@@ -125,6 +123,12 @@ CONNECTIONS = [
     _case("connector-twice", "two connectors of one name", "two connectors 'v'", structure(A, connectors=V + V)),
     _case("component-twice", "two components of one name", "two elements 'a'", structure(A + A)),
     _case("name-with-dot", "a component called a.b", "a name without '.'", structure(component("a.b"))),
+    _connected("parameter", "an output led to a parameter", r"a\.y cannot feed b\.k: it is a parameter", connection("a.y", "b.k")),
+    _case("no-dictionary-entry", "an entry that the dictionary has not", "no entry 'z'",
+          structure(A + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>',
+                    [connection("a.y", "d.z")],
+                    behind='<ssd:SignalDictionaries><ssd:SignalDictionary name="bus" source="a.ssb"/></ssd:SignalDictionaries>'),
+          {"a.ssb": document("ssb:SignalDictionary", "")}),
     _case("no-dictionary", "a reference to a signal dictionary that is none",
           "there is no signal dictionary 'bus'",
           structure(A + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>',
@@ -143,6 +147,7 @@ SOURCES = [
     _source("source-nul", "%00", "names no file"),
     _source("source-long", "x" * 5000, "names no file"),
     _source("source-no-fmu", STRUCTURE, "not a zip archive"),
+    _case("source-none", "a component without a source", "'a' has no source", structure('<ssd:Component name="a"/>', version="2.0")),
     _case("type-unknown", "a component that is a Modelica model", "only FMUs and SSP systems", structure('<ssd:Component name="a" type="text/x-modelica" source="resources/2.fmu"/>')),
     _case("contains-itself", "a nested system that is the outer one", "contains itself", _nested(STRUCTURE)),
     _case("ring", "two nested systems in each other", "contains itself", _nested("b.ssd"), {"b.ssd": _nested(STRUCTURE)}),
@@ -162,6 +167,7 @@ BINDINGS = [
     _bound("value-of-output", "a start value for an output", "a.y", binding("a.ssv"), a_ssv=values(("a.y", "1"))),
     _bound("value-of-time", "a start value for the time", "a.time", binding("a.ssv"), a_ssv=values(("a.time", "1"))),
     _bound("value-unknown", "a start value for what is not there", "no variable 'q'", binding("a.ssv"), a_ssv=values(("a.q", "1"))),
+    _bound("value-of-nothing", "a start value for a component that is not there", "no parameter 'q.k'", binding("a.ssv"), a_ssv=values(("q.k", "1"))),
     _bound("value-beyond-maximum", "a start value above its maximum", "a.k .*10", binding("a.ssv"), a_ssv=values(("a.k", "11"))),
     _bound("value-infinite", "a start value that is infinite", "a.k", binding("a.ssv"), a_ssv=values(("a.k", "INF"))),
     _bound("value-of-another-unit", "a rate given in metres", "cannot be converted", binding("a.ssv"), a_ssv=values(("a.k", '1" unit="m'))),

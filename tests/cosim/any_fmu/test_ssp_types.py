@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,42 +12,25 @@ from stickslip import cosim
 from stickslip.cosim import Link, ValueMap
 from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.package import Package
+from tests.corpus.hostile import packages
 
-ROOT = (
-    '<ssd:SystemStructureDescription name="s" version="{version}"'
-    ' xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"'
-    ' xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"'
-    ' xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping"'
-    ' xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues">'
-    '<ssd:System name="s">{body}</ssd:System><ssd:Enumerations>'
-    '<ssc:Enumeration name="Speed"><ssc:Item name="slow" value="1"/>'
+SPEED = (
+    '<ssd:Enumerations><ssc:Enumeration name="Speed"><ssc:Item name="slow" value="1"/>'
     '<ssc:Item name="fast" value="2"/></ssc:Enumeration></ssd:Enumerations>'
-    "</ssd:SystemStructureDescription>"
 )
-COMPONENT = '<ssd:Component name="{}" source="resources/a.fmu">{}</ssd:Component>'
+connection = partial(packages.connection, convert=True)
 
 
 @pytest.fixture
 def pack(tmp_path):
-    def pack(fmu, body, version="2.0"):
+    def pack(fmu, text):
         path = tmp_path / "packed.ssp"
         with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("SystemStructure.ssd", ROOT.format(version=version, body=body))
+            archive.writestr("SystemStructure.ssd", text)
             archive.write(fmu, "resources/a.fmu")
         return path
 
     return pack
-
-
-def connection(start, end, content="", **attributes):
-    for which, (element, _, name) in (
-        ("start", start.rpartition(".")),
-        ("end", end.rpartition(".")),
-    ):
-        attributes |= {f"{which}Connector": name}
-        attributes |= {f"{which}Element": element} if element else {}
-    text = " ".join(f'{name}="{value}"' for name, value in attributes.items())
-    return f"<ssd:Connection {text}>{content}</ssd:Connection>"
 
 
 def pairs(kind, *pairs):
@@ -55,10 +39,10 @@ def pairs(kind, *pairs):
 
 
 def two(*connections, connectors="", of_a="", of_b=""):
-    return (
-        f"{connectors}<ssd:Elements>{COMPONENT.format('a', of_a)}{COMPONENT.format('b', of_b)}"
-        f"</ssd:Elements><ssd:Connections>{''.join(connections)}</ssd:Connections>"
-    )
+    """Return a description of two components of one FMU."""
+    elements = (packages.component(name, of, fmu="a") for name, of in (("a", of_a), ("b", of_b)))
+    how = {"connectors": connectors, "rest": SPEED, "times": "", "version": "2.0"}
+    return packages.structure("".join(elements), connections, **how)
 
 
 def is_valid(path):
@@ -127,12 +111,10 @@ def test_what_ssp_has_no_words_for_is_refused(export, tmp_path):
 
 
 def bound(values, mapping=""):
-    return (
-        "<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>"
-        f'<ssv:ParameterSet version="2.0" name="p"><ssv:Parameters>{values}</ssv:Parameters>'
-        f"</ssv:ParameterSet></ssd:ParameterValues>{mapping}"
-        "</ssd:ParameterBinding></ssd:ParameterBindings>"
-    )
+    inside = f"<ssv:Parameters>{values}</ssv:Parameters>"
+    held = packages.document("ssv:ParameterSet", inside, "2.0")
+    content = f"<ssd:ParameterValues>{held}</ssd:ParameterValues>{mapping}"
+    return packages.bound(f"<ssd:ParameterBinding>{content}</ssd:ParameterBinding>")
 
 
 def parameter(name, kind, value, rest=""):
@@ -144,10 +126,8 @@ def mapping(*entries):
         f'<ssm:MappingEntry source="{source}" target="{target}">{text}</ssm:MappingEntry>'
         for source, target, text in entries
     )
-    return (
-        f'<ssd:ParameterMapping><ssm:ParameterMapping version="2.0">{lines}'
-        "</ssm:ParameterMapping></ssd:ParameterMapping>"
-    )
+    held = packages.document("ssm:ParameterMapping", lines, "2.0")
+    return f"<ssd:ParameterMapping>{held}</ssd:ParameterMapping>"
 
 
 def test_mapped_parameters_take_pairs_of_every_type(export, pack, tmp_path):
@@ -164,7 +144,7 @@ def test_mapped_parameters_take_pairs_of_every_type(export, pack, tmp_path):
         ("speed", "Enumeration_in", pairs("Enumeration", ("fast", "b"))),
         ("speed", "UInt8_in", pairs("Integer", (2, 200))),
     )
-    body = two(of_a=bound(values, entries)).replace("<ssd:Connections></ssd:Connections>", "")
+    body = two(of_a=bound(values, entries))
     system, _ = cosim.read_ssp(pack(export("feedthrough", 3), body))
     assert system.parameters == {
         "a.Boolean_in": False,
@@ -179,9 +159,17 @@ def test_mapped_parameters_take_pairs_of_every_type(export, pack, tmp_path):
     assert again.parameters == system.parameters
 
 
-ARRAY = '<ssd:Connectors><ssd:Connector name="{}" kind="{}"><ssc:Float64/>{}</ssd:Connector>'
-ARRAY += "</ssd:Connectors>"
-SIZE = '<ssc:Dimension size="{}"/>'
+def declared(name, kind, value="Float64"):
+    """Return the connectors of a component."""
+    inside = packages.connector(name, kind, f"<ssc:{value}/>")
+    return f"<ssd:Connectors>{inside}</ssd:Connectors>"
+
+
+def array(size=""):
+    """Return a connector of the system that is an array."""
+    return packages.connector("x", "input", f"<ssc:Float64/><ssc:Dimension{size}/>")
+
+
 MATRIX = "-1 0 0 0 -2 0 0 0 -3"
 
 
@@ -191,7 +179,7 @@ def test_arrays_are_connected_as_a_whole_and_by_element(export, pack, tmp_path):
         connection("x", "a.u"),
         connection("a.y", "b.u", startIndices="2", endIndices="3"),
         connection("a.y", "b.u", startIndices="3", endIndices="1"),
-        connectors=ARRAY.format("x", "input", "<ssc:Dimension/>"),
+        connectors=array(),
         of_a=bound(values),
     )
     system, _ = cosim.read_ssp(pack(export("state_space", 3, "CS"), body))
@@ -232,94 +220,69 @@ def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names
         cosim.write_ssp(system, tmp_path / "c.ssp", version="1.0")
 
 
+def mapped(kind, text):
+    return "feedthrough", two(connection(f"a.{kind}_out", f"b.{kind}_in", text))
+
+
+def otherwise(*connector):
+    of_b = declared("Float64_in", *connector)
+    return "feedthrough", two(connection("a.Float64_out", "b.Float64_in"), of_b=of_b)
+
+
+def elements(source, target, /, *more, size="", **indices):
+    joined = connection(source, target, **{f"{which}Indices": i for which, i in indices.items()})
+    return "state_space", two(joined, *more, connectors=array(size) if source == "x" else "")
+
+
 @pytest.mark.parametrize(
-    ("model", "body", "message"),
+    ("packed", "message"),
     [
         (
-            "feedthrough",
-            two(connection("a.Int8_out", "b.Int8_in", pairs("Boolean", ("true", "false")))),
+            mapped("Int8", pairs("Boolean", ("true", "false"))),
             r"BooleanMappingTransformation is for Boolean values, a\.Int8_out is of the type Int8",
         ),
         (
-            "feedthrough",
-            two(connection("a.Int8_out", "b.Int8_in", pairs("Integer", (1, 300)))),
+            mapped("Int8", pairs("Integer", (1, 300))),
             r"b\.Int8_in: expected a value of type Int8, got 300",
         ),
+        (mapped("Int8", pairs("Integer", (1, 3), (1, 4))), "maps '1' twice"),
         (
-            "feedthrough",
-            two(connection("a.Int8_out", "b.Int8_in", pairs("Integer", (1, 3), (1, 4)))),
-            "maps '1' twice",
-        ),
-        (
-            "feedthrough",
-            two(
-                connection(
-                    "a.Enumeration_out", "b.Enumeration_in", pairs("Enumeration", ("a", "bb"))
-                )
-            ),
+            mapped("Enumeration", pairs("Enumeration", ("a", "bb"))),
             "'bb' is no value of its type; did you mean 'b'",
         ),
         (
-            "feedthrough",
-            two(connection("a.Boolean_out", "b.Int8_in")),
+            ("feedthrough", two(connection("a.Boolean_out", "b.Int8_in"))),
             r"cannot connect a\.Boolean_out \(Boolean\) and b\.Int8_in \(Int8\): only equal types",
         ),
         (
-            "feedthrough",
-            two(
-                connection("a.Float64_out", "b.Float64_in"),
-                of_b=ARRAY.format("Float64_in", "input", "").replace("Float64/", "Boolean/"),
-            ),
+            otherwise("input", "Boolean"),
             r"b\.Float64_in is declared as input Boolean, its FMU has input Float64",
         ),
+        (otherwise("output"), "declared as output Float64, its FMU has input"),
         (
-            "feedthrough",
-            two(
-                connection("a.Float64_out", "b.Float64_in"),
-                of_b=ARRAY.format("Float64_in", "output", ""),
-            ),
-            "declared as output Float64, its FMU has input",
-        ),
-        (
-            "state_space",
-            two(connection("x", "a.u"), connectors=ARRAY.format("x", "input", SIZE.format(4))),
+            elements("x", "a.u", size=' size="4"'),
             r"cannot connect x to a\.u: their dimensions are \(4,\) and \(3,\)",
         ),
         (
-            "state_space",
-            two(connection("a.y", "b.u", endIndices="1")),
+            elements("a.y", "b.u", end="1"),
             r"cannot connect a\.y to b\.u\[1\]: their dimensions are \(3,\) and \(\)",
         ),
+        (elements("a.y", "b.u", start="4", end="1"), r"no variable 'y\[4\]'"),
+        (elements("a.y", "b.u", start="0", end="1"), "startIndices count from 1"),
         (
-            "state_space",
-            two(connection("a.y", "b.u", startIndices="4", endIndices="1")),
-            r"no variable 'y\[4\]'",
-        ),
-        (
-            "state_space",
-            two(connection("a.y", "b.u", startIndices="0", endIndices="1")),
-            "startIndices count from 1",
-        ),
-        (
-            "state_space",
-            two(
-                connection("a.y", "b.u"), connection("a.y", "b.u", startIndices="1", endIndices="2")
-            ),
+            elements("a.y", "b.u", connection("a.y", "b.u", startIndices="1", endIndices="2")),
             r"b\.u\[2\] is already connected",
         ),
         (
-            "state_space",
-            two(
-                connection("x", "a.u", startIndices="5", endIndices="1"),
-                connectors=ARRAY.format("x", "input", SIZE.format(3)),
-            ),
+            elements("x", "a.u", size=' size="3"', start="5", end="1"),
             r"x\[5\] is no element of an array of the dimensions \(3,\)",
         ),
     ],
 )
-def test_what_does_not_fit_is_refused_with_file_and_line(export, pack, model, body, message):
+def test_what_does_not_fit_is_refused_with_file_and_line(export, pack, packed, message):
+    model, text = packed
     with pytest.raises(
         cosim.SspError, match=rf"packed\.ssp: SystemStructure\.ssd, line 1: .*{message}"
     ) as error:
-        cosim.read_ssp(pack(export(model, 3, "CS"), body))
+        cosim.read_ssp(pack(export(model, 3, "CS"), text))
     assert "\n" not in str(error.value)

@@ -54,12 +54,12 @@ def _structure(version: str) -> str:
     of_a, of_d = (connector(*which, metres) for which in (("y", "output"), ("z", "inout")))
     inner = (
         f'<ssd:System name="inner"><ssd:Connectors>{ends}</ssd:Connectors><ssd:Elements>'
-        f"{component('c', fmi=fmi)}</ssd:Elements><ssd:Connections>{connection('v', 'c.u')}"
+        f"{component('c', fmu=fmi)}</ssd:Elements><ssd:Connections>{connection('v', 'c.u')}"
         f"{connection('c.y', 'x')}</ssd:Connections></ssd:System>"
     )
     elements = (
-        component("a", f"<ssd:Connectors>{of_a}</ssd:Connectors>", fmi=fmi)
-        + component("b", fmi=fmi)
+        component("a", f"<ssd:Connectors>{of_a}</ssd:Connectors>", fmu=fmi)
+        + component("b", fmu=fmi)
         + '<ssd:SignalDictionaryReference name="d" dictionary="bus"><ssd:Connectors>'
         + f"{of_d}</ssd:Connectors></ssd:SignalDictionaryReference>{inner}"
     )
