@@ -34,8 +34,8 @@ def test_one_table_in_many_forms(tmp_path, data):
 
 def test_times_may_repeat_and_need_not_cover_the_run(tmp_path):
     table = read(tmp_path, b"time,u\n1,1\n2,2\n2,5\n3,6\n")["u"]
-    t = np.array([0.0, 1.5, 2.0, 9.0])
-    assert table.sample(t).tolist() == [1.0, 1.5, 5.0, 6.0]
+    t = np.array([0.0, 1.5, 2.0, 2.5, 3.0, 9.0])
+    assert table.sample(t).tolist() == [1.0, 1.5, 5.0, 5.5, 6.0, 6.0]
 
 
 def test_one_row_is_a_constant(tmp_path):
@@ -50,12 +50,20 @@ def test_one_row_is_a_constant(tmp_path):
         (b"time,u\n2,0\n1,0\n", r"line 3: time falls from 2.0 to 1.0 s"),
         (b"time,u\n0,1_0\n", r"got '1_0'"),
         (b"time,u\n0," + b"9" * 2_000_000, r"line 2: 2000002 characters"),
+        (b"", "expected a first line"),
+        (b"t,v\n0,1\n", "'time' among them"),
+        (b"time,v,v\n0,1,1\n", "distinct"),
+        (b"time;v\n0;1\n", "separated by commas"),
+        (b"time,v\n", "no values"),
+        (b"time,v\n0,1\n1\n", "line 3: expected 2 cells, got 1"),
+        (b"time,v\n0,nan\n", "line 2: column 'v': expected a finite number, got 'nan'"),
         (b"time,\x1b[31m\n0,x\n", r"column '\\x1b\[31m'"),
     ],
 )
 def test_faults_have_a_place(tmp_path, data, said):
     with pytest.raises(cosim.SignalError, match=said) as error:
         read(tmp_path, data)
+    assert str(tmp_path / "in.csv") in str(error.value)
     assert "\n" not in str(error.value)
     assert "\x1b" not in str(error.value)
 

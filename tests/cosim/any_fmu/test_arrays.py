@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 MATRIX = np.array([[-1.0, 0.5, 0.0], [0.0, -2.0, 1.0], [0.3, 0.0, -0.5]])
 
 
 def system_of(export, parameters):
-    system = cosim.System()
-    system.add("a", export("state_space", 3, "CS"), parameters)
-    return system
+    return one(export("state_space", 3, "CS"), parameters)
 
 
 def test_arrays_as_start_values_equal_fmpy(export):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 STEP, STOP = 0.1, 2.0
 
@@ -18,8 +19,7 @@ def interfaces(request):
 
 
 def run(path, step=STEP):
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     with system.prepare(step=step, stop=STOP) as simulation:
         first = simulation.run()
         np.testing.assert_array_equal(simulation.run().values, first.values)
@@ -58,8 +58,7 @@ def test_clocks_that_will_not_tick_are_named(export, caplog):
 @pytest.mark.parametrize("start", [1e4, 1.7e9])
 def test_a_clock_ticks_at_its_times_after_a_late_start(export, interfaces, start):
     """The intervals of these clocks are those of the run from 0 on, in steps of 0.025 s."""
-    system = cosim.System()
-    system.add("a", export("clocked", 3, interfaces))
+    system = one(export("clocked", 3, interfaces))
     late = system.prepare(step=0.025, start=start, stop=start + STOP).run()
     soon = system.prepare(step=0.025, stop=STOP).run()
     for name in (name for name in soon.names if name.endswith("_ticks")):

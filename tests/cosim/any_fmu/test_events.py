@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 
 def last_of_each_time(result):
@@ -19,8 +20,7 @@ def last_of_each_time(result):
 def test_event_mode_equals_fmpy(export, model, step):
     path = export(model, 3, "CS events")
     names = {"ball": ["height", "bounces"], "stair": ["count", "level"]}[model]
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     ours = system.prepare(step=step, stop=3.0).run()
     theirs = fmpy.simulate_fmu(
         str(path), stop_time=3.0, output_interval=step, step_size=step, output=names,
@@ -34,9 +34,7 @@ def test_event_mode_equals_fmpy(export, model, step):
 
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_a_discrete_input_that_jumps_is_an_event(export, interfaces):
-    system = cosim.System()
-    system.add("a", export("stair", 3, interfaces))
-    system.expose("u", "a.trigger")
+    system = one(export("stair", 3, interfaces), u="trigger")
     trigger = cosim.Table([0.0, 0.3, 0.7], [0, 1, 0])
     result = system.prepare(step=0.1, stop=1.0).run(inputs={"u": trigger})
     np.testing.assert_array_equal(result["a.level"], [0, 0, 0, 0, 10, 10, 10, 10, 20, 20, 20])
@@ -48,8 +46,7 @@ def test_a_discrete_input_that_jumps_is_an_event(export, interfaces):
 def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
     """Neither from outside nor from another FMU; a table that jumps between points is one."""
     path = export("oscillator", version, interfaces)
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     system.add("b", path)
     system.expose("u", "a.force")
     system.connect("a.position", "b.force")
@@ -67,8 +64,7 @@ def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
 @pytest.mark.parametrize("interfaces", ["CS", "CS events"])
 def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfaces):
     path = export("stair", version, interfaces)
-    system = cosim.System()
-    system.add("a", path, {"last": 3})
+    system = one(path, {"last": 3})
     ours = system.prepare(step=0.1, stop=2.0).run()
     theirs = fmpy.simulate_fmu(
         str(path), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1, step_size=0.1,
@@ -84,12 +80,12 @@ def test_an_fmu_that_ends_the_run_keeps_what_fmpy_keeps(export, version, interfa
     np.testing.assert_array_equal(ours["a.count"][:8], theirs["count"][regular])
 
 
-def test_reset_equals_fresh(export):
-    system = cosim.System()
-    system.add("ball", export("ball", 3, "CS events"))
-    with system.prepare(step=0.1, stop=2.0) as simulation:
+@pytest.mark.parametrize(("version", "interfaces"), [(3, "CS events"), (2, "ME"), (3, "ME")])
+def test_reset_equals_fresh(export, version, interfaces):
+    fine = {"step": 0.1, "stop": 2.0, "tolerance": 1e-8}
+    with one(export("ball", version, interfaces)).prepare(**fine) as simulation:
         first = simulation.run().values
-        simulation.run({"ball.e": 0.5})
+        assert simulation.run({"a.e": 0.5}).values.tobytes() != first.tobytes()
         np.testing.assert_array_equal(simulation.run().values, first)
 
 
@@ -98,8 +94,7 @@ def test_reset_equals_fresh(export):
 def test_time_events_are_where_they_are_after_a_late_start(export, interfaces, start, step):
     """Events two and a half steps apart: none in a row before its time, none lost."""
     period = 2.5 * step
-    system = cosim.System()
-    system.add("a", export("stair", 3, interfaces), {"period": period})
+    system = one(export("stair", 3, interfaces), {"period": period})
     result = system.prepare(start=start, step=step, stop=start + 40 * step).run()
     rows = np.arange(41)
     exact = rows / 2.5

@@ -8,6 +8,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim.signals.span import slack
+from tests.cosim.single import one
 
 STEP, STOP = 0.1, 2.0
 KINDS = {"force": "f8", "trigger": "?"}
@@ -20,8 +21,7 @@ TRIGGER = np.array([0, 0, 1, 1, 1, 0, 0, 1, 1, 0])
 
 def both(path, name, time, values, kind="CoSimulation", **prepared):
     model = path.stem
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     system.expose("u", f"a.{name}")
     table = np.array(
         list(zip(time, values, strict=True)), dtype=[("time", "f8"), (name, KINDS[name])]
@@ -65,9 +65,7 @@ def test_a_jump_a_rounding_error_beside_a_point_lies_at_it():
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
     """To the last bit, so that neither a point in time nor an event is on both sides of it."""
-    system = cosim.System()
-    system.add("a", export("stair", version, "ME"), {"period": 1e9})
-    system.expose("u", "a.trigger")
+    system = one(export("stair", version, "ME"), {"period": 1e9}, u="trigger")
     with system.prepare(step=0.125, stop=1.0) as simulation:
         latest = 0.125 + slack(1.0, 0.125)
         for jump, row in ((0.125, 1), (latest, 1), (np.nextafter(latest, 1.0), 2)):
@@ -76,9 +74,7 @@ def test_a_jump_at_most_the_slack_behind_a_point_lies_at_it(export, version):
 
 
 def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(export):
-    system = cosim.System()
-    system.add("a", export("stair", 2, "CS"))
-    system.expose("u", "a.trigger")
+    system = one(export("stair", 2, "CS"), u="trigger")
     jump = {"u": cosim.Table([0.0, 0.33], [0, 1])}
     with system.prepare(step=STEP, stop=STOP) as simulation:
         assert simulation.run(inputs=jump)["a.level"][4] == 10
@@ -91,9 +87,7 @@ def test_with_constant_steps_or_a_scenario_a_jump_waits_for_the_next_point(expor
 
 
 def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
-    system = cosim.System()
-    system.add("a", export("oscillator", 2, "CS"))
-    system.expose("u", "a.force")
+    system = one(export("oscillator", 2, "CS"), u="force")
     table = {"u": cosim.Table(TIME, FORCE)}
     with system.prepare(step=STEP, stop=STOP, record=["a.position"]) as simulation:
         free = simulation.run()
@@ -108,9 +102,7 @@ def test_a_run_that_is_halted_and_one_without_inputs_are_not_led_astray(export):
 @pytest.mark.parametrize("kind", ["CS", "ME"])
 def test_a_jump_in_the_last_step_before_a_halt_is_made(export, kind):
     """Every step has a jump, so each end of a run has one in the step before it."""
-    system = cosim.System()
-    system.add("a", export("oscillator", 2, kind))
-    system.expose("u", "a.force")
+    system = one(export("oscillator", 2, kind), u="force")
     table = {"u": cosim.Table(0.0375 + 0.125 * np.arange(8), np.arange(8) ** 2, held=True)}
     with system.prepare(step=0.125, stop=1.0) as simulation:
         whole = simulation.run(inputs=table)["a.position"]
@@ -124,8 +116,7 @@ def test_a_jump_in_the_last_step_before_a_halt_is_made(export, kind):
 
 @pytest.mark.parametrize("coupling", ["jacobi", "gauss_seidel"])
 def test_coupled_components_stop_together(export, coupling):
-    system = cosim.System()
-    system.add("a", export("oscillator", 2, "CS"))
+    system = one(export("oscillator", 2, "CS"))
     system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
     system.connect("a.gain", "b.force")
     system.expose("u", "a.force")
@@ -166,9 +157,7 @@ def response(t, kind):
     ],
 )
 def test_model_exchange_follows_a_table_within_its_steps(export, begin, table, kind):
-    system = cosim.System()
-    system.add("a", export("oscillator", 3, "ME"))
-    system.expose("u", "a.force")
+    system = one(export("oscillator", 3, "ME"), u="force")
     with system.prepare(step=STEP, stop=STOP, tolerance=1e-9) as simulation:
         result = simulation.run(inputs={"u": table(begin)})
         exact = np.cos(2 * result.time) + response(result.time - begin, kind)
@@ -196,8 +185,7 @@ def test_a_scenario_leaves_the_events_of_other_inputs(export, version, kind, unt
 @pytest.mark.parametrize("disturbed", ["a.gain", "b.position"])
 def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export, disturbed):
     """An override that begins at 0.4 and ends at 0.6 does not act on parts of other steps."""
-    system = cosim.System()
-    system.add("a", export("oscillator", 2, "CS"))
+    system = one(export("oscillator", 2, "CS"))
     system.add("b", export("oscillator", 3, "CS"), {"position": 0.0})
     system.connect("a.gain", "b.force")
     system.expose("u", "a.force")
@@ -219,9 +207,7 @@ def test_within_a_step_in_parts_a_scenario_does_what_it_did_at_its_begin(export,
 @pytest.mark.parametrize("start", [0.0, 1e4, 1.7e9])
 def test_a_discrete_input_jumps_at_its_row_at_any_time(export, kind, start):
     step = 1e-5 if start == 1e4 else 1e-3
-    system = cosim.System()
-    system.add("a", export("stair", 2, kind), {"period": 1e9})
-    system.expose("u", "a.trigger")
+    system = one(export("stair", 2, kind), {"period": 1e9}, u="trigger")
     rows = np.arange(101)
     table = cosim.Table([start + n * step for n in rows], rows // 3 % 2)
     with system.prepare(start=start, stop=start + 100 * step, step=step) as simulation:

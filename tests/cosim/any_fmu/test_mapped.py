@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Coupling, Link, ValueMap
+from tests.cosim.single import one
 
 COUPLINGS = ["gauss_seidel", "jacobi", Coupling(degree=1), Coupling("iterative")]
 FLIP = Link(ValueMap.of({0: 1, 1: 0}))
@@ -56,8 +57,7 @@ def test_types_are_mapped_to_each_other(export, source, target, pairs, expected)
 
 
 def test_an_exposed_input_is_mapped_and_starts_with_what_leads_to_the_start_value(export):
-    system = cosim.System()
-    system.add("a", export("feedthrough", 3), {"Int8_in": 7}, interface="co_simulation")
+    system = one(export("feedthrough", 3), {"Int8_in": 7}, interface="co_simulation")
     system.expose("u", "a.Int8_in", links={"a.Int8_in": Link(ValueMap.of({3: 7}))})
     with system.prepare(step=0.1, stop=0.2) as simulation:
         assert set(simulation.run()["u"]) == {3.0}

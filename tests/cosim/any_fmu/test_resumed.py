@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 WORD = {2: "FMUstate", 3: "FMUState"}
 
@@ -24,12 +25,6 @@ def halves(system, path, inputs=None, parameters=None, **how):
         simulation.save(path)
     with system.prepare(**spec) as another:
         return whole.values[10:], another.resume(path, inputs).values
-
-
-def one(fmu, parameters=None, **how):
-    system = cosim.System()
-    system.add("a", fmu, parameters, **how)
-    return system
 
 
 @pytest.mark.parametrize("model", ["ball", "stair"])
@@ -108,8 +103,7 @@ JUMPS = {
 @pytest.mark.parametrize("coupling", ["gauss_seidel", cosim.Coupling("jacobi", degree=1)], ids=str)
 def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, until, coupling):
     """Model Exchange, saved before, at and after jumps on a point and between two."""
-    system = one(export("oscillator", version, "ME", flags(version)))
-    system.expose("u", "a.force")
+    system = one(export("oscillator", version, "ME", flags(version)), u="force")
     spec = {"step": 0.1, "stop": 2.0, "tolerance": 1e-9, "coupling": coupling}
     inputs = {"u": JUMPS[table]}
     with system.prepare(**spec) as simulation:

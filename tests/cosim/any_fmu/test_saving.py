@@ -6,8 +6,8 @@ import ctypes
 
 import pytest
 
-from stickslip import cosim
 from stickslip.cosim import kernel
+from tests.cosim.single import one
 
 FLAG = {2: 'canGetAndSetFMUstate="true"', 3: 'canGetAndSetFMUState="true"'}
 
@@ -15,8 +15,7 @@ FLAG = {2: 'canGetAndSetFMUstate="true"', 3: 'canGetAndSetFMUState="true"'}
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("interface", ["model_exchange", "co_simulation"])
 def test_restored_steps_equal_the_saved(export, version, interface):
-    system = cosim.System()
-    system.add("a", export("ball", version, "ME CS events", FLAG[version]), interface=interface)
+    system = one(export("ball", version, "ME CS events", FLAG[version]), interface=interface)
     assert system.components["a"].restores_state
     simulation = system.prepare(step=0.1, stop=1.0, tolerance=1e-8)
     simulation.run()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 PROPOSED = 'tolerance="1e-3"'
 
@@ -18,8 +19,7 @@ def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
     export, version, experiment, told, recorded
 ):
     path = export("feedthrough", version, "CS", experiment=experiment)
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     times = {"step": 0.1, "stop": 0.1, "record": [recorded]}
     assert system.prepare(**times).run()["a.told"][-1] == told
     assert system.prepare(**times, tolerance=1e-4).run()["a.told"][-1] == 1e-4
@@ -30,8 +30,7 @@ def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
 @pytest.mark.parametrize("experiment", ["", PROPOSED, 'tolerance="-1"'])
 def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, experiment):
     path = export("oscillator", version, "ME", experiment=experiment)
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     ours = system.prepare(step=0.1, stop=5.0).run()
     usual = {"relative_tolerance": 1e-5} if "-1" in experiment else {}
     theirs = fmpy.simulate_fmu(
@@ -41,8 +40,7 @@ def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, exp
 
 
 def test_a_tenth_of_the_tolerance_is_less_error(export):
-    system = cosim.System()
-    system.add("a", export("oscillator", 3, "ME"))
+    system = one(export("oscillator", 3, "ME"))
     errors = []
     for tolerance in (1e-4, 1e-6, 1e-8):
         result = system.prepare(step=0.1, stop=5.0, tolerance=tolerance).run()
@@ -52,7 +50,6 @@ def test_a_tenth_of_the_tolerance_is_less_error(export):
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-6, 1.0, float("nan")])
 def test_what_is_no_tolerance_is_refused(export, tolerance):
-    system = cosim.System()
-    system.add("a", export("oscillator", 3))
+    system = one(export("oscillator", 3))
     with pytest.raises(cosim.ExperimentError, match="between 0 and 1"):
         system.prepare(step=0.1, stop=1.0, tolerance=tolerance)

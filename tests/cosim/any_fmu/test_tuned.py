@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Scenario
+from tests.cosim.single import one
 
 STEP, N = 0.1, 20
 
@@ -20,9 +21,7 @@ def run(system, scenario, **how):
 
 
 def ball(export, version, interfaces, **parameters):
-    system = cosim.System()
-    system.add("a", export("ball", version, interfaces), parameters)
-    return system
+    return one(export("ball", version, interfaces), parameters)
 
 
 @pytest.mark.parametrize(
@@ -41,8 +40,7 @@ def test_a_ball_bounces_with_the_new_restitution(export, version, interfaces):
 
 @pytest.fixture(params=[2, 3])
 def gain(make, request):
-    system = cosim.System()
-    system.add("a", make("gain", request.param), {"k": 2.0})
+    system = one(make("gain", request.param), {"k": 2.0})
     system.expose("x", "a.u")
     return system
 
@@ -69,8 +67,7 @@ def test_from_its_time_on_each_step_has_the_new_value(gain, compiled, coupling, 
 
 
 def test_integers_and_booleans_change_too(make):
-    system = cosim.System()
-    system.add("a", make("gain"))
+    system = one(make("gain"))
     scenario = Scenario().set("a.n", 4, at=0.5).set("a.flag", 1, at=1.0)
     result = run(system, scenario, record=["a.sum"])["a.sum"]
     np.testing.assert_array_equal(result, np.repeat([0.0, 4.0, 14.0], [6, 5, 10]))
@@ -78,8 +75,7 @@ def test_integers_and_booleans_change_too(make):
 
 def test_changes_go_on_in_a_resumed_run(export, tmp_path):
     flags = 'canGetAndSetFMUState="true" canSerializeFMUState="true"'
-    system = cosim.System()
-    system.add("a", export("ball", 3, "CS events", flags))
+    system = one(export("ball", 3, "CS events", flags))
     for at in (0.3, 1.0, 1.2):
         scenario = Scenario().override("a.e", 0.3, at, 1.6)  # then back to what the run began with
         with system.prepare(step=STEP, stop=N * STEP) as simulation:
@@ -105,8 +101,7 @@ def test_what_cannot_change_is_refused(gain, scenario, message):
 
 
 def test_arrays_are_refused(export):
-    system = cosim.System()
-    system.add("a", export("state_space", 3, "CS"))
+    system = one(export("state_space", 3, "CS"))
     for name in ("a.A", "a.A[1,1]"):
         with pytest.raises(cosim.SignalError, match=r"tunable parameter \(array\)"):
             run(system, Scenario().set(name, 1.0, 0.5))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 ALL = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"]
 ALL += ["UInt64", "Boolean", "Enumeration", "discrete"]
@@ -19,8 +20,7 @@ def test_a_signal_of_any_type_equals_fmpy(export, version, name):
     path = export("feedthrough", version)
     time = np.array([0.0, 0.2, 0.5, 0.8, 1.0])
     values = np.array([0, 1, 1, 0, 1])
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     system.expose("u", f"a.{name}_in")
     with system.prepare(step=0.1, stop=1.0) as simulation:
         ours = simulation.run(inputs={"u": cosim.Table(time, values)})
@@ -42,8 +42,7 @@ def test_a_signal_of_any_type_equals_fmpy(export, version, name):
 
 @pytest.mark.parametrize(("version", "name"), CASES)
 def test_a_connection_carries_any_type(export, version, name):
-    system = cosim.System()
-    system.add("a", export("feedthrough", version))
+    system = one(export("feedthrough", version))
     system.add("b", export("feedthrough", version), interface="co_simulation")
     system.connect(f"a.{name}_out", f"b.{name}_in")
     system.expose("u", f"a.{name}_in")
@@ -54,8 +53,7 @@ def test_a_connection_carries_any_type(export, version, name):
 
 
 def test_only_equal_types_connect(export):
-    system = cosim.System()
-    system.add("a", export("feedthrough", 3))
+    system = one(export("feedthrough", 3))
     system.add("b", export("feedthrough", 2))
     system.connect("a.Float64_out", "b.Float64_in")
     system.connect("a.Int32_out", "b.Int32_in")
@@ -65,9 +63,7 @@ def test_only_equal_types_connect(export):
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
-    system = cosim.System()
-    system.add("a", export("feedthrough", version))
-    system.expose("u", "a.Int32_in")
+    system = one(export("feedthrough", version), u="Int32_in")
     with system.prepare(step=0.1, stop=0.2) as simulation:
         result = simulation.run(inputs={"u": np.array([1e12, -1e12, 0.0])})
     np.testing.assert_array_equal(result["a.Int32_out"], [2**31 - 1, 2**31 - 1, -(2**31)])
@@ -85,8 +81,7 @@ def test_a_start_value_of_an_input_is_set_in_initialization_mode(export, version
 def test_the_ends_of_64_bits_are_reached(export):
     ends = {"Int64": [-(2**63), 2**63 - 1], "UInt64": [0, 2**64 - 1]}
     path = export("feedthrough", 3)
-    system = cosim.System()
-    system.add("a", path)
+    system = one(path)
     for name in ends:
         system.expose(name, f"a.{name}_in")
     with system.prepare(step=0.5, stop=2.0) as simulation:
@@ -104,8 +99,7 @@ def test_the_ends_of_64_bits_are_reached(export):
 
 
 def test_start_values_of_every_type_arrive_to_the_bit(export):
-    system = cosim.System()
-    system.add("a", export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})
+    system = one(export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})
     system.set("a.UInt8_in", 200)
     system.set("a.Boolean_in", True)
     with system.prepare(step=0.1, stop=0.1) as simulation:
@@ -127,8 +121,7 @@ def test_start_values_of_every_type_arrive_to_the_bit(export):
     ],
 )
 def test_text_is_read_as_the_type_of_the_variable(export, name, text, value):
-    system = cosim.System()
-    system.add("a", export("feedthrough", 3))
+    system = one(export("feedthrough", 3))
     system.set(f"a.{name}", text)
     assert system.parameters[f"a.{name}"] == value
 
@@ -138,8 +131,7 @@ def test_text_is_read_as_the_type_of_the_variable(export, name, text, value):
     [("UInt8_in", 256), ("Int8_in", -129), ("Int64_in", 2**63), ("Int32_in", 0.5), ("bytes", 3)],
 )
 def test_a_start_value_that_a_type_cannot_hold_is_refused(export, name, value):
-    system = cosim.System()
-    system.add("a", export("feedthrough", 3))
+    system = one(export("feedthrough", 3))
     with pytest.raises(cosim.ParameterError, match=f"a.{name}"):
         system.set(f"a.{name}", value)
 
