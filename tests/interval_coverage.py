@@ -27,7 +27,7 @@ from stickslip.identification.estimation import Task, candidate_fmus, learn
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
 from stickslip.planning import plan
-from stickslip.report.quantity import MEANINGS, number
+from stickslip.report.quantity import meaning, number
 from stickslip.report.style import (
     GREY,
     PAGE,
@@ -173,7 +173,7 @@ def _panel(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_xlim(0.0, len(rows) + 1.0)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    said = MEANINGS[name]
+    said = meaning(name)
     axes.set_ylabel("Error [%]")
     axes.set_title(f"{said[0].upper()}{said[1:]}: {holds.sum()} of {len(rows)} hold the truth")
 

@@ -1,13 +1,15 @@
-"""HTML from small parts: what is not markup yet is escaped."""
+r"""HTML from small parts: text that is not markup yet is escaped, and symbols in it are set.
+
+A symbol is written as in matplotlib: ``$F_c$``, ``$\sigma_0$``, ``$E_{rms}$``.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Sequence
-from html import escape
+from html import escape, unescape
 
-from stickslip.catalog.parameters import UNITS
-from stickslip.identification.stages import Estimate
-from stickslip.report.quantity import SCALES, SYMBOLS, number, unit, with_error
+_SYMBOL = re.compile(r"\$(?:\\(?P<greek>[a-z]+)|(?P<latin>[A-Za-z]))(?:_\{?(?P<index>\w+)\}?)?\$")
 
 
 class Html(str):
@@ -17,8 +19,15 @@ class Html(str):
 
 
 def text(content: str) -> Html:
-    """Return a text as markup, escaped unless it is markup already."""
-    return content if isinstance(content, Html) else Html(escape(content))
+    """Return a text as markup: escaped and with its symbols, unless it is markup already."""
+    return content if isinstance(content, Html) else Html(_SYMBOL.sub(_set, escape(content)))
+
+
+def _set(found: re.Match[str]) -> str:
+    """Return a symbol, its letter in italics and its index below the line."""
+    greek, index = found["greek"], found["index"]
+    letter = escape(unescape(f"&{greek};")) if greek else found["latin"]
+    return f"<i>{letter}</i>" + (f"<sub>{index}</sub>" if index else "")
 
 
 def element(name: str, *content: str, **attributes: str) -> Html:
@@ -40,10 +49,14 @@ def paragraph(*content: str) -> Html:
     return element("p", *content)
 
 
-def symbol(letter: str, index: str = "") -> Html:
-    """Return a symbol, its letter in italics and its index below the line."""
-    below = element("sub", index) if index else ""
-    return join([element("i", letter), below])
+def prose(content: str) -> Html:
+    """Return the text of a cell of a table that may take several lines."""
+    return element("span", content.replace("+-", "±"), class_="prose")
+
+
+def quiet(*content: str) -> Html:
+    """Return a paragraph that qualifies a table."""
+    return element("p", *content, class_="quiet")
 
 
 def table(
@@ -76,29 +89,7 @@ def table(
     return element("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
 
 
-METRICS = {"E_max": symbol("E", "max"), "E_rms": symbol("E", "rms")}
-
-
-def parameter(name: str) -> Html:
-    """Return the symbol of a parameter of Table 2."""
-    return symbol(*SYMBOLS[name])
-
-
-def parameter_unit(name: str) -> str:
-    """Return the unit in which the page shows a parameter of Table 2."""
-    return SCALES[name][1] if name in SCALES else unit(UNITS[name])
-
-
-def parameter_value(name: str, value: float, digits: int = 5) -> str:
-    """Return a value, given in SI, in that unit."""
-    return number(value * _scale(name), digits)
-
-
-def parameter_estimate(name: str, estimate: Estimate) -> str:
-    """Return an estimate, given in SI, in that unit, with its standard error."""
-    scale = _scale(name)
-    return with_error(estimate.value * scale, estimate.standard_error * scale)
-
-
-def _scale(name: str) -> float:
-    return SCALES[name][0] if name in SCALES else 1.0
+def tile(name: str, value: str, *beside: str) -> Html:
+    """Return a figure in large print with its name above it and remarks below it."""
+    lines = [("name", name), ("value", value), *(("beside", remark) for remark in beside)]
+    return element("div", *(element("span", c, class_=kind) for kind, c in lines), class_="tile")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
@@ -159,7 +160,7 @@ def _markup(
 def _figure(shown: Illustration, picture: Picture) -> Html:
     """Return a picture on its white card with a caption."""
     alternative = shown.alternative
-    image = Html(f'<img src="{picture.embedded()}" alt="{text(alternative)}">')
+    image = Html(f'<img src="{picture.embedded()}" alt="{escape(alternative)}">')
     kind = "column" if picture.width <= COLUMN else "page"
     card = element(
         "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative

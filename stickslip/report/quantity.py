@@ -5,33 +5,46 @@ from __future__ import annotations
 import math
 
 from stickslip.catalog.parameters import parameter
+from stickslip.identification.stages import Estimate
 
 SPACE = "\u00a0"
 """Does not break."""
 
-SCALES = {"v_s": (1e3, "mm/s")}
-"""Parameters that read better in another unit than SI: factor and unit."""
+METRICS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
+"""Symbols of the errors (8a) and (8b), for pages and figures."""
 
-SYMBOLS = {
-    "m": ("m", ""),
-    "b": ("b", ""),
-    "F_s": ("F", "s"),
-    "F_c": ("F", "c"),
-    "v_s": ("v", "s"),
-    "sigma_0": ("σ", "0"),
-    "sigma_1": ("σ", "1"),
-}
-FORMULAS = {name: parameter(name).symbol for name in SYMBOLS}
-"""The same for pictures, from law.toml."""
-MEANINGS = {
-    "m": "inertia",
-    "b": "viscous friction",
-    "F_s": "static friction",
-    "F_c": "Coulomb friction",
-    "v_s": "Stribeck velocity",
-    "sigma_0": "bristle stiffness",
-    "sigma_1": "bristle damping",
-}
+_SHOWN = {"m/s": (1e3, "mm/s")}
+"""Units that read better than the SI unit of a parameter: factor and name."""
+
+
+def symbol(name: str) -> str:
+    """Return the symbol of a parameter, for pages and figures."""
+    return parameter(name).symbol
+
+
+def meaning(name: str) -> str:
+    """Return what a parameter is."""
+    return parameter(name).description
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit in which the pages show a parameter of a linear drive."""
+    given = parameter(name).unit
+    return _SHOWN[given][1] if given in _SHOWN else unit(given)
+
+
+def parameter_value(name: str, value: float, digits: int = 5) -> str:
+    """Return a value, given in SI, in that unit."""
+    return number(value * _factor(name), digits)
+
+
+def parameter_estimate(name: str, estimate: Estimate) -> str:
+    """Return an estimate, given in SI, in that unit, with its standard error."""
+    return with_error(estimate.value * _factor(name), estimate.standard_error * _factor(name))
+
+
+def _factor(name: str) -> float:
+    return _SHOWN.get(parameter(name).unit, (1.0, ""))[0]
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -55,6 +68,11 @@ def number(value: float, digits: int = 4) -> str:
 def percent(share: float, digits: int = 1) -> str:
     """Return a share as per cent, e.g. ``95.7 %``."""
     return f"{_fixed(100.0 * share, digits)}{SPACE}%"
+
+
+def percentage(share: float) -> str:
+    """Return a share as per cent, to three significant digits, e.g. ``0.0171 %``."""
+    return f"{number(100.0 * share, 3)}{SPACE}%"
 
 
 def with_error(value: float, error: float) -> str:
@@ -114,8 +132,5 @@ def _exponent(value: float) -> int:
 
 
 def _power(exponent: int) -> str:
-    return f"{SPACE}×{SPACE}10{_superscript(exponent)}"
-
-
-def _superscript(exponent: int) -> str:
-    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{SPACE}×{SPACE}10{superscript}"

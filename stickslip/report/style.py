@@ -32,6 +32,7 @@ PALE = "#eaf1f7"
 
 THICK, LINE, THIN = 1.5, 1.0, 0.5
 """Line widths [pt]."""
+DASHED: Any = (0, (4, 2))
 SMALL = 7.5
 """Small print [pt]."""
 
@@ -93,3 +94,19 @@ def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
 def name_panel(axes: Axes, letter: str, title: str) -> None:
     """Put (a), (b) and what is shown above a panel."""
     axes.set_title(f"({letter}) {title}")
+
+
+def legend_below(axes: Axes, ncols: int | None = None) -> None:
+    """Put the legend of one panel below the whole figure, in one row by default."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure = axes.get_figure(root=True)
+    assert figure is not None  # noqa: S101 - the axes were drawn
+    figure.legend(handles, labels, loc="outside lower center", ncols=ncols or len(labels))
+
+
+def zero_lines(*panels: Axes, vertical: bool = False) -> None:
+    """Draw thin lines where the ordinate is 0, and where the abscissa is 0."""
+    for axes in panels:
+        axes.axhline(0.0, color=FAINT, lw=THIN)
+        if vertical:
+            axes.axvline(0.0, color=FAINT, lw=THIN)

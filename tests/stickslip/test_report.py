@@ -32,10 +32,15 @@ from stickslip.identification.stages import (
 from stickslip.pipeline.datasheet_errors import FACTORS
 from stickslip.pipeline.reproduction import Extras, Options, Reproduction, drive_truth
 from stickslip.pipeline.steps import STEPS
-from stickslip.report.markup import parameter_estimate, parameter_value
 from stickslip.report.page import render
 from stickslip.report.picture import Picture
-from stickslip.report.quantity import number, percent, with_error
+from stickslip.report.quantity import (
+    number,
+    parameter_estimate,
+    parameter_value,
+    percent,
+    with_error,
+)
 from stickslip.report.reproduction import FIGURES, TITLE, sections, write_report
 from stickslip.report.reproduction.identification import PRIOR
 from stickslip.report.style import house_style

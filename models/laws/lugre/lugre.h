@@ -8,7 +8,7 @@
 #define LUGRE_H
 
 typedef struct {
-    double F_s;     /* [N]     stick force */
+    double F_s;     /* [N]     static friction */
     double F_c;     /* [N]     Coulomb force */
     double per_v_s; /* [s/m]   1 / v_s, the Stribeck velocity */
     double sigma_0; /* [N/m]   bristle stiffness */

@@ -6,19 +6,17 @@ import math
 from collections.abc import Collection
 from functools import partial
 
-from stickslip.catalog.parameters import LUGRE
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
 from stickslip.report.learned.figures import draw_force, draw_recording, draw_residual
 from stickslip.report.learned.profiles import draw_profiles, unresolved
-from stickslip.report.learned.result import relative
 from stickslip.report.learned.scales import WORDS
 from stickslip.report.learned.signals import measures_friction
-from stickslip.report.markup import Html, element, join, paragraph, parameter, symbol, table
+from stickslip.report.markup import Html, join, paragraph, prose, table
 from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import number
+from stickslip.report.quantity import number, percentage, symbol
 
 MEANT = {
     "force": "{0}, recorded against predicted from the recorded motion, both low-passed",
@@ -35,7 +33,7 @@ def criterion(estimation: Estimation) -> Section:
     place, push = WORDS[estimation.recording.motion]
     words = ("Friction" if measures_friction(estimation) else push.capitalize(), place.capitalize())
     rows = [
-        (MEANT[name].format(*words), relative(errors[name]))
+        (MEANT[name].format(*words), percentage(errors[name]))
         for name in MEANT
         if math.isfinite(errors[name])
     ]
@@ -48,7 +46,7 @@ def criterion(estimation: Estimation) -> Section:
             rows,
             "Relative errors of the learned drive",
         ),
-        _search(estimation),
+        *_search(estimation),
     )
 
 
@@ -67,17 +65,12 @@ def _criterion(estimation: Estimation) -> Html:
                 "explain (at most 2 is good)."
             )
         return paragraph(sentence)
-    friction = join([symbol("F", "f"), "(", symbol("v"), ") + ", symbol("F", "0")])
+    predicted = f"recorded motion predicts the {push} $m$ $a$ + $b$ $v$ +"
     if measures_friction(estimation):
-        predicted = join(["The recorded velocity predicts the friction ", friction])
-    else:
-        rigid = join([symbol("m"), " ", symbol("a"), " + ", symbol("b"), " ", symbol("v"), " + "])
-        predicted = join([f"The recorded motion predicts the {push} ", rigid, friction])
+        predicted = "recorded velocity predicts the friction"
     return paragraph(
-        predicted,
-        ", where the compensator FMU gives ",
-        symbol("F", "f"),
-        "; its difference from the recorded one, both through the same low-pass, was squared and "
+        f"The {predicted} $F_f$($v$) + $F_0$, where the compensator FMU gives $F_f$; its "
+        "difference from the recorded one, both through the same low-pass, was squared and "
         "minimized. Standard errors allow for errors that persist from sample to sample.",
     )
 
@@ -92,11 +85,11 @@ def _controller(estimation: Estimation) -> Html:
     running = " It was already running when the log began." if is_running(check.gains) else ""
     return paragraph(
         f"Along the recorded motion the controller given{form} commands the recorded {push}{late}, "
-        f"with a relative error of {relative(check.error)}.{running}"
+        f"with a relative error of {percentage(check.error)}.{running}"
     )
 
 
-def _search(estimation: Estimation) -> Html:
+def _search(estimation: Estimation) -> list[Html]:
     searches = estimation.searches
     evaluations = number(float(searches["evaluations"].sum()), 7)
     title, stopped = estimation.algorithm.title, estimation.algorithm.stopped
@@ -106,15 +99,14 @@ def _search(estimation: Estimation) -> Html:
         f"in {times}, and least squares finished." + (f" It ended: {stopped}." if stopped else "")
     )
     if len(searches) == 1:
-        return sentence
+        return [sentence]
+    names = estimation.fit.space.friction
     rows = [
-        (str(row["seed"]), number(row["cost"], 4), *(number(row[n], 4) for n in LUGRE))
+        (str(row["seed"]), number(row["cost"], 4), *(number(row[name], 4) for name in names))
         for row in searches.to_dict("records")
     ]
-    head = ("Seed", "Cost", *(parameter(name) for name in LUGRE))
-    return join(
-        [sentence, table(head, rows, "Spread over seeds, by the inverse model, in SI units")]
-    )
+    head = ("Seed", "Cost", *map(symbol, names))
+    return [sentence, table(head, rows, "Spread over seeds, by the inverse model, in SI units")]
 
 
 ORDER = ("error", "warning", "note")
@@ -126,7 +118,7 @@ def log(estimation: Estimation, findings: Collection[Finding]) -> Section:
     faults = (fault for fault in estimation.faults if fault not in findings)
     ordered = sorted([*findings, *faults, *done], key=lambda finding: ORDER.index(finding.severity))
     rows = [
-        (finding.severity, _prose(finding.what), _prose(finding.figure), _prose(finding.advice))
+        (finding.severity, prose(finding.what), prose(finding.figure), prose(finding.advice))
         for finding in ordered
     ]
     head = ("", "What", "Figure", "Advice")
@@ -143,10 +135,6 @@ def log(estimation: Estimation, findings: Collection[Finding]) -> Section:
             "position through a low-pass without phase lag.",
         ),
     )
-
-
-def _prose(text: str) -> Html:
-    return element("span", text.replace("+-", "±"), class_="prose")
 
 
 def fit(estimation: Estimation) -> Section:
@@ -170,14 +158,14 @@ def identifiability(estimation: Estimation) -> Section:
         Illustration(
             "profiles",
             partial(draw_profiles, estimation),
-            "Profile likelihoods of the five parameters of LuGre’s model",
+            "Profile likelihoods of the parameters of friction",
             _profiles(estimation),
         ),
     )
 
 
 def _force_figure(estimation: Estimation) -> Illustration:
-    error = relative(estimation.figures.force)
+    error = percentage(estimation.figures.force)
     if measures_friction(estimation):
         return Illustration(
             "force",
@@ -205,7 +193,7 @@ def _residual_figure(estimation: Estimation) -> Illustration:
         left = "friction" if measures_friction(estimation) else push
         what = f"Recorded less predicted {left}"
     else:
-        error = relative(estimation.figures.position)
+        error = percentage(estimation.figures.position)
         what, left = (
             f"Recorded less simulated {place}: the controller and the learned drive ran with the "
             f"recorded commands, relative error {error}",
@@ -220,16 +208,12 @@ def _residual_figure(estimation: Estimation) -> Illustration:
     )
 
 
-def _profiles(estimation: Estimation) -> Html:
+def _profiles(estimation: Estimation) -> str:
     names = unresolved(estimation)
     sentence = "Profile likelihoods, at up to three standard errors on either side."
-    if not names:
-        return join([sentence])
-    listed = join([parameter(name) for name in names], ", ")
-    return join(
-        [
-            f"{sentence} Not drawn for ",
-            listed,
-            ": at a bound, or where the others could not follow, there is no curve.",
-        ]
-    )
+    if names:
+        sentence += (
+            f" Not drawn for {', '.join(map(symbol, names))}: at a bound, or where the others "
+            "could not follow, there is no curve."
+        )
+    return sentence

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from string import ascii_lowercase
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,11 +13,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 from scipy.interpolate import PchipInterpolator
 
-from stickslip.catalog.parameters import LUGRE, unit_of
 from stickslip.identification.estimation import Estimation
-from stickslip.report.learned.scales import Scale, parameter_scale
-from stickslip.report.quantity import FORMULAS, MEANINGS, number, unit
-from stickslip.report.style import GREY, PAGE, SHADE, WITH, WITHOUT, name_panel, new_figure
+from stickslip.report import style
+from stickslip.report.learned.scales import parameter_scale
+from stickslip.report.quantity import meaning, number, symbol
+from stickslip.report.style import GREY, SHADE, WITH, WITHOUT
 from stickslip.servo.measurement import Array
 
 LINE_95 = 3.84
@@ -26,34 +27,34 @@ WIDE = 3.0
 """Ratio of the ends beyond which an axis is logarithmic."""
 FARTHEST = 1e3
 """Ratio to the fitted value beyond which nothing is drawn."""
-LETTERS = "abcde"
 
 
 def draw_profiles(estimation: Estimation) -> Figure:
-    """Draw a panel for each of LuGre's five, with its interval and the 95 % line."""
-    figure = new_figure(PAGE, 105.0)
-    panels = figure.subplots(2, 3, sharey=True).ravel()
-    for axes, letter, name in zip(panels, LETTERS, LUGRE, strict=False):
+    """Draw a panel for each parameter of friction, with its interval and the 95 % line."""
+    names = estimation.fit.space.friction
+    rows = len(names) // 3 + 1  # one panel more, for the legend
+    figure = style.new_figure(style.PAGE, 52.5 * rows)
+    panels = figure.subplots(rows, 3, sharey=True, squeeze=False).ravel()
+    for axes, letter, name in zip(panels, ascii_lowercase, names, strict=False):
         _panel(axes, estimation, name)
-        name_panel(axes, letter, f"{_capital(MEANINGS[name])}, {estimation.known[name].visible}")
-    for axes in panels[::3]:
+        style.name_panel(axes, letter, f"{meaning(name)}, {estimation.known[name].visible}")
+    for axes in panels[: len(names) : 3]:
         axes.set_ylabel("Deviance")
+    for axes in panels[len(names) :]:
+        axes.set_axis_off()
     _legend(panels[-1])
     return figure
 
 
 def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
     known, fitted = estimation.known[name], estimation.known[name].value
-    motion = estimation.recording.motion
-    scale = Scale.of(fitted, unit(unit_of(name, rotary=motion == "rotary")))
-    if name == "v_s":
-        scale = parameter_scale(name, fitted, motion)
+    scale = parameter_scale(name, fitted, estimation.recording.motion, prefixed=True)
     value, deviance = _curve(estimation, name)
     drawn = _resolved(deviance)
     ends = (value[0], value[-1]) if drawn else (fitted / FARTHEST, fitted * FARTHEST)
     low, high = (np.clip(end, *ends) for end in (known.low, known.high))
     axes.axvspan(scale.factor * low, scale.factor * high, color=SHADE, lw=0)
-    axes.axhline(LINE_95, color=GREY, lw=0.8, ls=(0, (4, 2)))
+    axes.axhline(LINE_95, color=GREY, lw=0.8, ls=style.DASHED)
     axes.axvline(scale.factor * fitted, color=WITHOUT, lw=0.8)
     axes.set_ylim(-0.3, TOP)
     if drawn:
@@ -67,12 +68,13 @@ def _panel(axes: Axes, estimation: Estimation, name: str) -> None:
 
         value = np.array([low, high])
     _ticks(axes, scale.factor * value)
-    axes.set_xlabel(f"{FORMULAS[name]} [{scale.unit}]")
+    axes.set_xlabel(f"{symbol(name)} [{scale.unit}]")
 
 
 def unresolved(estimation: Estimation) -> list[str]:
     """Return the parameters whose profile is too steep to be one."""
-    return [name for name in LUGRE if not _resolved(_curve(estimation, name)[1])]
+    names = estimation.fit.space.friction
+    return [name for name in names if not _resolved(_curve(estimation, name)[1])]
 
 
 def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
@@ -122,18 +124,12 @@ def _tick(x: float) -> str:
     return f"$10^{{{round(math.log10(x))}}}$"
 
 
-def _capital(words: str) -> str:
-    """Return a text with its first letter, and no other, raised."""
-    return words[:1].upper() + words[1:]
-
-
 def _legend(axes: Axes) -> None:
-    axes.set_axis_off()
     handles = [
         Line2D([], [], color=WITH, marker="o", ms=3.0),
         Line2D([], [], color=WITHOUT, lw=0.8),
         Patch(color=SHADE),
-        Line2D([], [], color=GREY, lw=0.8, ls=(0, (4, 2))),
+        Line2D([], [], color=GREY, lw=0.8, ls=style.DASHED),
     ]
-    labels = ["profile likelihood", "learned value", "95 % interval", "3.84: 95 %"]
+    labels = ["profile likelihood", "learned value", "95 % interval", "95 % level, 3.84"]
     axes.legend(handles, labels, loc="center left")

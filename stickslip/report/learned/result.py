@@ -12,9 +12,9 @@ from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.report.learned.scales import WORDS, Scale, force_scale, parameter_scale
 from stickslip.report.learned.signals import measures_friction
-from stickslip.report.markup import Html, element, join, paragraph, parameter, symbol, table
+from stickslip.report.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.report.page import Section, commands, file_list, made_with
-from stickslip.report.quantity import MEANINGS, estimated, interval, number
+from stickslip.report.quantity import estimated, interval, meaning, number, percentage, symbol
 
 ERRORS = {
     "force": "{0} predicted from the motion",
@@ -38,7 +38,7 @@ def _what(estimation: Estimation) -> Html:
     return paragraph(
         f"One recording, {recording.source}, of {number(duration, 4)} s ({number(n, 6)} samples at "
         f"{number(1.0 / recording.T_s, 4)} Hz) of a {recording.motion} drive, was searched for the "
-        "parameters of the LuGre model of friction"
+        f"parameters of the {estimation.fit.space.law.title} model of friction"
         + ("." if measures_friction(estimation) else ", inertia and viscous friction.")
     )
 
@@ -47,24 +47,20 @@ def _verdict(estimation: Estimation) -> Html:
     known = estimation.known
     sentences = []
     for level in LEVELS:
-        names = [parameter(name) for name in known if known[name].visible == level]
+        names = [symbol(name) for name in known if known[name].visible == level]
         if names:
-            sentences.append(join([f"{level[:1].upper()}{level[1:]}: ", join(names, ", "), "."]))
+            sentences.append(f"{level.capitalize()}: {', '.join(names)}.")
     tiles, errors = [], estimation.figures.errors()
     place, push = WORDS[estimation.recording.motion]
     push = "friction" if measures_friction(estimation) else push
     for name, what in ERRORS.items():
         error = errors[name]
         if math.isfinite(error):
-            tile = (
-                element("span", what.format(push.capitalize(), place.capitalize()), class_="name"),
-                element("span", relative(error), class_="value"),
-                element("span", "relative error", class_="beside"),
-            )
-            tiles.append(element("div", *tile, class_="tile"))
+            title = what.format(push.capitalize(), place.capitalize())
+            tiles.append(tile(title, percentage(error), "relative error"))
     return element(
         "div",
-        paragraph(join(sentences, " ")),
+        paragraph(" ".join(sentences)),
         element("div", join(tiles, "\n"), class_="tiles"),
         paragraph(f"Criterion: {estimation.criterion}, since {estimation.reason}."),
         *(paragraph(f"{str(fault).capitalize()}.") for fault in estimation.faults),
@@ -72,19 +68,14 @@ def _verdict(estimation: Estimation) -> Html:
     )
 
 
-def relative(error: float) -> str:
-    """Return a relative error in per cent, to three digits."""
-    return f"{number(100.0 * error, 3)}\u00a0%"
-
-
 def _table(estimation: Estimation) -> Html:
     motion = estimation.recording.motion
     rows = [
         (
-            parameter(name),
-            MEANINGS[name],
+            symbol(name),
+            meaning(name),
             *cells(known, parameter_scale(name, known.value, motion)),
-            element("span", known.sentence.replace("+-", "±"), class_="prose"),
+            prose(known.sentence),
         )
         for name, known in estimation.known.items()
     ]
@@ -122,16 +113,13 @@ def _rest(estimation: Estimation) -> Html:
     )
 
 
-def _exponent(estimation: Estimation) -> Html:
+def _exponent(estimation: Estimation) -> str:
     """Return how friction falls with speed, where that shows."""
-    if estimation.known["v_s"].visible == NOT_VISIBLE:
-        return join([])
-    ratio = join(["|", symbol("v"), "| / ", symbol("v", "s")])
-    power = join(["(", ratio, ")", element("sup", "2")]) if estimation.delta == 2.0 else ratio
-    other = number(3.0 - estimation.delta, 1)
-    return join(
-        [" Friction falls with speed by exp(−", power, f"), rather than with the exponent {other}."]
-    )
+    if "v_s" not in estimation.known or estimation.known["v_s"].visible == NOT_VISIBLE:
+        return ""
+    ratio, other = "|$v$| / $v_s$", number(3.0 - estimation.delta, 1)
+    power = f"({ratio})²" if estimation.delta == 2.0 else ratio
+    return f" Friction falls with speed by exp(−{power}), rather than with the exponent {other}."
 
 
 def compensation(benefit: Benefit) -> Section:
@@ -140,9 +128,7 @@ def compensation(benefit: Benefit) -> Section:
     if not benefit.harmless:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
-        verdict = (
-            f"It gives {number(100.0 * benefit.share, 3)} % of the learned force: {benefit.reason}."
-        )
+        verdict = f"It gives {percentage(benefit.share)} of the learned force: {benefit.reason}."
     rows = [
         (
             row.drive.replace(" x ", " × "),

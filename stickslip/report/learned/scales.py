@@ -59,12 +59,12 @@ def force_scale(motion: Motion, signal: Array) -> Scale:
     return Scale.of(_largest(signal), printed)
 
 
-def parameter_scale(name: str, value: float, motion: Motion) -> Scale:
-    """Return the scale for a parameter of LuGre's: velocities in mm/s, others in SI units."""
-    printed = unit(unit_of(name, rotary=motion == "rotary"))
-    if name != "v_s":
-        return Scale(1.0, printed)
-    return Scale.of(min(10.0 * value, 0.999), printed)
+def parameter_scale(name: str, value: float, motion: Motion, *, prefixed: bool = False) -> Scale:
+    """Return the scale for a parameter: velocities in mm/s, others in SI units or prefixed."""
+    given = unit_of(name, rotary=motion == "rotary")
+    if given in ("m/s", "rad/s"):
+        return Scale.of(min(10.0 * value, 0.999), given)
+    return Scale.of(value, unit(given)) if prefixed and given != "1" else Scale(1.0, unit(given))
 
 
 def from_start(position: Array) -> Array:

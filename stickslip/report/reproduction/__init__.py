@@ -12,9 +12,9 @@ from stickslip.report.reproduction.as_published import as_published
 from stickslip.report.reproduction.identification import identification_section
 from stickslip.report.reproduction.learning import learning_section
 from stickslip.report.reproduction.loop import design_section, use_section
-from stickslip.report.reproduction.motions import motions_section, steps_section
+from stickslip.report.reproduction.motions import motions_section
 from stickslip.report.reproduction.result import head
-from stickslip.report.reproduction.validation import validation_section
+from stickslip.report.reproduction.validation import steps_section, validation_section
 
 __all__ = ["FIGURES", "FILES", "TITLE", "sections", "write_report"]
 

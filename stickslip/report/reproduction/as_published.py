@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -13,32 +14,18 @@ from matplotlib.figure import Figure
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.validation import PAPER_TABLE4
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import (
+from stickslip.report import style
+from stickslip.report.markup import Html, element, paragraph, prose, quiet, table
+from stickslip.report.page import Illustration, Section
+from stickslip.report.quantity import (
     METRICS,
-    Html,
-    element,
-    join,
-    paragraph,
-    parameter,
+    number,
     parameter_unit,
     parameter_value,
+    percent,
     symbol,
-    table,
 )
-from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import FORMULAS, number, percent
-from stickslip.report.style import (
-    COLUMN,
-    GREY,
-    INK,
-    PAGE,
-    PALE,
-    THICK,
-    WITH,
-    WITHOUT,
-    name_panel,
-    new_figure,
-)
+from stickslip.report.reproduction.curves import cost_axes
 from stickslip.servo.datasheet import LOOP, TRAINING
 from stickslip.servo.measurement import Array
 from stickslip.tuning.coarse_start import SPREAD
@@ -52,9 +39,9 @@ FIG5, OUTCOMES = FIGURES = ("fig5_as_published", "as_published")
 RMS = ("start_E_rms", "reverse_E_rms")
 
 _HEADS = {
-    f"{region}_{metric}": join([f"{region.capitalize()}, ", METRICS[metric]])
+    f"{region}_{metric}": f"{region.capitalize()}, {letter}"
     for region in ("start", "reverse")
-    for metric in METRICS
+    for metric, letter in METRICS.items()
 }
 
 
@@ -72,6 +59,7 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
     drive : the drive's true parameters by name, SI units
     """
     published = study.published
+    samples = round(TRAINING.duration / LOOP.T_s) + 1
     return Section(
         "The learning as published",
         _method(published),
@@ -79,18 +67,10 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
             FIG5,
             partial(draw_band, published),
             "Best cost over the generations, a band over seeds",
-            join(
-                [
-                    "Fig. 5 as published, from coarse starts: cost (6), the sum of (",
-                    symbol("v"),
-                    " − ",
-                    symbol("v", "r"),
-                    f")² over the {number(_samples(), 6)} samples of a training run, velocities "
-                    "in m/s. The paper "
-                    f"prints no unit; this reading makes its final {number(PAPER_COST)} "
-                    "comparable, not equal.",
-                ]
-            ),
+            "Fig. 5 as published, from coarse starts: cost (6), the sum of ($v$ − $v_r$)² over the "
+            f"{number(samples, 6)} samples of a training run, velocities in m/s. The paper "
+            f"prints no unit; this reading makes its final {number(PAPER_COST)} comparable, not "
+            "equal.",
         ),
         _course(published),
         Illustration(
@@ -102,30 +82,24 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
             "errors of Table 4, beside the real stage’s.",
         ),
         _outcomes(published),
-        _learned(published),
+        *_learned(published),
         _criticism(published),
-        _readings(study),
+        *_readings(study),
     )
-
-
-def _samples() -> int:
-    return round(TRAINING.duration / LOOP.T_s) + 1
 
 
 def _method(published: Published) -> Html:
     settings = published.method.settings
     runs = settings.population * settings.generations
-    spread = join((join([parameter(n), f" {number(SPREAD[n])}"]) for n in LUGRE), ", ")
+    spread = ", ".join(f"{symbol(name)} {number(SPREAD[name])}" for name in LUGRE)
     simulated = int(np.median([one.simulated for one in published.seeds]))
     return paragraph(
         "The paper starts from coarsely identified values. The three experiments here are "
         "accurate, so each seed’s start is what they found times log-normal factors whose "
-        "logarithms have "
-        "the standard deviations ",
-        spread,
-        ". From there the algorithm learns as published: Table 3, "
-        f"Steps 1 to 4, (6) and (7), no local search, no fit afterwards. {len(published.seeds)} "
-        f"seeds learned side by side, each with {number(runs, 6)} runs as the paper counts them "
+        f"logarithms have the standard deviations {spread}. From there the algorithm learns as "
+        "published: Table 3, Steps 1 to 4, (6) and (7), no local search, no fit afterwards. "
+        f"{len(published.seeds)} seeds learned side by side, each with {number(runs, 6)} runs as "
+        "the paper counts them "
         f"(the elite included, whose cost is known; {number(simulated)} different candidates were "
         "simulated in the median, because a child that is neither crossed nor mutated is a copy).",
     )
@@ -157,7 +131,7 @@ def _outcomes(published: Published) -> Html:
         paper = PAPER_TABLE4[str(region), str(metric)][1]
         rows.append(
             (
-                join([f"Motion {region}, ", METRICS[str(metric)]]),
+                f"Motion {region}, {METRICS[str(metric)]}",
                 str(velocity),
                 f"{group['without'].iloc[0]:.2f}",
                 f"{group['start'].median():.2f}",
@@ -173,7 +147,7 @@ def _outcomes(published: Published) -> Html:
     return table(head, rows, "Table 4 as published, over seeds [mm/s]", (0, 1))
 
 
-def _learned(published: Published) -> Html:
+def _learned(published: Published) -> tuple[Html, Html]:
     rows = []
     for name in LUGRE:
         values = [one.learned[name] for one in published.seeds]
@@ -182,7 +156,7 @@ def _learned(published: Published) -> Html:
         kept = np.isclose(values, starts, rtol=0.02).sum()
         rows.append(
             (
-                parameter(name),
+                symbol(name),
                 parameter_value(name, float(np.median(starts)), 3),
                 parameter_value(name, middle, 3),
                 f"{parameter_value(name, low, 3)} to {parameter_value(name, high, 3)}",
@@ -195,49 +169,42 @@ def _learned(published: Published) -> Html:
         "", "Coarse start, median", "Learned, median", "Middle half", "Seeds at start",
         "Real stage (paper)", "Unit",
     )  # fmt: skip
-    return join(
-        [
-            table(head, rows, "Learned values as published, over seeds", (0, 6)),
-            element(
-                "p",
-                "“At start” counts the seeds whose value differs from its start by less than 2 %. "
-                "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "
-                "draws lie above twice the start, and what the cost punishes rarely moves.",
-                class_="quiet",
-            ),
-        ]
+    return (
+        table(head, rows, "Learned values as published, over seeds", (0, 6)),
+        quiet(
+            "“At start” counts the seeds whose value differs from its start by less than 2 %. "
+            "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "
+            "draws lie above twice the start, and what the cost punishes rarely moves.",
+        ),
     )
 
 
 def _criticism(published: Published) -> Html:
     frame = published.table4()
-    frame = frame[frame["velocity"] == "measured"]
-    share = worse(frame)
-    count = round(share * len(published.seeds))
+    seeds = len(published.seeds)
+    count = round(worse(frame[frame["velocity"] == "measured"]) * seeds)
     return paragraph(
-        f"In {count} of {len(published.seeds)} seeds the trapezoid, which the learning never saw, "
-        "is followed worse with the learned parameters than with the coarse start (by ",
-        METRICS["E_rms"],
-        " of both regions together), although the cost of the training command fell.",
+        f"In {count} of {seeds} seeds the trapezoid, which the learning never saw, is followed "
+        "worse with the learned parameters than with the coarse start (by $E_{rms}$ of both "
+        "regions together), although the cost of the training command fell.",
     )
 
 
-def _readings(study: WholeStudy) -> Html:
-    published = study.published
-    parts = [
+def _readings(study: WholeStudy) -> tuple[Html, ...]:
+    learning = paragraph("Readings that learn in another way were left out of this run.")
+    if len(study.readings):
+        learning = _learning_table(study.readings)
+    return (
         element("h3", "What the paper leaves open"),
         paragraph(
             "Each place of the paper that can be read in more than one way: our reading, another "
             "one, and how far the result moves. Table 4’s errors are measured velocity, in mm/s, "
             "medians over seeds."
         ),
-    ]
-    if len(study.readings):
-        parts.append(_learning_table(study.readings))
-    else:
-        parts.append(paragraph("Readings that learn in another way were left out of this run."))
-    parts += [_evaluation_table(study.evaluations), _step3(published, study.threshold)]
-    return join(parts)
+        learning,
+        _evaluation_table(study.evaluations),
+        _step3(study.published, study.threshold),
+    )
 
 
 def _learning_table(readings: pd.DataFrame) -> Html:
@@ -245,7 +212,7 @@ def _learning_table(readings: pd.DataFrame) -> Html:
     rows = [
         (
             row["place"],
-            element("span", f"{row['ours']} → {row['other']}", class_="prose"),
+            prose(f"{row['ours']} → {row['other']}"),
             _moved(row, "cost", lambda value: number(value, 2)),
             *(_moved(row, name, lambda value: f"{value:.2f}") for name in RMS),
             _moved(row, "worse", lambda share: f"{share * seeds:.0f}"),
@@ -293,7 +260,6 @@ def _step3(published: Published, threshold: Mapping[str, float]) -> Html:
     return paragraph(sentence)
 
 
-_LABELS = {"E_max": "$E_{max}$", "E_rms": "$E_{rms}$"}
 BAND = "#9dbbd6"
 
 
@@ -302,26 +268,22 @@ def draw_band(published: Published) -> Figure:
     table = published.fitness()
     best = table.pivot_table(index="generation", columns="seed", values="best_cost")
     generation = best.index.to_numpy(dtype=float)
-    figure = new_figure(COLUMN, 82.0)
-    axes = figure.add_subplot()
-    axes.set_yscale("log")
-    axes.grid(visible=True, axis="y")
     low, first, middle, third, high = np.quantile(best.to_numpy(), (0, 0.25, 0.5, 0.75, 1), axis=1)
-    axes.fill_between(
-        generation, low, high, step="post", color=PALE, lw=0, label=f"{best.shape[1]} seeds, all"
-    )
-    axes.fill_between(
-        generation, first, third, step="post", color=BAND, lw=0, label="middle half of them"
-    )
-    axes.step(generation, middle, where="post", color=WITH, lw=THICK, label="median")
-    axes.axhline(PAPER_COST, color=INK, lw=0.8, ls=(0, (4, 2)), label="real stage (paper), end")
+    figure, axes = cost_axes(82.0, generation, r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]")
+    for bottom, top, colour, label in (
+        (low, high, style.PALE, f"{best.shape[1]} seeds, all"),
+        (first, third, BAND, "middle half of them"),
+    ):
+        axes.fill_between(generation, bottom, top, step="post", color=colour, lw=0, label=label)
+    axes.step(generation, middle, where="post", color=style.WITH, lw=style.THICK, label="median")
     axes.axhline(
-        published.cost_without, color=WITHOUT, lw=0.8, ls=(0, (1, 1.5)), label="no compensation"
+        PAPER_COST, color=style.INK, lw=0.8, ls=style.DASHED, label="real stage (paper), end"
     )
-    axes.set_xlim(generation[0], generation[-1])
-    axes.set_xlabel("Generation [1]")
-    axes.set_ylabel(r"Cost $\sum (v - v_r)^2$ [m$^2$/s$^2$]")
-    figure.legend(loc="outside lower center", ncols=2)
+    axes.axhline(
+        published.cost_without, color=style.WITHOUT, lw=0.8, ls=(0, (1, 1.5)),
+        label="no compensation",
+    )  # fmt: skip
+    style.legend_below(axes, 2)
     return figure
 
 
@@ -332,53 +294,48 @@ def draw_seeds(published: Published, drive: Mapping[str, float]) -> Figure:
     ----------
     drive : the drive's true parameters by name, SI units
     """
-    figure = new_figure(PAGE, 78.0)
+    figure = style.new_figure(style.PAGE, 78.0)
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
-    _draw_values(left, published, drive)
-    _draw_errors(right, published)
-    handles, labels = right.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-    return figure
-
-
-def _draw_values(axes: Axes, published: Published, drive: Mapping[str, float]) -> None:
-    axes.set_yscale("log")
-    axes.axhline(1.0, color=INK, lw=0.8, ls=(0, (4, 2)))
+    left.axhline(1.0, color=style.INK, lw=0.8, ls=style.DASHED)
     for place, name in enumerate(LUGRE):
-        start = np.array([one.start[name] for one in published.seeds]) / drive[name]
-        learned = np.array([one.learned[name] for one in published.seeds]) / drive[name]
-        _strip(axes, place, start, learned)
-    axes.set_xticks(range(len(LUGRE)), [FORMULAS[name] for name in LUGRE])
-    axes.set_ylabel("Value / the simulated drive’s [1]")
-    name_panel(axes, "a", "Parameters of each seed")
+        start, learned = (
+            np.array([getattr(one, which)[name] for one in published.seeds]) / drive[name]
+            for which in ("start", "learned")
+        )
+        _strip(left, place, start, learned)
+    left.set_xticks(range(len(LUGRE)), [symbol(name) for name in LUGRE])
+    left.set(yscale="log", ylabel="Value / the simulated drive’s [1]")
+    style.name_panel(left, "a", "Parameters of each seed")
+    _draw_errors(right, published)
+    style.legend_below(right)
+    return figure
 
 
 def _draw_errors(axes: Axes, published: Published) -> None:
     table = published.table4()
-    table = table[table["velocity"] == "measured"]
-    axes.set_yscale("log")
-    ticks = []
-    for place, (region, metric) in enumerate((r, m) for r in ("start", "reverse") for m in METRICS):
-        rows = table[(table["region"] == region) & (table["metric"] == metric)]
-        _strip(axes, place, rows["start"].to_numpy(), rows["with"].to_numpy(), legend=place == 0)
-        without, compensated = PAPER_TABLE4[region, metric]
-        for value, colour, label in (
-            (without, WITHOUT, "real stage (paper), without"),
-            (compensated, INK, "real stage (paper), with"),
+    table = table[table["velocity"] == "measured"].set_index(["region", "metric"])
+    keys = list(product(("start", "reverse"), METRICS))
+    for place, key in enumerate(keys):
+        rows, first = table.loc[[key]], place == 0
+        _strip(axes, place, rows["start"].to_numpy(), rows["with"].to_numpy(), legend=first)
+        for value, colour, which in zip(
+            PAPER_TABLE4[key], (style.WITHOUT, style.INK), ("without", "with"), strict=True
         ):
-            label = label if place == 0 else ""
+            label = f"real stage (paper), {which}" if first else ""
             axes.hlines(value, place - 0.4, place + 0.4, color=colour, lw=1.2, label=label)
-        ticks.append(f"{region}\n{_LABELS[metric]}")
-    axes.set_xticks(range(len(ticks)), ticks)
-    axes.set_ylabel("Error on the trapezoid [mm/s]")
-    name_panel(axes, "b", "Table 4 of each seed, measured velocity")
+    axes.set_xticks(range(len(keys)), [f"{region}\n{METRICS[metric]}" for region, metric in keys])
+    axes.set(yscale="log", ylabel="Error on the trapezoid [mm/s]")
+    style.name_panel(axes, "b", "Table 4 of each seed, measured velocity")
 
 
 def _strip(axes: Axes, place: int, start: Array, learned: Array, *, legend: bool = False) -> None:
     """Draw each seed's start and what was learned as two dots joined by a line."""
     x = place + np.linspace(-0.3, 0.3, len(start))
-    axes.vlines(x, start, learned, color=GREY, lw=0.4)
-    marks = {"ls": "none", "mew": 0.7}
-    label = ("coarse start", "learned") if legend else (None, None)
-    axes.plot(x, start, "o", ms=3.0, mfc="white", mec=GREY, label=label[0], **marks)  # type: ignore[arg-type]
-    axes.plot(x, learned, "o", ms=3.0, mfc=WITH, mec=WITH, label=label[1], **marks)  # type: ignore[arg-type]
+    axes.vlines(x, start, learned, color=style.GREY, lw=0.4)
+    for values, face, edge, label in (
+        (start, "white", style.GREY, "coarse start"),
+        (learned, style.WITH, style.WITH, "learned"),
+    ):
+        axes.plot(
+            x, values, "o", ms=3.0, mew=0.7, mfc=face, mec=edge, label=label if legend else ""
+        )

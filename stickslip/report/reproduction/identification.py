@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
 from functools import partial
+from textwrap import shorten
 from typing import Any
 
 import pandas as pd
 
 from stickslip.identification.stages import inertia, sliding
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import (
+from stickslip.report.markup import Html, element, paragraph, prose, quiet, table
+from stickslip.report.page import Illustration, Section
+from stickslip.report.quantity import (
     METRICS,
-    Html,
-    element,
-    join,
-    paragraph,
-    parameter,
+    meaning,
+    number,
     parameter_estimate,
     parameter_unit,
     parameter_value,
+    percent,
     symbol,
-    table,
+    unit,
 )
-from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import MEANINGS, number, percent, unit
 from stickslip.report.reproduction.experiments import draw_friction, draw_inertia, draw_presliding
 from stickslip.servo.datasheet import LOOP, Datasheet
 
@@ -37,8 +35,8 @@ def identification_section(reproduction: Reproduction) -> Section:
     forward, back = (number(force, 3) for force in friction.breakaway)
     rows = [
         (
-            parameter(name),
-            MEANINGS[name],
+            symbol(name),
+            meaning(name),
             parameter_estimate(name, estimate),
             percent(estimate.standard_error / abs(estimate.value), 2),
             parameter_value(name, reproduction.truth[name]),
@@ -51,14 +49,7 @@ def identification_section(reproduction: Reproduction) -> Section:
             "identification_inertia",
             partial(draw_inertia, reproduction),
             "Motor force over acceleration, with the fitted line",
-            join(
-                [
-                    "Stage 1. A strong, slow sine of force; the slope of force over acceleration "
-                    "is ",
-                    parameter("m"),
-                    ".",
-                ]
-            ),
+            "Stage 1. A strong, slow sine of force; the slope of force over acceleration is $m$.",
         ),
         Illustration(
             "identification_friction",
@@ -92,85 +83,54 @@ def identification_section(reproduction: Reproduction) -> Section:
             "Identified parameters (value ± standard error)",
             (0, 1, 5),
         ),
-        _prior_knowledge(reproduction),
+        *_prior_knowledge(reproduction),
     )
 
 
-PEAK_CURRENT, RESISTANCE, INDUCTANCE, FORCE_CONSTANT = 9.0, 5.0, 2.8e-3, 23.0
-"""What only Table 1 has: A, ohm, H, N/A_rms."""
-REGIONS = ("start", "reverse")
-
-
-@dataclass(frozen=True)
-class Prior:
-    """A number of ``setup.Datasheet`` as the page shows it.
-
-    Attributes
-    ----------
-    factor, unit : from SI to what is shown
-    drive : the parameter of drive.fmu that it is an assumption of
-    source : where it is from
-    enters : where it is used
-    """
-
-    label: str
-    factor: float
-    unit: str
-    drive: str
-    source: str
-    enters: str
-
-
-PRIOR: Mapping[str, Prior] = {
-    "mass": Prior(
-        "moving mass",
-        1.0,
-        "kg",
-        "m",
-        "assumed, near Table 2",
+PRIOR: Mapping[str, tuple[str, float, str, str, str, str]] = {
+    "mass": (
+        *("moving mass", 1.0, "kg", "m", "assumed, near Table 2"),
         "not here: identification measures the mass. The commissioning loop of record mode",
     ),
-    "peak_force": Prior(
-        "peak force",
-        1.0,
-        "N",
-        "u_max",
-        "Table 1",
+    "peak_force": (
+        *("peak force", 1.0, "N", "u_max", "Table 1"),
         f"stage 1 pushes with {percent(inertia.SHARE, 0)} of it; the break-away ramp of stage 2 "
         "ends at it",
     ),
-    "tau_i": Prior(
-        "current lag",
-        1e3,
-        "ms",
-        "tau_i",
-        "assumed",
+    "tau_i": (
+        *("current lag", 1e3, "ms", "tau_i", "assumed"),
         "design of the velocity loop, nominal loop, lead of the compensator",
     ),
-    "encoder_step": Prior(
-        "encoder step",
-        1e6,
-        "µm",
-        "encoder_step",
-        "section 2.1",
+    "encoder_step": (
+        *("encoder step", 1e6, "µm", "encoder_step", "section 2.1"),
         "what counts as motion in stages 1 and 3; the velocity filter of record mode",
     ),
-    "force_noise": Prior(
-        "noise of the measured force",
-        1.0,
-        "N",
-        "noise_F",
-        "assumed",
+    "force_noise": (
+        *("noise of the measured force", 1.0, "N", "noise_F", "assumed"),
         "not here: the velocity filter of record mode",
     ),
 }
+"""Each number of ``Datasheet``: name, factor from SI to a unit, that unit, the parameter of
+drive.fmu that it is an assumption of, where it is from, and where it is used."""
 
 
-def _prior_knowledge(reproduction: Reproduction) -> Html:
+def _prior_knowledge(reproduction: Reproduction) -> list[Html]:
     """Return the part of the page on prior knowledge."""
+    sheet = Datasheet()
+    rows = [
+        (
+            label,
+            number(factor * getattr(sheet, name)),
+            number(factor * reproduction.truth[drive]),
+            unit(shown),
+            source,
+            prose(use),
+        )
+        for name, (label, factor, shown, drive, source, use) in PRIOR.items()
+    ]
     parts = [
         element("h3", "Known before any experiment"),
-        _table1(),
+        _table1(sheet),
         paragraph(
             "Identification and learning see the drive through its measurements. They also use the "
             "numbers below, and the specification of the velocity loop (crossover "
@@ -182,110 +142,90 @@ def _prior_knowledge(reproduction: Reproduction) -> Html:
             f"{number(1e3 * sliding.GUIDE)} mm of the guide, a force of "
             f"{number(inertia.FREQUENCY)} Hz."
         ),
-        _prior(reproduction),
+        table(
+            ("", "Assumed", "Simulated drive", "Unit", "Source", "Where it enters"),
+            rows,
+            "Prior knowledge of identification and learning",
+            (0, 3, 4, 5),
+        ),
     ]
     if reproduction.beforehand is not None:
-        parts.append(_variations(reproduction.beforehand))
-    return join(parts, "\n")
+        parts += _variations(reproduction.beforehand)
+    return parts
 
 
-def _table1() -> Html:
-    sheet = Datasheet()
+PEAK_CURRENT, RESISTANCE, INDUCTANCE, FORCE_CONSTANT = 9.0, 5.0, 2.8e-3, 23.0
+"""What only Table 1 has: A, ohm, H, N/A_rms."""
+
+
+def _table1(sheet: Datasheet) -> Html:
     electrical = number(1e3 * INDUCTANCE / RESISTANCE, 2)
     force = number(FORCE_CONSTANT * PEAK_CURRENT)
     rows = [
         (
-            "Peak force",
-            number(sheet.peak_force),
-            "N",
-            "limit of the simulated drive’s force; known to identification",
+            *("Peak force", number(sheet.peak_force), "N"),
+            prose("limit of the simulated drive’s force; known to identification"),
         ),
         (
-            "Peak current",
-            number(PEAK_CURRENT),
-            "A",
-            f"no use: the amplifier takes a force command. As an RMS value it gives {force} N with "
-            "the force constant, which agrees with the peak force",
-        ),
-        (
-            "Electrical resistance",
-            number(RESISTANCE),
-            "Ω",
-            f"no direct use. L/R = {electrical} ms is the time constant of the open circuit",
-        ),
-        (
-            "Electrical inductance",
-            number(1e3 * INDUCTANCE),
-            "mH",
-            f"no direct use. That the current follows within {number(1e3 * sheet.tau_i)} ms "
-            "assumes a closed current loop, whose bandwidth the paper does not give",
-        ),
-        (
-            "Force constant",
-            number(FORCE_CONSTANT),
-            join(["N/A", element("sub", "rms")]),
-            "no use: force is commanded and measured in N. It would scale a logged current",
-        ),
-        (
-            "Encoder (section 2.1)",
-            number(1e6 * sheet.encoder_step),
-            "µm",
-            "steps of the simulated drive’s encoder; known to identification",
-        ),
-    ]
-    shown = [(*row[:3], element("span", row[3], class_="prose")) for row in rows]
-    head = ("", "Value", "Unit", "Use here")
-    return table(head, shown, "Table 1. Specifications of the real stage (paper)", (0, 2, 3))
-
-
-def _prior(reproduction: Reproduction) -> Html:
-    sheet = Datasheet()
-    rows = [
-        (
-            known.label,
-            number(known.factor * getattr(sheet, name)),
-            number(known.factor * reproduction.truth[known.drive]),
-            unit(known.unit),
-            known.source,
-            element("span", known.enters, class_="prose"),
-        )
-        for name, known in PRIOR.items()
-    ]
-    head = ("", "Assumed", "Simulated drive", "Unit", "Source", "Where it enters")
-    return table(head, rows, "Prior knowledge of identification and learning", (0, 3, 4, 5))
-
-
-def _variations(varied: pd.DataFrame) -> Html:
-    rows = [_row(case) for case in varied.to_dict("records")]
-    units = [join([parameter(name), f" [{parameter_unit(name)}]"]) for name in ("m", "b", "F_c")]
-    metrics = join(METRICS.values(), ", ")
-    reductions = [join([f"{region.capitalize()}: ", metrics]) for region in REGIONS]
-    head = ("Assumed", *units, *reductions, "Velocity filter")
-    return join(
-        [
-            table(head, rows, "The same drive with an error in the prior knowledge"),
-            element(
-                "p",
-                "Identified values, and the reductions of Table 4 (measured) with the identified "
-                "compensator, before any learning. “Velocity filter”: the least of the four "
-                "reductions on the true velocity in the loop of record mode, with its velocity "
-                "filter and feedforward of the inertia ",
-                symbol("m"),
-                ". Rows that equal the first do not depend on that number.",
-                class_="quiet",
+            *("Peak current", number(PEAK_CURRENT), "A"),
+            prose(
+                f"no use: the amplifier takes a force command. As an RMS value it gives {force} N "
+                "with the force constant, which agrees with the peak force"
             ),
-        ]
-    )
+        ),
+        (
+            *("Electrical resistance", number(RESISTANCE), "Ω"),
+            prose(f"no direct use. L/R = {electrical} ms is the time constant of the open circuit"),
+        ),
+        (
+            *("Electrical inductance", number(1e3 * INDUCTANCE), "mH"),
+            prose(
+                f"no direct use. That the current follows within {number(1e3 * sheet.tau_i)} ms "
+                "assumes a closed current loop, whose bandwidth the paper does not give"
+            ),
+        ),
+        (
+            *("Force constant", number(FORCE_CONSTANT), Html("N/A<sub>rms</sub>")),
+            prose("no use: force is commanded and measured in N. It would scale a logged current"),
+        ),
+        (
+            *("Encoder (section 2.1)", number(1e6 * sheet.encoder_step), "µm"),
+            prose("steps of the simulated drive’s encoder; known to identification"),
+        ),
+    ]
+    head = ("", "Value", "Unit", "Use here")
+    return table(head, rows, "Table 1. Specifications of the real stage (paper)", (0, 2, 3))
+
+
+REGIONS = ("start", "reverse")
+VARIED = ("m", "b", "F_c")
+
+
+def _variations(varied: pd.DataFrame) -> list[Html]:
+    units = [f"{symbol(name)} [{parameter_unit(name)}]" for name in VARIED]
+    reductions = [f"{region.capitalize()}: {', '.join(METRICS.values())}" for region in REGIONS]
+    head = ("Assumed", *units, *reductions, "Velocity filter")
+    rows = [_row(case) for case in varied.to_dict("records")]
+    return [
+        table(head, rows, "The same drive with an error in the prior knowledge"),
+        quiet(
+            "Identified values, and the reductions of Table 4 (measured) with the identified "
+            "compensator, before any learning. “Velocity filter”: the least of the four reductions "
+            "on the true velocity in the loop of record mode, with its velocity filter and "
+            "feedforward of the inertia $m$. Rows that equal the first do not depend on that "
+            "number."
+        ),
+    ]
 
 
 def _row(case: Mapping[Hashable, Any]) -> tuple[str, ...]:
-    known = PRIOR.get(case["quantity"])
     label = "all as above"
-    if known:
-        assumed = f"{number(known.factor * case['value'])} {known.unit}"
-        label = f"{known.label} × {number(case['factor'])} = {assumed}"
+    if case["quantity"] in PRIOR:
+        name, factor, shown, *_ = PRIOR[case["quantity"]]
+        assumed = f"{number(factor * case['value'])} {shown}"
+        label = f"{name} × {number(case['factor'])} = {assumed}"
     if case["error"]:
-        label = element("span", f"{label}: {_first_words(case['error'])}", class_="prose")
+        label = prose(f"{label}: {shorten(case['error'], 60, placeholder=' …')}")
 
     def cell(show: Callable[[float], str], *keys: str) -> str:
         if any(pd.isna(case[key]) for key in keys):
@@ -294,14 +234,7 @@ def _row(case: Mapping[Hashable, Any]) -> tuple[str, ...]:
 
     return (
         label,
-        *(cell(lambda found: number(found, 5), name) for name in ("m", "b", "F_c")),
+        *(cell(lambda found: number(found, 5), name) for name in VARIED),
         *(cell(percent, *(f"{region}_{metric}" for metric in METRICS)) for region in REGIONS),
         cell(percent, "filtered"),
     )
-
-
-def _first_words(error: str, most: int = 60) -> str:
-    """Return the beginning of an error, whole words."""
-    if len(error) <= most:
-        return error
-    return error[: most + 1].rsplit(" ", 1)[0] + " …"

@@ -6,22 +6,18 @@ import math
 from functools import partial
 
 from stickslip import ga
-from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
+from stickslip.catalog.parameters import PAPER
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import (
-    Html,
-    element,
-    join,
-    paragraph,
-    parameter,
+from stickslip.report.markup import Html, element, join, paragraph, table
+from stickslip.report.page import Illustration, Section
+from stickslip.report.quantity import (
+    number,
     parameter_estimate,
     parameter_unit,
     parameter_value,
+    percent,
     symbol,
-    table,
 )
-from stickslip.report.page import Illustration, Section
-from stickslip.report.quantity import number, percent
 from stickslip.report.reproduction.curves import draw_fitness
 from stickslip.report.reproduction.diagrams import draw_flow, draw_scheme
 from stickslip.servo.datasheet import TRAINING
@@ -42,60 +38,44 @@ def learning_section(reproduction: Reproduction) -> Section:
     """Return the section on learning."""
     return Section(
         "Learning",
-        *_scheme(reproduction),
+        Illustration(
+            "fig3_scheme",
+            partial(draw_scheme, reproduction),
+            "Block diagram: the genetic algorithm sets the compensator’s parameters so that the "
+            "drive’s velocity is that of the nominal loop",
+            "Fig. 3. The learning scheme. The drive runs once for each candidate; its velocity $v$ "
+            "is compared with $v_r$ of the nominal loop, which has no friction.",
+        ),
+        Illustration(
+            "fig4_flow",
+            partial(draw_flow, reproduction),
+            "Flow chart of the four steps of the learning",
+            "Fig. 4. The steps of the learning, with the settings of this run.",
+        ),
         _course(reproduction),
         Illustration(
             "fig5_fitness",
             partial(draw_fitness, reproduction),
             "Best and mean cost over the generations, logarithmic",
-            join(
-                [
-                    "Fig. 5. Cost (6) over the generations: the sum of (",
-                    symbol("v"),
-                    " − ",
-                    symbol("v", "r"),
-                    ")² over the samples of one training run of the simulated drive, velocities in "
-                    "m/s, as the encoder shows them and low-passed. The line is a run without "
-                    "compensation.",
-                ]
-            ),
+            "Fig. 5. Cost (6) over the generations: the sum of ($v$ − $v_r$)² over the samples of "
+            "one training run of the simulated drive, velocities in m/s, as the encoder shows them "
+            "and low-passed. The line is a run without compensation.",
         ),
         _training_cost(reproduction),
         _settings(reproduction),
         _table2(reproduction),
-        _remarks(reproduction),
+        *_remarks(reproduction),
     )
-
-
-def _scheme(reproduction: Reproduction) -> tuple[Illustration, Illustration]:
-    scheme = Illustration(
-        "fig3_scheme",
-        partial(draw_scheme, reproduction),
-        "Block diagram: the genetic algorithm sets the compensator’s parameters so that the "
-        "drive’s velocity is that of the nominal loop",
-        join(
-            [
-                "Fig. 3. The learning scheme. The drive runs once for each candidate; its "
-                "velocity ",
-                symbol("v"),
-                " is compared with ",
-                symbol("v", "r"),
-                " of the nominal loop, which has no friction.",
-            ]
-        ),
-    )
-    flow = Illustration(
-        "fig4_flow",
-        partial(draw_flow, reproduction),
-        "Flow chart of the four steps of the learning",
-        "Fig. 4. The steps of the learning, with the settings of this run.",
-    )
-    return scheme, flow
 
 
 def _course(reproduction: Reproduction) -> Html:
     algorithm, learned = reproduction.algorithm, reproduction.learned
-    text = _begun(reproduction) + (
+    factors = reproduction.options.coarse
+    text = "Learning began with the identified parameters. "
+    if factors:
+        times = ", ".join(f"{name} × {number(factor, 6)}" for name, factor in factors.items())
+        text = f"Learning began away from the identified parameters: {times}. "
+    text += (
         f"Without compensation a training run costs {number(reproduction.cost_without, 3)} m²/s², "
         f"with these parameters {number(reproduction.cost_of_identified, 3)} m²/s². "
     )
@@ -120,57 +100,34 @@ def _course(reproduction: Reproduction) -> Html:
             "typical run of the refined parameters may cost a little more."
         )
     else:
+        kept = "start values are kept" if learned.chosen == "start" else "winner is kept"
         text += (
             "A least-squares fit was tried and cost more on the drive, over the training command "
-            f"and its mirror image, so the {_standing(reproduction)}, at "
+            f"and its mirror image, so the {kept}, at "
             f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs)."
         )
     return paragraph(text)
 
 
-def _begun(reproduction: Reproduction) -> str:
-    """Say where learning began."""
-    factors = reproduction.options.coarse
-    if not factors:
-        return "Learning began with the identified parameters. "
-    times = ", ".join(f"{name} × {number(factor, 6)}" for name, factor in factors.items())
-    return f"Learning began away from the identified parameters: {times}. "
-
-
-def _standing(reproduction: Reproduction) -> str:
-    if reproduction.learned.chosen == "start":
-        return "start values are kept"
-    return "winner is kept"
-
-
 def _settings(reproduction: Reproduction) -> Html:
     algorithm = reproduction.algorithm
+    rows = [
+        ("algorithm", algorithm.title, "genetic"),
+        ("population", str(algorithm.batch), PAPER_TABLE3["population"]),
+        ("generations", str(algorithm.generation), PAPER_TABLE3["generations"]),
+    ]
     if isinstance(algorithm, ga.GeneticAlgorithm):
         rows = _of_genetic(algorithm.settings)
-    else:
-        rows = [
-            ("algorithm", algorithm.title, "genetic"),
-            ("population", str(algorithm.batch), PAPER_TABLE3["population"]),
-            ("generations", str(algorithm.generation), PAPER_TABLE3["generations"]),
-        ]
     rows.append(("seed", str(reproduction.options.seed), "–"))
     caption = f"Settings, preset “{reproduction.options.preset}”, beside Table 3"
     return table(("", "This run", "Paper"), rows, caption)
 
 
 def _of_genetic(settings: ga.Settings) -> list[tuple[str, str, str]]:
-    names = {
-        "population": "population",
-        "generations": "generations",
-        "elite_rate": "elite rate",
-        "mutation_rate": "mutation rate",
-        "crossover_rate": "crossover rate",
-        "resolution": "resolution",
-    }
     surrogates = "sections, bowl and quadratic" if settings.surrogates else "none"
     restarts = "none" if settings.patience is None else f"after {settings.patience} generations"
     return [
-        *((text, _setting(settings, name), PAPER_TABLE3[name]) for name, text in names.items()),
+        *((n.replace("_", " "), _setting(settings, n), paper) for n, paper in PAPER_TABLE3.items()),
         ("crossover", settings.crossover, "not stated"),
         ("mutation", settings.mutation, "not stated"),
         ("survival", settings.survival, "elitist"),
@@ -192,17 +149,19 @@ def _setting(settings: ga.Settings, name: str) -> str:
 def _table2(reproduction: Reproduction) -> Html:
     identified, learned = reproduction.identification.estimates, reproduction.learned.estimates
     rows = []
-    for name in UNITS:
+    for name, found in identified.items():
         estimate, truth = learned.get(name), reproduction.truth[name]
         rows.append(
             (
-                parameter(name),
-                parameter_value(name, PAPER[name]),
+                symbol(name),
+                parameter_value(name, PAPER.get(name, math.nan)),
                 parameter_value(name, truth),
-                parameter_estimate(name, identified[name]),
+                parameter_estimate(name, found),
                 parameter_estimate(name, estimate) if estimate else "–",
-                _error(identified[name].value, truth),
-                _error(estimate.value, truth) if estimate else "–",
+                *(
+                    percent(e.value / truth - 1.0, 2) if e and truth else "–"
+                    for e in (found, estimate)
+                ),
                 parameter_unit(name),
             )
         )
@@ -213,25 +172,15 @@ def _table2(reproduction: Reproduction) -> Html:
     return table(head, rows, "Table 2. Parameters (value ± standard error)", (0, 7))
 
 
-def _error(value: float, truth: float) -> str:
-    return percent(value / truth - 1.0, 2) if truth else "–"
-
-
-def _remarks(reproduction: Reproduction) -> Html:
+def _remarks(reproduction: Reproduction) -> tuple[Html, Html]:
     remarks = reproduction.table2().set_index("parameter")["remark"]
     items = [
-        element(
-            "li", parameter(name), ": ", str(remarks[name]).replace("+-", "±").replace("'", "’")
-        )
-        for name in LUGRE
+        element("li", f"{symbol(name)}: {remarks[name]}".replace("+-", "±").replace("'", "’"))
+        for name in reproduction.learned.estimates
     ]
-    return join(
-        [
-            element("ul", join(items, "\n")),
-            paragraph(
-                parameter("m"), " and ", parameter("b"), " are identified only, not learned."
-            ),
-        ]
+    return (
+        element("ul", join(items, "\n")),
+        paragraph("$m$ and $b$ are identified only, not learned."),
     )
 
 
@@ -256,8 +205,7 @@ def _training_cost(reproduction: Reproduction) -> Html:
         )
         for label, cost in costs
     ]
-    gap = join(["RMS of ", symbol("v"), " − ", symbol("v", "r"), " [mm/s]"])
-    head = ("", "Cost (6) [m²/s²]", gap, "Of that without")
+    head = ("", "Cost (6) [m²/s²]", "RMS of $v$ − $v_r$ [mm/s]", "Of that without")
     return element(
         "div",
         table(head, rows, f"Cost of a training run of {number(samples, 6)} samples"),

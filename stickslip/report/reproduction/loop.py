@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from stickslip.evaluation.fmpy_check import Comparison, SecondOpinion
+from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import Html, element, join, paragraph, symbol, table
+from stickslip.report.markup import Html, element, paragraph, prose, table
 from stickslip.report.page import Illustration, Section, commands, file_list, made_with
 from stickslip.report.quantity import number, unit
 from stickslip.report.reproduction.diagrams import draw_loops
@@ -17,48 +17,33 @@ def design_section(reproduction: Reproduction) -> Section:
     loop = reproduction.identification.loop
     margins = loop.margins()
     rows = [
-        (symbol("m"), "identified inertia", number(loop.axis.m), "kg"),
-        (symbol("b"), "identified viscous friction", number(loop.axis.b), unit("N.s/m")),
-        (
-            symbol("τ", "i"),
-            "time constant of the current loop",
-            number(1e3 * loop.axis.tau_i),
-            "ms",
-        ),
-        (symbol("T", "s"), "sample period", number(1e3 * loop.T_s), "ms"),
-        (symbol("τ", "f"), "low-pass of the velocity estimate", number(1e3 * loop.tau_f), "ms"),
-        (symbol("K", "p"), "proportional gain", number(loop.K_p), unit("N.s/m")),
-        (symbol("K", "i"), "integral gain", number(loop.K_i), "N/m"),
+        ("$m$", "identified inertia", number(loop.axis.m), "kg"),
+        ("$b$", "identified viscous friction", number(loop.axis.b), unit("N.s/m")),
+        (r"$\tau_i$", "time constant of the current loop", number(1e3 * loop.axis.tau_i), "ms"),
+        ("$T_s$", "sample period", number(1e3 * loop.T_s), "ms"),
+        (r"$\tau_f$", "low-pass of the velocity estimate", number(1e3 * loop.tau_f), "ms"),
+        ("$K_p$", "proportional gain", number(loop.K_p), unit("N.s/m")),
+        ("$K_i$", "integral gain", number(loop.K_i), "N/m"),
         ("crossover", "where the open loop’s gain is 1", number(margins["crossover_Hz"]), "Hz"),
         ("phase margin", "at the crossover", number(margins["phase_margin_deg"], 3), "°"),
         ("gain margin", "", number(margins["gain_margin_dB"], 3), "dB"),
         ("bandwidth", "closed loop, −3 dB", number(margins["bandwidth_Hz"], 3), "Hz"),
     ]
-
     return Section(
         "The loop",
         paragraph(
             "The velocity loop is a sampled PI controller. Its two gains follow from the crossover "
             "and the phase margin asked for, on the axis as identified. The nominal loop is the "
-            "same loop without friction; its velocity ",
-            symbol("v", "r"),
-            " is the target of the compensated drive.",
+            "same loop without friction; its velocity $v_r$ is the target of the compensated drive."
         ),
         Illustration(
             "fig2_loops",
             partial(draw_loops, loop, reproduction.truth, reproduction.options.feed),
             "Block diagrams of the compensated loop and of the nominal loop, and a step response",
-            join(
-                [
-                    "Fig. 2. (a) The loop with feedforward friction compensation. The compensating "
-                    "force is called ",
-                    symbol("F", "ff"),
-                    " here; the paper calls it ",
-                    symbol("F", "c"),
-                    ", as it does Coulomb friction. (b) The nominal loop, to which (a) reduces "
-                    "when friction is compensated. (c) Its response to a step of the command.",
-                ]
-            ),
+            "Fig. 2. (a) The loop with feedforward friction compensation. The compensating force "
+            "is called $F_{ff}$ here; the paper calls it $F_c$, as it does Coulomb friction. (b) "
+            "The nominal loop, to which (a) reduces when friction is compensated. (c) Its response "
+            "to a step of the command.",
         ),
         table(("", "", "Value", "Unit"), rows, "Design of the velocity loop", (0, 1, 3)),
     )
@@ -90,65 +75,54 @@ def use_section(reproduction: Reproduction) -> Section:
             f"stickslip simulate loop.ssp --set compensator.F_c={1.1 * F_c:.4g} --out run.csv",
             "stickslip check compensator.fmu",
         ),
-        *((_fmu(reproduction.opinion),) if reproduction.opinion else ()),
+        *(_fmu(reproduction.opinion) if reproduction.opinion else ()),
         made_with(),
     )
 
 
-def _fmu(opinion: SecondOpinion) -> Html:
+def _fmu(opinion: SecondOpinion) -> tuple[Html, ...]:
     """Return its description as FMPy reads it, and the comparison of the runs."""
-    described = [
-        (key, element("span", value, class_="prose")) for key, value in opinion.description.items()
-    ]
-    rows = [
-        (
-            element("code", variable.name),
-            variable.causality,
-            variable.start or "–",
-            unit(variable.unit),
-            element("span", variable.description, class_="prose"),
-        )
-        for variable in opinion.variables
-    ]
-    head = ("", "Causality", "Start", "Unit", "")
-    compared = [
-        (
-            name,
-            number(comparison.samples, 7),
-            number(comparison.different, 7),
-            number(comparison.largest, 3),
-        )
-        for name, comparison in opinion.comparisons.items()
-    ]
-    return join(
-        [
-            element("h3", "The compensator’s FMU, read and run by FMPy"),
-            table(("", f"As {opinion.tool} reads it"), described, "compensator.fmu", (0, 1)),
-            table(
-                head,
-                rows,
-                "Its variables",
-                {0, 1, 3, 4},
-            ),
-            paragraph(
-                f"{opinion.tool} also ran compensator.fmu alone (",
-                element("code", "simulate_fmu"),
-                ") over the velocities that the compensator had in two runs of the whole loop. "
-                f"{_verdict(list(opinion.comparisons.values()))}",
-            ),
-            table(
-                ("Run", "Samples of F_mean", "Different", "Largest difference [N]"),
-                compared,
-                "Force of the compensator, this run’s kernel against FMPy",
-            ),
-        ],
-        "\n",
+    comparisons = opinion.comparisons
+    different = sum(comparison.different for comparison in comparisons.values())
+    samples = number(sum(comparison.samples for comparison in comparisons.values()), 7)
+    verdict = f"All {samples} samples of its force are the same bit for bit."
+    if different:
+        verdict = f"{number(different, 7)} of {samples} samples of its force differ."
+    return (
+        element("h3", "The compensator’s FMU, read and run by FMPy"),
+        table(
+            ("", f"As {opinion.tool} reads it"),
+            [(key, prose(value)) for key, value in opinion.description.items()],
+            "compensator.fmu",
+            (0, 1),
+        ),
+        table(
+            ("", "Causality", "Start", "Unit", ""),
+            [
+                (
+                    element("code", one.name),
+                    one.causality,
+                    one.start or "–",
+                    unit(one.unit),
+                    prose(one.description),
+                )
+                for one in opinion.variables
+            ],
+            "Its variables",
+            (0, 1, 3, 4),
+        ),
+        paragraph(
+            f"{opinion.tool} also ran compensator.fmu alone (",
+            element("code", "simulate_fmu"),
+            ") over the velocities that the compensator had in two runs of the whole loop. "
+            f"{verdict}",
+        ),
+        table(
+            ("Run", "Samples of F_mean", "Different", "Largest difference [N]"),
+            [
+                (name, number(one.samples, 7), number(one.different, 7), number(one.largest, 3))
+                for name, one in comparisons.items()
+            ],
+            "Force of the compensator, this run’s kernel against FMPy",
+        ),
     )
-
-
-def _verdict(comparisons: list[Comparison]) -> str:
-    different = sum(comparison.different for comparison in comparisons)
-    samples = number(sum(comparison.samples for comparison in comparisons), 7)
-    if not different:
-        return f"All {samples} samples of its force are the same bit for bit."
-    return f"{number(different, 7)} of {samples} samples of its force differ."

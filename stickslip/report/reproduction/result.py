@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pandas as pd
 
 from stickslip import models
-from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.markup import (
+from stickslip.evaluation.validation import Validation
+from stickslip.pipeline.reproduction import Extras, Reproduction
+from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
+from stickslip.report.page import Section
+from stickslip.report.quantity import (
     METRICS,
-    Html,
-    element,
-    join,
-    paragraph,
-    parameter,
+    number,
     parameter_estimate,
     parameter_unit,
     parameter_value,
-    table,
+    percent,
+    unit,
 )
-from stickslip.report.page import Section
-from stickslip.report.quantity import number, percent, unit
 from stickslip.servo.systems import drive_law
 
 EFFECTS = {
@@ -90,36 +86,25 @@ def _drive(reproduction: Reproduction) -> Html:
 
 
 def _verdict(reproduction: Reproduction) -> Html:
-    table = reproduction.validation.table()
-    shown = {
-        (row["velocity"], row["region"], row["metric"]): row for row in table.to_dict("records")
-    }
-    keys = [key[1:] for key in shown if key[0] == "measured"]
-    extras = _extras(reproduction)
-    tiles, above = [], 0
-    for region, metric in keys:
-        measured, true = (shown[velocity, region, metric] for velocity in ("measured", "true"))
-        above += measured["reduction"] > measured["paper_reduction"]
-        tiles.append(
-            element(
-                "div",
-                element("span", f"Motion {region}, ", METRICS[metric], class_="name"),
-                element("span", percent(measured["reduction"]), class_="value"),
-                element("span", "simulated drive", class_="beside"),
-                element("span", f"true velocity {percent(true['reduction'])}", class_="beside"),
-                *extras.get((region, metric), ()),
-                element(
-                    "span",
-                    f"real stage (paper) {percent(measured['paper_reduction'], 0)}",
-                    class_="beside",
-                ),
-                class_="tile",
+    errors = reproduction.validation.table().set_index(["velocity", "region", "metric"])
+    own, true = errors.loc["measured"], errors.loc["true"]
+    extras = reproduction.extras and reproduction.extras.validation
+    tiles = []
+    for (region, metric), row in own.iterrows():
+        beside = ["simulated drive"]
+        beside.append(f"true velocity {percent(true.loc[(region, metric), 'reduction'])}")
+        if extras:
+            beside.append(
+                f"all extras on {percent(_measured(extras).loc[(region, metric), 'reduction'])}"
             )
+        beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")
+        tiles.append(
+            tile(f"Motion {region}, {METRICS[metric]}", percent(row["reduction"]), *beside)
         )
-    if above == len(keys):
+    above = int((own["reduction"] > own["paper_reduction"]).sum())
+    text = f"by more than that of the real stage (paper) in {above} of {len(own)} measures"
+    if above == len(own):
         text = "by more than that of the real stage (paper), in every measure"
-    else:
-        text = f"by more than that of the real stage (paper) in {above} of {len(keys)} measures"
     return element(
         "div",
         paragraph(
@@ -132,96 +117,51 @@ def _verdict(reproduction: Reproduction) -> Html:
     )
 
 
-def _extras(reproduction: Reproduction) -> dict[tuple[str, str], list[Html]]:
-    """Return a line of each tile, where the drive with all extras was learned."""
-    extras = reproduction.extras
-    if extras is None or extras.validation is None:
-        return {}
-    return {
-        (row["region"], row["metric"]): [
-            element("span", f"all extras on {percent(row['reduction'])}", class_="beside")
-        ]
-        for row in extras.validation.table().to_dict("records")
-        if row["velocity"] == "measured"
-    }
-
-
 def _coulomb(reproduction: Reproduction) -> Html:
     learned, truth = reproduction.learned.estimates["F_c"], reproduction.truth["F_c"]
-    unit_ = parameter_unit("F_c")
+    unit = parameter_unit("F_c")
     return paragraph(
-        "Coulomb friction ",
-        parameter("F_c"),
-        f": learned {parameter_estimate('F_c', learned)} {unit_}, the simulated drive’s is "
-        f"{parameter_value('F_c', truth)} {unit_}, off by "
+        f"Coulomb friction $F_c$: learned {parameter_estimate('F_c', learned)} {unit}, the "
+        f"simulated drive’s is {parameter_value('F_c', truth)} {unit}, off by "
         f"{percent(abs(learned.value / truth - 1.0), 2)}.",
     )
 
 
-REAL = "real stage (paper)"
-SIMULATED = "simulated drive"
-CALIBRATED = f"{SIMULATED}, calibrated to this row"
-EXTRAS = f"{SIMULATED}, all extras on"
-
-
 def _headline(reproduction: Reproduction) -> Html:
     """Return the errors on the measured velocity, without and with compensation, as rows."""
-    own = _measured(reproduction.validation.table())
-    extras = reproduction.extras
-    validation = extras.validation if extras else None
+    own, extras = _measured(reproduction.validation), reproduction.extras
+    shown = [("real stage (paper)", "paper_", own), ("simulated drive", "", own)]
+    if extras and extras.validation:
+        shown.append(("simulated drive, all extras on", "", _measured(extras.validation)))
     rows: list[tuple[str, ...]] = []
-    for quantity, label, show in (
-        ("without", "Without compensation", _error),
-        ("with", "With compensation", _error),
-        ("reduction", "Reduction", percent),
-    ):
-        rows.append((label, REAL, *_cells(own, f"paper_{quantity}", _paper(quantity))))
-        # Changed, the drive is no longer the one that was calibrated.
-        calibrated = quantity == "without" and not reproduction.options.truth
-        drive = CALIBRATED if calibrated else SIMULATED
-        rows.append(("", drive, *_cells(own, quantity, show)))
-        if validation:
-            errors = _measured(validation.table())
-            rows.append(("", EXTRAS, *_cells(errors, quantity, show)))
-    head = [join([f"{region.capitalize()}, ", METRICS[metric]]) for region, metric in own.index]
-    return join(
-        [
-            table(
-                ("", "", *head),
-                rows,
-                "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them",
-                (0, 1),
-            ),
-            _extras_remark(reproduction),
-        ]
-    )
+    for quantity in ("without", "with", "reduction"):
+        name = "Reduction" if quantity == "reduction" else f"{quantity.capitalize()} compensation"
+        for k, (drive, prefix, errors) in enumerate(shown):
+            # Changed, the drive is no longer the one that was calibrated.
+            if k == 1 and quantity == "without" and not reproduction.options.truth:
+                drive += ", calibrated to this row"
+            values = errors[f"{prefix}{quantity}"]
+            cells = [
+                percent(value, 0 if prefix else 1) if quantity == "reduction" else f"{value:.2f}"
+                for value in values
+            ]
+            rows.append(("" if k else name, drive, *cells))
+    head = [f"{region.capitalize()}, {METRICS[metric]}" for region, metric in own.index]
+    caption = "Velocity errors [mm/s] at motion start and reversal, as the encoder shows them"
+    return join([table(("", "", *head), rows, caption, (0, 1)), _extras_remark(extras)])
 
 
-def _extras_remark(reproduction: Reproduction) -> Html:
-    extras = reproduction.extras
+def _extras_remark(extras: Extras | None) -> Html:
     if extras is None:
         return Html("")
     if extras.validation is None:
         return paragraph(f"With all extras on the drive could not be learned: {extras.reason}.")
-    return element(
-        "p",
+    return quiet(
         "“All extras on” is the same drive with every effect of its model: identified, learned and "
         "validated from the beginning, with the same settings.",
-        class_="quiet",
     )
 
 
-def _measured(errors: pd.DataFrame) -> pd.DataFrame:
+def _measured(validation: Validation) -> pd.DataFrame:
+    errors = validation.table()
     return errors[errors["velocity"] == "measured"].set_index(["region", "metric"])
-
-
-def _cells(errors: pd.DataFrame, column: str, show: Callable[[float], str]) -> list[str]:
-    return [show(value) for value in errors[column]]
-
-
-def _error(value: float) -> str:
-    return f"{value:.2f}"
-
-
-def _paper(quantity: str) -> Callable[[float], str]:
-    return (lambda share: percent(share, 0)) if quantity == "reduction" else _error
