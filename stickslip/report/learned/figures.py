@@ -77,7 +77,7 @@ def _line(axes: Axes, t: Array, signal: Array, scale: Scale, **look: Any) -> Non
     axes.plot(*thinned(t, scale.factor * signal), **look)
 
 
-def _legend_above(axes: Axes, room: float, loc: str = "upper right") -> Any:
+def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:
     """Put a legend in one row into room, a share of the range, that is made above the lines."""
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + room * (high - low))
@@ -114,13 +114,14 @@ def draw_force(estimation: Estimation) -> Figure:
         push = WORDS[motion][1].capitalize()
         _over_time(upper, lower, signals, estimation, push, "predicted by the learned drive")
         _legend_above(upper, 0.2)
-        panels = [figure.add_subplot(cell) for cell in beside.subgridspec(2, 1)]
-        _friction(*panels, estimation, signals)
+        cells = beside.subgridspec(2, 1)
+        both, against_speed = (figure.add_subplot(cells[k]) for k in (0, 1))
+        _friction(both, against_speed, estimation, signals)
         style.name_panel(upper, "a", f"{push}, {error}")
         style.name_panel(lower, "b", "Recorded less predicted")
-        style.name_panel(panels[0], "c", "Friction over velocity")
-        style.name_panel(panels[1], "d", "Friction against speed")
-        handles, labels = panels[1].get_legend_handles_labels()
+        style.name_panel(both, "c", "Friction over velocity")
+        style.name_panel(against_speed, "d", "Friction against speed")
+        handles, labels = against_speed.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower right", ncols=3, markerscale=4.0)
     figure.align_ylabels((upper, lower))
     return figure

@@ -235,14 +235,14 @@ def draw_steps(reproduction: Reproduction) -> Figure:
 
 def _step_errors(axes: Axes, table: pd.DataFrame) -> None:
     true = table[table["velocity"] == "true"].rename(columns={"with": LEARNED})
-    true = true.set_index(["region", "metric"])
     names = [name for name in STEPS if name in true]
     axes.set_yscale("log")
     axes.grid(visible=True, axis="y")
     for shift, (key, (marker, edge, face)) in enumerate(LOOKS.items()):
+        row = true[(true["region"] == key[0]) & (true["metric"] == key[1])].iloc[0]
         x = [place + 0.14 * (shift - 1.5) for place in range(len(names))]
         axes.plot(
-            x, true.loc[[key], names].iloc[0], marker, ls="none", ms=4.5, mec=edge, mfc=face,
+            x, row[names], marker, ls="none", ms=4.5, mec=edge, mfc=face,
             mew=0.9, label=f"{key[0]}, {METRICS[key[1]]}",
         )  # fmt: skip
     for values, colour, which in zip(

@@ -86,21 +86,17 @@ def _drive(reproduction: Reproduction) -> Html:
 
 
 def _verdict(reproduction: Reproduction) -> Html:
-    errors = reproduction.validation.table().set_index(["velocity", "region", "metric"])
-    own, true = errors.loc["measured"], errors.loc["true"]
+    table = reproduction.validation.table()
+    own, true = (table[table["velocity"] == shown] for shown in ("measured", "true"))
     extras = reproduction.extras and reproduction.extras.validation
     tiles = []
-    for (region, metric), row in own.iterrows():
-        beside = ["simulated drive"]
-        beside.append(f"true velocity {percent(true.loc[(region, metric), 'reduction'])}")
+    for k, row in enumerate(own.to_dict("records")):
+        beside = ["simulated drive", f"true velocity {percent(true['reduction'].iloc[k])}"]
         if extras:
-            beside.append(
-                f"all extras on {percent(_measured(extras).loc[(region, metric), 'reduction'])}"
-            )
+            beside.append(f"all extras on {percent(_measured(extras)['reduction'].iloc[k])}")
         beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")
-        tiles.append(
-            tile(f"Motion {region}, {METRICS[metric]}", percent(row["reduction"]), *beside)
-        )
+        name = f"Motion {row['region']}, {METRICS[row['metric']]}"
+        tiles.append(tile(name, percent(row["reduction"]), *beside))
     above = int((own["reduction"] > own["paper_reduction"]).sum())
     text = f"by more than that of the real stage (paper) in {above} of {len(own)} measures"
     if above == len(own):

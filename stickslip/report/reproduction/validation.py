@@ -61,15 +61,15 @@ def validation_section(validation: Validation) -> Section:
 
 def _rows(frame: pd.DataFrame) -> list[tuple[str, ...]]:
     """Return each error of the simulated drive, measured and true, and then the real stage's."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for (region, metric), errors in frame.groupby(["region", "metric"], sort=False):
         name = f"Motion {region}, {METRICS[str(metric)]}"
         for row in errors.to_dict("records"):
             label = f"simulated drive, {row['velocity']}"
             numbers = f"{row['without']:.3f}", f"{row['with']:.3f}", percent(row["reduction"])
             rows.append((name, label, *numbers))
-        numbers = f"{row['paper_without']:.2f}", f"{row['paper_with']:.2f}"
-        rows.append((name, "real stage (paper)", *numbers, percent(row["paper_reduction"], 0)))
+        paper = f"{row['paper_without']:.2f}", f"{row['paper_with']:.2f}"
+        rows.append((name, "real stage (paper)", *paper, percent(row["paper_reduction"], 0)))
     return rows
 
 
