@@ -101,6 +101,7 @@ class Coupled:
     def follow(self, ends: Array) -> None:
         """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
         if hasattr(self, "_table"):
+            self._ends = ends
             self._table.ends = tables.doubles(ends)
 
     @property
