@@ -44,12 +44,7 @@ def pack(specification: Specification, **more: object) -> bytes:
 
 
 def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input]:
-    """Return inputs that another process understands: our signals as they are, others sampled.
-
-    Raises
-    ------
-    SignalError
-    """
+    """Return inputs that another process understands: our signals as they are, others sampled."""
     return {
         name: signal if _is_portable(signal) else sampled(name, signal, time)
         for name, signal in inputs.items()

@@ -77,19 +77,17 @@ def _change_in_place(
     if str(arrives) != text and not (isinstance(arrives, float) and arrives == float(text)):
         return False
     root = element.getroottree()
-    file = File(root.docinfo.URL or "/")
-    member = ""
     if root.getroot() is editor.document.root:
-        editor.changed = True
-    elif package is None or not file.is_relative_to(package.folder):
+        written.set("value", _text_of_value(value))
+        return True
+    file = File(root.docinfo.URL or "/")
+    if package is None or not file.is_relative_to(package.folder):
         return False
-    else:
-        member = file.relative_to(package.folder).as_posix()
-        if members[member] != file.read_bytes():
-            return False  # changed through another binding
+    member = file.relative_to(package.folder).as_posix()
+    if members[member] != file.read_bytes():
+        return False  # changed through another binding
     written.set("value", _text_of_value(value))
-    if member:
-        members[member] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    members[member] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return True
 
 
@@ -112,7 +110,6 @@ def _bind(
     _add_values(root, values, name, system, version)
     members[source] = text_of(root)
     add(group(node.element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
-    editor.changed = True
 
 
 def _bind_on_top(
@@ -129,7 +126,6 @@ def _bind_on_top(
     members[source] = text_of(root)
     body = editor.graph.nodes[()].body
     add(group(body, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)
-    editor.changed = True
 
 
 def _add_values(

@@ -1,4 +1,4 @@
-"""Puts elements of SSP where the schemas want them."""
+"""Adds elements of SSP in the order of the schemas."""
 
 from __future__ import annotations
 
@@ -14,24 +14,11 @@ from stickslip.fmi.description.variables import Variable
 
 # How the schemas sort what lies in a description, a system and a component.
 _ORDER = (
-    "Connectors",
-    "ElementGeometry",
-    "ParameterBindings",
-    "Elements",
-    "Connections",
-    "SignalDictionaries",
-    "SystemGeometry",
-    "GraphicalElements",
-    "System",
-    "Parameters",
-    "Enumerations",
-    "Units",
-    "DefaultExperiment",
-    "MetaData",
-    "Signature",
-    "Annotations",
+    "Connectors ElementGeometry ParameterBindings Elements Connections SignalDictionaries"
+    " SystemGeometry GraphicalElements System Parameters Enumerations Units DefaultExperiment"
+    " MetaData Signature Annotations"
 )
-_RANK = {name: rank for rank, name in enumerate(_ORDER)}
+_RANK = {name: rank for rank, name in enumerate(_ORDER.split())}
 
 _FLOATS = {"Real", "Float64", "Float32"}
 _OTHERS = {"Boolean", "String", "Enumeration", "Binary"}

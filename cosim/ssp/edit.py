@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
+
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.ssp.compose import add, add_connector, add_units, discard, group
 from stickslip.cosim.ssp.connectors import Connector
 from stickslip.cosim.ssp.graph import Edge, End, Graph
 from stickslip.cosim.ssp.names import FMU, Path, component
-from stickslip.cosim.ssp.structure import Document, Node
+from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.ssp.transformation import add_transformation
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link
 from stickslip.fmi.description.units import Unit
@@ -18,20 +20,17 @@ _TEXTS = {"String", "Binary"}
 
 
 class Editor:
-    """A description being changed; tree and graph stay in step.
+    """A description being changed; the tree and the graph are changed together.
 
     Attributes
     ----------
     graph : of the description
     document : of the outermost system
-    changed : whether anything was
     has_arrays : whether the version of SSP knows arrays
     """
 
     def __init__(self, graph: Graph, version: str) -> None:
-        self.graph = graph
-        self.document: Document = graph.nodes[()].document
-        self.changed = False
+        self.graph, self.document = graph, graph.nodes[()].document
         self._version = version
         self.has_arrays = version != "1.0"
 
@@ -42,9 +41,7 @@ class Editor:
         element = add(elements, "ssd:Component", name=path[-1], type=FMU, source=source)
         node = Node(path, self.document, element, element, self.document, {}, fmu=fmu.path)
         self._enter(parent, node)
-        fmus = dict(self.graph.fmus)
-        fmus[path] = fmu
-        self.graph.fmus = fmus
+        self.graph.fmus = {**self.graph.fmus, path: fmu}
         for variable in fmu.variables.values():
             is_array = variable.dimensions and self.has_arrays and variable.type not in _TEXTS
             if variable.causality == "output" and (variable.is_signal or is_array):
@@ -54,7 +51,6 @@ class Editor:
     def replace(self, path: Path, source: str) -> None:
         """Give a component another FMU."""
         self._own(self.graph.nodes[path]).element.set("source", source)
-        self.changed = True
 
     def remove(self, path: Path) -> None:
         """Remove a component with its connections."""
@@ -65,22 +61,21 @@ class Editor:
         discard(node.element)
         del self.graph.nodes[path]
         del self.graph.nodes[path[:-1]].children[path[-1]]
-        self.changed = True
 
     def disconnect(self, target: End) -> None:
         """Remove the connection that leads to an end; of a whole array, that of each element."""
+        if target not in self.graph.edges:  # removed with another element of its array
+            return
         element = self.graph.edges[target].element
         for edge in [e for e in self.graph.edges.values() if e.element is element]:
             self.graph.drop(edge)
         discard(element)
-        self.changed = True
 
     def connect(self, source: End, target: End, link: Link = PLAIN) -> None:
         """Connect two ends, through connectors of the systems between them."""
-        common = _common(source, target)
-        outer = self._lift(source, common)
-        inner = self._sink(target, common)
-        self._join(common, outer, inner, link)
+        both = zip(source[0][:-1], target[0][:-1], strict=False)
+        common = tuple(name for name, _ in takewhile(lambda pair: pair[0] == pair[1], both))
+        self._join(common, self._lift(source, common), self._sink(target, common), link)
 
     def expose(self, name: str, kind: str, end: End, unit: Unit | None) -> None:
         """Make a connector of the outermost system for what is at ``end``."""
@@ -90,21 +85,18 @@ class Editor:
 
     def conceal(self, name: str) -> None:
         """Remove a connector of the outermost system with its connections."""
-        end: End = ((), name)
-        if end in self.graph.edges:
-            self.disconnect(end)
-        for edge in list(self.graph.onward[end]):
-            self.disconnect(edge.target)
+        for edge in list(self.graph.edges.values()):
+            if ((), name) in (edge.source, edge.target):
+                self.disconnect(edge.target)
         top = self.graph.nodes[()]
         top.connectors.pop(name)
         for connector in group(top.body, "ssd:Connectors"):
             if connector.get("name") == name:
                 discard(connector)
-        self.changed = True
 
     def _lift(self, source: End, common: Path) -> End:
         """Lead a signal out of systems until it reaches one inside ``common``."""
-        path = source[0][:-1] if source[0] else ()
+        path = source[0][:-1]
         while len(path) > len(common):
             known = [e.target for e in self.graph.onward[source] if e.target[0] == path]
             if known and self.graph.edges[known[0]].scaling == IDENTITY:
@@ -118,12 +110,11 @@ class Editor:
 
     def _sink(self, target: End, common: Path) -> End:
         """Make connectors for a signal to enter the systems around ``target`` by."""
-        path = target[0][:-1] if target[0] else ()
+        path = target[0][:-1]
         while len(path) > len(common):
             outside = self._new_connector(path, "input", target)
             self._join(path, outside, target, PLAIN)
-            target = outside
-            path = path[:-1]
+            target, path = outside, path[:-1]
         return target
 
     def _new_connector(self, path: Path, kind: str, like: End) -> End:
@@ -152,7 +143,6 @@ class Editor:
             ends = (self._variable(self._behind(end)) for end in (source, target))
             add_transformation(element, link.scaling, *ends)
         self.graph.put(Edge(source, target, link.scaling, link.convert, element))
-        self.changed = True
 
     def _array(self, end: End) -> str | None:
         """Return the name of the connector that is an array and has an end as its element."""
@@ -167,8 +157,7 @@ class Editor:
         return end
 
     def _variable(self, end: End) -> Variable:
-        variable = self.graph.variable(end)
-        if variable is None:
+        if (variable := self.graph.variable(end)) is None:
             raise SspError(f"{component(end[0])} has no variable {end[1]!r}")
         return variable
 
@@ -192,7 +181,6 @@ class Editor:
             add_units(self.document.root, "ssd:Units", [unit])
         there = unit if unit and unit.exponents else None
         node.connectors[name] = Connector(name, kind, there, dimensions=variable.dimensions)
-        self.changed = True
 
     def _system(self, path: Path) -> Node:
         if path not in self.graph.nodes:
@@ -204,7 +192,6 @@ class Editor:
     def _enter(self, parent: Node, node: Node) -> None:
         parent.children[node.path[-1]] = node
         self.graph.nodes[node.path] = node
-        self.changed = True
 
     def _own(self, node: Node) -> Node:
         if node.body_document is not self.document:
@@ -213,12 +200,3 @@ class Editor:
                 " cannot be changed from outside"
             )
         return node
-
-
-def _common(source: End, target: End) -> Path:
-    """Return the innermost system that holds both ends; of the whole, its inside."""
-    a, b = source[0][:-1], target[0][:-1]
-    n = 0
-    while n < min(len(a), len(b)) and a[n] == b[n]:
-        n += 1
-    return a[:n]

@@ -1,10 +1,12 @@
-"""Who feeds whom across the borders of nested systems and through signal dictionaries."""
+"""Connections across the borders of nested systems and through signal dictionaries."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
+from math import prod
 from typing import Any
 
 from stickslip.cosim.errors import SspError
@@ -28,6 +30,11 @@ An element of an array is called ``name[i,j]``, counted from 1.
 _GIVES = {"output", "calculatedParameter", "local", "constant"}
 _TAKES = {"input", "parameter", "structuralParameter"}
 
+Shape = tuple[int, ...]
+MOST_ELEMENTS = 1_000_000
+
+_PARAMETERS = {"parameter", "structuralParameter", "calculatedParameter", "constant"}
+
 
 @dataclass(frozen=True)
 class Edge:
@@ -47,15 +54,9 @@ class Graph:
     ----------
     nodes : path -> element, the outermost system at ()
     fmus : path -> FMU of each component
-    lengths : path -> structural parameters of a component that have not their start values
+    lengths : path -> structural parameters of a component other than their start values
     edges : target -> the one connection that leads there
     onward : source -> the connections that lead away from there
-
-    Raises
-    ------
-    SspError
-        When a connection has an end that does not exist, joins two ends that both give or both
-        take, leads to an end that is already connected, or joins types that do not fit.
     """
 
     def __init__(self, top: Node, fmus: Mapping[Path, Fmu]) -> None:
@@ -69,13 +70,7 @@ class Graph:
                 self._join(node, element)
 
     def put(self, edge: Edge) -> None:
-        """Add a connection.
-
-        Raises
-        ------
-        SspError
-            When its target is already connected.
-        """
+        """Add a connection to a target that is not connected."""
         if other := self.edges.get(edge.target):
             raise SspError(
                 f"{place(edge.element)}: {label(edge.target)} is already connected, in"
@@ -114,7 +109,7 @@ class Graph:
         return end[0] in self.fmus
 
     def unit(self, end: End) -> Unit | None:
-        """Return the unit at an end; at a component what its connector says, else its FMU."""
+        """Return the unit of the connector at an end, else that of its variable."""
         connector = self.connector(end)
         return (connector and connector.unit) or self.inner_unit(end)
 
@@ -135,10 +130,10 @@ class Graph:
         return fmu.find(end[1], self.lengths.get(end[0])) if fmu else None
 
     def type(self, end: End) -> str | None:
-        """Return the type at an end, of SSP or FMI; None where nothing says it."""
+        """Return the type at an end, of SSP or FMI; None where it is not declared."""
         variable, connector = self.variable(end), self.connector(end)
-        said = variable or connector
-        return said.type if said else None
+        known = variable or connector
+        return known.type if known else None
 
     def items(self, end: End) -> Items:
         """Return the items of the enumeration at an end."""
@@ -185,12 +180,12 @@ class Graph:
 
     def _join(self, node: Node, element: Any) -> None:
         start, end = (self._end(node, element, which) for which in ("start", "end"))
-        for inner in (start, end):
-            self._check_declared(inner, element)
+        self._check_declared(start, element)
+        self._check_declared(end, element)
         gives, takes = self._role(start, node.path), self._role(end, node.path)
         if gives == takes and gives != "either":
             raise SspError(f"{_connection(element)}: both ends {gives} a signal")
-        if gives == "take" or takes == "give":  # start and end say nothing about the direction
+        if gives == "take" or takes == "give":  # the standard leaves the direction to the ends
             start, end = end, start
         check_types(element, [(label(e), self.type(e)) for e in (start, end)])
         convert = not truth(element, "suppressUnitConversion")
@@ -220,14 +215,14 @@ class Graph:
         return child.path, name + at
 
     def _check_declared(self, end: End, element: Any) -> None:
-        """Check what a component's connector says of its FMU's variable."""
+        """Check the declaration of a connector against the variable of the FMU."""
         variable, connector = self.variable(end), self.connector(end)
         if variable is None or connector is None:
             return
         roles = {connector.kind, variable.causality}
-        said, is_ = FAMILY.get(connector.type or ""), FAMILY.get(variable.type)
-        whole = {"integer", "enumeration"}  # of one underlying type
-        if roles == {"input", "output"} or (said and said != is_ and not {said, is_} <= whole):
+        declared, is_ = FAMILY.get(connector.type or ""), FAMILY.get(variable.type)
+        differ = declared and declared != is_ and not {declared, is_} <= {"integer", "enumeration"}
+        if roles == {"input", "output"} or differ:
             raise SspError(
                 f"{place(element)}: {label(end)} is declared as {connector.kind}"
                 f" {connector.type or ''}, its FMU has {variable.causality} {variable.type};"
@@ -286,7 +281,7 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
 
 
 def _connection(element: Any) -> str:
-    """Return the beginning of a complaint about a connection."""
+    """Return the beginning of an error message about a connection."""
     start, end = (
         ".".join(filter(None, (element.get(f"{which}Element"), element.get(f"{which}Connector"))))
         for which in ("start", "end")
@@ -297,3 +292,68 @@ def _connection(element: Any) -> str:
 def label(end: End) -> str:
     """Return an end as messages name it."""
     return f"{component(end[0])}.{end[1]}" if end[0] else end[1]
+
+
+def expand(graph: Graph) -> None:
+    """Replace each connection of whole arrays (SSP 2.0) by connections of their elements."""
+    signals = [edge for edge in graph.edges.values() if not _is_parameter(graph, edge.target)]
+    shapes = [(edge, _shape_at(graph, edge)) for edge in signals]
+    for edge, shape in shapes:
+        if not shape:
+            continue
+        if prod(shape) > MOST_ELEMENTS:
+            raise SspError(
+                f"{place(edge.element)}: cannot connect {label(edge.source)} to"
+                f" {label(edge.target)}: {prod(shape)} elements, at most {MOST_ELEMENTS} are"
+            )
+        graph.drop(edge)
+        for place_ in product(*(range(1, n + 1) for n in shape)):
+            text = f"[{','.join(map(str, place_))}]"
+            source, target = ((path, name + text) for path, name in (edge.source, edge.target))
+            graph.put(replace(edge, source=source, target=target))
+
+
+def _shape_at(graph: Graph, edge: Edge) -> Shape:
+    """Return the dimensions of what a connection carries."""
+    source, target = (_shape(graph, end, edge, ()) for end in (edge.source, edge.target))
+    if source != target:
+        raise SspError(
+            f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
+            f" their dimensions are {source} and {target}"
+        )
+    return source
+
+
+def _shape(graph: Graph, end: End, edge: Edge, seen: tuple[End, ...]) -> Shape:
+    variable, connector = graph.variable(end), graph.connector(end)
+    element = connector is not None and connector.name != end[1]
+    declared = connector.dimensions if connector and not element else ()
+    if variable:
+        wanted = [n for n in declared if n is not None]
+        if wanted and declared != variable.dimensions:
+            raise SspError(
+                f"{place(edge.element)}: the connector {label(end)} has the dimensions {declared},"
+                f" its FMU's variable {variable.dimensions}; correct the connector"
+            )
+        return variable.dimensions
+    if element and connector:
+        lengths = connector.dimensions
+        _, indices = parse_element(end[1]) or ("", ())
+        fit = [n is None or i <= n for i, n in zip(indices, lengths, strict=False)]
+        if len(indices) != len(lengths) or not all(fit):
+            raise SspError(
+                f"{place(edge.element)}: {label(end)} is not an element of an array of the"
+                f" dimensions {lengths}"
+            )
+    if None not in declared:
+        return tuple(n for n in declared if n is not None)
+    before = [graph.edges[end].source] if end in graph.edges else []
+    for other in (*before, *(e.target for e in graph.onward[end])):
+        if other not in seen:
+            return _shape(graph, other, edge, (*seen, end))
+    raise SspError(f"{place(edge.element)}: nothing says how long the array {label(end)} is")
+
+
+def _is_parameter(graph: Graph, end: End) -> bool:
+    variable, connector = graph.variable(end), graph.connector(end)
+    return (variable.causality if variable else connector and connector.kind) in _PARAMETERS

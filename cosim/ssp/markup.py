@@ -29,10 +29,6 @@ def parse(file: Path, part: str) -> Any:
     ----------
     file : to read
     part : ``ssd``, ``ssv``, ``ssm`` or ``ssb``
-
-    Raises
-    ------
-    SspError
     """
     try:
         root = parse_xml(read_limited(file, MOST_BYTES), str(file), remarks=True)

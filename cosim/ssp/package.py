@@ -8,8 +8,8 @@ from pathlib import Path
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import attribute, parse
 from stickslip.cosim.ssp.names import STRUCTURE
+from stickslip.cosim.ssp.structure import unpacked
 from stickslip.cosim.system.system import Origin
-from stickslip.fmi.archive import unpack
 from stickslip.fmi.messages import suggestion
 
 
@@ -18,16 +18,9 @@ class Package(Origin):
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], variant: str | None = None) -> Package:
-        """Unpack a file and choose a variant by the name it gives itself, or by its file.
-
-        Raises
-        ------
-        SspError
-        """
+        """Unpack a file and choose a variant by the name it gives itself, or by its file."""
         whole = Path(path).absolute()
-        package = cls(whole, unpack(whole, "ssps", SspError))
-        if not (package.folder / STRUCTURE).is_file():
-            raise SspError(f"{whole}: {STRUCTURE} is missing; this is no system structure package")
+        package = cls(whole, unpacked(whole))
         if variant is None:
             return package
         named = package.variants()

@@ -84,10 +84,6 @@ def read_parameters(graph: Graph) -> dict[str, tuple[Value, Any]]:
     """Return the start values by ``component.variable``, each with the element that gives it.
 
     Outer systems go before inner ones, later bindings before earlier ones.
-
-    Raises
-    ------
-    SspError
     """
     values: dict[str, tuple[Value, Any]] = {}
     for node in sorted(graph.nodes.values(), key=lambda node: -len(node.path)):

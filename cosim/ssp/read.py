@@ -11,8 +11,7 @@ from typing import Any
 from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.arrays import expand
-from stickslip.cosim.ssp.graph import Graph, label
+from stickslip.cosim.ssp.graph import Graph, expand, label
 from stickslip.cosim.ssp.markup import number, place
 from stickslip.cosim.ssp.names import ANNOTATION, NAMESPACES, OSP, Path, component
 from stickslip.cosim.ssp.package import Package
@@ -51,12 +50,7 @@ def read_ssp(
 
 
 def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
-    """Read a system, the times it proposes and the graph that it was laid flat from.
-
-    Raises
-    ------
-    CosimError
-    """
+    """Read a system, the times it proposes and the graph that it was laid flat from."""
     top = read_structure(package.folder / package.structure, package.folder)
     system = System(top.body.get("name") or "system")
     fmus: dict[Path, Fmu] = {}

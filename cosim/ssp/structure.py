@@ -93,12 +93,7 @@ class Node:
 
 
 def read_structure(file: File, top: File) -> Node:
-    """Return the outermost system of an .ssd file.
-
-    Raises
-    ------
-    SspError
-    """
+    """Return the outermost system of an .ssd file."""
     document = Document.read(file, top)
     return _system((), find(document.root, "ssd:System"), document, (file,))
 
@@ -152,14 +147,9 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
     file, top = document.locate(element), document.top
     if element.get("type") == NESTED[1]:
         try:
-            top = unpack(file, "ssps", SspError)
+            top = unpacked(file)
         except SspError as fault:
             raise SspError(f"{place(element)}: {fault}") from fault
-        if not (top / STRUCTURE).is_file():
-            raise SspError(
-                f"{place(element)}: {element.get('source')!r} has no {STRUCTURE}; it is no system"
-                " structure package"
-            )
         file = top / STRUCTURE
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
@@ -172,6 +162,14 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
     node = _system(path, find(inner.root, "ssd:System"), inner, (*files, file), element)
     node.document = document
     return node
+
+
+def unpacked(package: File) -> File:
+    """Return the folder of an unpacked package, which has a description."""
+    folder = unpack(package, "ssps", SspError)
+    if not (folder / STRUCTURE).is_file():
+        raise SspError(f"{package}: {STRUCTURE} is missing; this is not a system structure package")
+    return folder
 
 
 def _entries(element: Any, document: Document) -> dict[str, Connector]:

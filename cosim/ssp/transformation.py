@@ -60,10 +60,6 @@ def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
     Parameters
     ----------
     ends : name, for messages, and type of SSP or FMI, None where nothing is known
-
-    Raises
-    ------
-    SspError
     """
     known = [(name, kind, FAMILY[kind]) for name, kind in ends if kind in FAMILY]
     found = _transformation(element)

@@ -16,12 +16,11 @@ from lxml import etree
 
 from stickslip.cosim.errors import CosimError, SspError
 from stickslip.cosim.fmu.names import component_of, variable_of
-from stickslip.cosim.ssp.arrays import expand
 from stickslip.cosim.ssp.bindings import edit_parameters
 from stickslip.cosim.ssp.compose import add, group, new_root, text_of
 from stickslip.cosim.ssp.connectors import Definitions
 from stickslip.cosim.ssp.edit import Editor
-from stickslip.cosim.ssp.graph import End, Graph
+from stickslip.cosim.ssp.graph import End, Graph, expand
 from stickslip.cosim.ssp.markup import short, violation
 from stickslip.cosim.ssp.members import Members, file_name, free_name, zipped
 from stickslip.cosim.ssp.names import (
@@ -102,17 +101,19 @@ def _members(system: System, experiment: DefaultExperiment | None, version: str 
     structure = package.structure if package else STRUCTURE
     document = graph.nodes[()].document
     graph.lengths = {path_of(name): system.lengths(name) for name in system.components}
+    unchanged = etree.tostring(document.root)
     editor = Editor(graph, version or document.root.get("version"))
     _edit_components(editor, before, system, members)
     edit_parameters(editor, before, system, members, package)
     _edit_connections(editor, before, system)
     _edit_outside(editor, before, system)
     _edit_times(editor, experiment)
-    if editor.changed or not package:
+    changed = etree.tostring(document.root) != unchanged
+    if changed or not package:
         members[structure] = text_of(document.root)
     if package and version:
         members = {name: _converted(name, data, version) for name, data in members.items()}
-    if package and editor.changed:
+    if package and changed:
         _verify(members, structure, system)
     return members
 
@@ -121,11 +122,8 @@ def _nothing(system: System, version: str) -> tuple[System, Graph, Members]:
     root = new_root("ssd:SystemStructureDescription", system.name, version)
     body = add(root, "ssd:System", name=system.name)
     document = Document(File(STRUCTURE), File(), root, Definitions.of(root))
-    return (
-        System(system.name),
-        Graph(Node((), document, None, body, document, {}), {}),
-        {STRUCTURE: b""},
-    )
+    graph = Graph(Node((), document, None, body, document, {}), {})
+    return System(system.name), graph, {STRUCTURE: b""}
 
 
 def _edit_components(editor: Editor, before: System, system: System, members: Members) -> None:
@@ -225,7 +223,6 @@ def _edit_times(editor: Editor, experiment: DefaultExperiment | None) -> None:
             fixed.set("baseStepSize", repr(float(experiment.step)))
         elif not len(annotations):
             element.remove(annotations)
-    editor.changed = True
 
 
 def _end(name: str) -> End:

@@ -151,7 +151,7 @@ SOURCES = [
     _case("type-unknown", "a component that is a Modelica model", "only FMUs and SSP systems", structure('<ssd:Component name="a" type="text/x-modelica" source="resources/2.fmu"/>')),
     _case("contains-itself", "a nested system that is the outer one", "contains itself", _nested(STRUCTURE)),
     _case("ring", "two nested systems in each other", "contains itself", _nested("b.ssd"), {"b.ssd": _nested(STRUCTURE)}),
-    _case("nested-no-package", "a nested package that is an FMU", "has no SystemStructure", _nested("resources/2.fmu", "package")),
+    _case("nested-no-package", "a nested package that is an FMU", "SystemStructure.ssd is missing", _nested("resources/2.fmu", "package")),
     Case(21, "ssp-nested-growth", "files that name the next one twice, thirty of them", "more than 1000 nested systems", "simulate a.ssp", {"a.ssp": _grown}),
     Case(21, "ssp-no-structure", "a package without SystemStructure.ssd", "SystemStructure.ssd is missing", "simulate a.ssp", {"a.ssp": _no_structure}),
     Case(21, "ssp-structure-alone", "a description that is not packed", "not a zip archive", "simulate a.ssp", {"a.ssp": structure(A)}),

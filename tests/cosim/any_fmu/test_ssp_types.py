@@ -216,6 +216,12 @@ def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names
     del again.connections[f"{b}.u[1]"]  # one of a connection of both
     third, _ = cosim.read_ssp(cosim.write_ssp(again, tmp_path / "b.ssp"))
     assert third.connections == {f"{b}.u[2]": f"{a}.y[2]"}
+    whole, _ = cosim.read_ssp(path)
+    del whole.components[a]
+    whole.parameters = {n: x for n, x in whole.parameters.items() if n.startswith(f"{b}.")}
+    whole.connections, whole.inputs = {}, {}
+    fourth, _ = cosim.read_ssp(cosim.write_ssp(whole, tmp_path / "c.ssp"))
+    assert list(fourth.components) == [b]
     with pytest.raises(cosim.SspError, match=r"SSP 1\.0 has no values that are arrays"):
         cosim.write_ssp(system, tmp_path / "c.ssp", version="1.0")
 
@@ -275,7 +281,7 @@ def elements(source, target, /, *more, size="", **indices):
         ),
         (
             elements("x", "a.u", size=' size="3"', start="5", end="1"),
-            r"x\[5\] is no element of an array of the dimensions \(3,\)",
+            r"x\[5\] is not an element of an array of the dimensions \(3,\)",
         ),
     ],
 )
