@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from stickslip import ga
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.diagram import RADIUS, Block, Sheet
-from stickslip.report.quantity import number
+from stickslip.report.diagram import Block, Sheet
+from stickslip.report.quantity import number, symbol
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
 from stickslip.servo.datasheet import TRAINING
 from stickslip.servo.systems import Feed
@@ -19,6 +19,8 @@ from stickslip.tuning.learning import BOUNDS
 
 LOOPS_HEIGHT = 127.0
 CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"
+PLANT = r"$\dfrac{1}{m\,s + b}$"
+MODEL = "LuGre (2)–(4)"
 ESTIMATE = r"difference, low-pass $\tau_f$"
 
 
@@ -35,45 +37,34 @@ def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], feed: Feed) -> Fi
 def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
     low, middle, high = 60.0, 78.0, 110.0
     sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
-
-    # The drive, as the rig meets it.
     sheet.group((79, middle - 9), 85, 33, "Simulated drive")
     controller = sheet.block(Block(42, middle, 32), "PI controller", CONTROL)
-    current = sheet.block(
-        Block(96, middle, 26), "Current loop", rf"$\pm{number(truth['u_max'], 3)}$ N", "white"
-    )
-    plant = sheet.block(Block(138, middle, 18), r"$\dfrac{1}{m\,s + b}$")
+    limit = rf"$\pm{number(truth['u_max'], 3)}$ N"
+    current = sheet.block(Block(96, middle, 26), "Current loop", limit)
+    plant = sheet.block(Block(138, middle, 18), PLANT)
     friction = sheet.block(Block(138, middle + 15, 18, 9), "Friction")
-    error, force, net = (
-        sheet.sum((18, middle)), sheet.sum((69, middle)), sheet.sum((119, middle))
-    )  # fmt: skip
-    velocity = (155.0, middle)
-
-    sheet.arrow((3, middle), (error[0] - RADIUS, middle))
-    sheet.arrow((error[0] + RADIUS, middle), controller.left)
-    sheet.arrow(controller.right, (force[0] - RADIUS, middle))
-    sheet.arrow((force[0] + RADIUS, middle), current.left)
-    sheet.arrow(current.right, (net[0] - RADIUS, middle))
-    sheet.arrow((net[0] + RADIUS, middle), plant.left)
-    sheet.arrow(plant.right, (180, middle))
+    error = sheet.sum((18, middle), left="+", below="−")
+    force = sheet.sum((69, middle), left="+", above="+")
+    net = sheet.sum((119, middle), left="+", above="−")
+    velocity, tap = (155.0, middle), (171.0, middle)
+    sheet.chain((3, middle), error, controller, force, current, net, plant, (180, middle))
     sheet.arrow(velocity, (velocity[0], friction.y), friction.right)
-    sheet.arrow(friction.left, (net[0], friction.y), (net[0], middle + RADIUS))
+    sheet.arrow(friction.left, (net.x, friction.y), net.top)
 
-    encoder = sheet.block(
-        Block(134, low, 32, 11),
-        "Encoder",
-        _encoder_note(truth),
-    )
+    integral = r"$\int v\,\mathrm{d}t$"
+    steps = ", no steps"
+    if truth["encoder"]:
+        steps = f" in steps of {number(1e6 * truth['encoder_step'], 2)} µm"
+    encoder = sheet.block(Block(134, low, 32, 11), "Encoder", integral + steps)
     estimate = sheet.block(Block(69, low, 36, 11), "Velocity estimate", ESTIMATE)
-    tap = (171.0, middle)
     sheet.arrow(tap, (tap[0], low), encoder.right)
     sheet.arrow(encoder.left, estimate.right)
-    sheet.arrow(estimate.left, (error[0], low), (error[0], middle - RADIUS))
+    sheet.arrow(estimate.left, (error.x, low), error.bottom)
 
     # The command side: nominal loop and feedforward.
     nominal = sheet.block(Block(30, high, 26), "Nominal loop", "of (b)", PALE)
     compensator = sheet.block(
-        Block(78, high, 38), "Friction compensator", r"LuGre (2)–(4), learned", PALE
+        Block(78, high, 38), "Friction compensator", f"{MODEL}, learned", PALE
     )
     branch = (8.0, middle)
     sheet.arrow(branch, (branch[0], high), nominal.left)
@@ -83,39 +74,24 @@ def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
     else:
         above = high + 8.8
         sheet.node((branch[0], high))
-        sheet.arrow(
-            (branch[0], high), (branch[0], above), (compensator.x, above),
-            (compensator.x, compensator.top),
-        )  # fmt: skip
+        over = ((branch[0], high), (branch[0], above), (compensator.x, above))
+        sheet.arrow(*over, compensator.top)
         sheet.arrow(nominal.right, (54, high))
         sheet.text((49, high + 2.8), r"$v_r$")
         sheet.text((49, high - 2.8), "to (6)", small=True)
-    sheet.arrow((force[0], compensator.bottom), (force[0], middle + RADIUS))
+    sheet.arrow((force.x, compensator.bottom[1]), force.top)
 
     for at in (branch, velocity, tap):
         sheet.node(at)
     for at, label in (
         ((4, middle + 3.2), r"$v_{cmd}$"),
-        ((error[0] - 3.5, middle + 3.0), "+"),
-        ((error[0] + 2.4, middle - 4.2), "−"),
-        ((force[0] - 3.6, middle + 3.0), "+"),
-        ((force[0] + 2.6, middle + 4.2), "+"),
-        ((force[0] - 5.0, (middle + high) / 2), r"$F_{ff}$"),
+        ((force.x - 5.0, (middle + high) / 2), r"$F_{ff}$"),
         ((76, middle + 2.6), r"$u$"),
-        ((net[0] - 3.6, middle + 3.0), "+"),
-        ((net[0] + 2.6, middle + 4.2), "−"),
-        ((net[0] - 3.2, friction.y - 5), r"$F_f$"),
+        ((net.x - 3.2, friction.y - 5), r"$F_f$"),
         ((178, middle + 2.8), r"$v$"),
         ((106, low + 2.8), r"$x_{enc}$"),
     ):
         sheet.text(at, label)
-
-
-def _encoder_note(truth: Mapping[str, float]) -> str:
-    if not truth["encoder"]:
-        return r"$\int v\,\mathrm{d}t$, no steps"
-    step = number(1e6 * truth["encoder_step"], 2)
-    return rf"$\int v\,\mathrm{{d}}t$ in steps of {step} µm"
 
 
 def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
@@ -123,22 +99,16 @@ def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
     sheet.text((3, 48.5), "(b) Nominal velocity loop", align="left")
     controller = sheet.block(Block(37, middle, 32), "PI controller", CONTROL)
     current = sheet.block(Block(71, middle, 20), "Current loop", r"$1/(\tau_i s + 1)$")
-    plant = sheet.block(Block(100, middle, 18), r"$\dfrac{1}{m\,s + b}$")
+    plant = sheet.block(Block(100, middle, 18), PLANT)
     estimate = sheet.block(Block(60, low, 36, 11), "Velocity estimate", ESTIMATE)
-    error = sheet.sum((14, middle))
+    error = sheet.sum((14, middle), left="+", below="−")
     tap = (114.0, middle)
-    sheet.arrow((3, middle), (error[0] - RADIUS, middle))
-    sheet.arrow((error[0] + RADIUS, middle), controller.left)
-    sheet.arrow(controller.right, current.left)
-    sheet.arrow(current.right, plant.left)
-    sheet.arrow(plant.right, (121, middle))
+    sheet.chain((3, middle), error, controller, current, plant, (121, middle))
     sheet.arrow(tap, (tap[0], low), estimate.right)
-    sheet.arrow(estimate.left, (error[0], low), (error[0], middle - RADIUS))
+    sheet.arrow(estimate.left, (error.x, low), error.bottom)
     sheet.node(tap)
     for at, label in (
         ((4, middle + 3.2), r"$v_{cmd}$"),
-        ((error[0] - 3.5, middle + 3.0), "+"),
-        ((error[0] + 2.4, middle - 4.2), "−"),
         ((57, middle + 2.8), r"$u$"),
         ((119, middle + 2.8), r"$v_r$"),
     ):
@@ -161,9 +131,8 @@ def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
 
 def _step_response(figure: Figure, loop: VelocityLoop) -> None:
     left, bottom, width, height = 136.0, 12.5, 43.0, 33.0
-    axes = figure.add_axes(
-        (left / PAGE, bottom / LOOPS_HEIGHT, width / PAGE, height / LOOPS_HEIGHT)
-    )
+    across, up = PAGE, LOOPS_HEIGHT
+    axes = figure.add_axes((left / across, bottom / up, width / across, height / up))
     t, response = loop.step_response(0.025)
     axes.axhspan(0.98, 1.02, color=SHADE, lw=0)
     axes.axhline(1.0, color=FAINT, lw=0.6)
@@ -174,12 +143,9 @@ def _step_response(figure: Figure, loop: VelocityLoop) -> None:
     name_panel(axes, "c", "Its step response")
 
 
-SCHEME_HEIGHT = 80.0
-
-
 def draw_scheme(reproduction: Reproduction) -> Figure:
     """Draw the scheme with the algorithm of this run, and what its compensator is driven by."""
-    figure = new_figure(PAGE, SCHEME_HEIGHT, free=True)
+    figure = new_figure(PAGE, 80.0, free=True)
     sheet = Sheet(figure)
     low, middle, high = 15.0, 40.0, 69.0
     sheet.group((37, 2), 52, 50, "")
@@ -187,7 +153,7 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     nominal = sheet.block(
         Block(36, high, 42), "Nominal velocity loop", "without friction, Fig. 2(b)", PALE
     )
-    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", "LuGre (2)–(4)", PALE)
+    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", MODEL, PALE)
     drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
     title = reproduction.algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(
@@ -199,44 +165,38 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     branch = (9.0, high)
     sheet.arrow((3, high), nominal.left)
     sheet.arrow(branch, (branch[0], low), drive.left)
-    sheet.arrow(nominal.right, (gap[0], high), (gap[0], middle + RADIUS))
-    sheet.arrow(drive.right, (gap[0], low), (gap[0], middle - RADIUS))
+    sheet.arrow(nominal.right, (gap.x, high), gap.top)
+    sheet.arrow(drive.right, (gap.x, low), gap.bottom)
+    tap, end = (branch[0], middle), compensator.left
     if reproduction.options.feed == "nominal":
-        tap = (compensator.x, high)
-        sheet.arrow(tap, (compensator.x, compensator.top))
-    else:
-        tap = (branch[0], middle)
-        sheet.arrow(tap, compensator.left)
-    sheet.arrow((compensator.x, compensator.bottom), (drive.x, drive.top))
-    sheet.arrow((gap[0] - RADIUS, middle), cost.right)
+        tap, end = (compensator.x, high), compensator.top
+    sheet.arrow(tap, end)
+    sheet.arrow(compensator.bottom, drive.top)
+    sheet.arrow(gap.left, cost.right)
     sheet.arrow(cost.left, learner.right)
     sheet.arrow(learner.left, compensator.right)
 
     for at in (branch, tap):
         sheet.node(at)
+    names = [symbol(name) for name in reproduction.learned.estimates]
     for at, label in (
         ((4.5, high + 3.0), r"$v_{cmd}$"),
         ((130, high + 3.0), r"$v_r$"),
         ((130, low + 3.0), r"$v$"),
-        ((compensator.x + 4.5, (compensator.bottom + drive.top) / 2), r"$F_{ff}$"),
-        ((gap[0] - 3.6, middle + 4.4), "−"),
-        ((gap[0] - 3.6, middle - 4.4), "+"),
-        ((97.5, middle + 3.2), r"$F_s,\,F_c,\,v_s$"),
-        ((97.5, middle - 3.4), r"$\sigma_0,\,\sigma_1$"),
+        ((compensator.x + 4.5, (compensator.bottom[1] + drive.top[1]) / 2), r"$F_{ff}$"),
+        ((gap.x - 3.6, middle + 4.4), "−"),
+        ((gap.x - 3.6, middle - 4.4), "+"),
+        ((97.5, middle + 3.2), ", ".join(names[:3])),
+        ((97.5, middle - 3.4), ", ".join(names[3:])),
     ):
         sheet.text(at, label)
     return figure
 
 
-FLOW_HEIGHT = 112.0
-
-Operation = tuple[str, str]
-
-
 def draw_flow(reproduction: Reproduction) -> Figure:
     """Draw the flow chart."""
     algorithm = reproduction.algorithm
-    figure = new_figure(PAGE, FLOW_HEIGHT, free=True)
+    figure = new_figure(PAGE, 112.0, free=True)
     sheet = Sheet(figure)
     first = sheet.block(Block(46, 101, 76, 16), "Step 1. Initialization", _initial(algorithm))
     fitness = sheet.block(
@@ -248,28 +208,24 @@ def draw_flow(reproduction: Reproduction) -> Figure:
     ended = sheet.decision(Block(46, 46, 80, 30), "Step 3. Evaluation", _end(algorithm.limits))
     learned = sheet.block(Block(46, 14, 76, 16), "Learned parameters", _learned(reproduction), PALE)
     operations = _operations(algorithm)
-    lowest = _heights(len(operations), fitness.y)[0] - 11.0
+    heights = [fitness.y - 17.5 * k for k in reversed(range(len(operations)))]
+    lowest = heights[0] - 11.0
     sheet.group((100, lowest), 80, 93 - lowest, "Step 4. New generation")
     blocks = [
         sheet.block(Block(140, y, 70, 14.5), *operation)
-        for y, operation in zip(_heights(len(operations), fitness.y), operations, strict=True)
+        for y, operation in zip(heights, operations, strict=True)
     ]
 
-    for upper, lower in ((first, fitness), (fitness, ended), (ended, learned)):
-        sheet.arrow((upper.x, upper.bottom), (lower.x, lower.top))
+    for upper, lower in pairwise((first, fitness, ended, learned)):
+        sheet.arrow(upper.bottom, lower.top)
     for lower, upper in pairwise(blocks):
-        sheet.arrow((lower.x, lower.top), (upper.x, upper.bottom))
+        sheet.arrow(lower.top, upper.bottom)
     bend = 94.0
     sheet.arrow(ended.right, (bend, ended.y), (bend, blocks[0].y), blocks[0].left)
     sheet.arrow(blocks[-1].left, fitness.right)
     sheet.text((90, ended.y + 2.6), "no", small=True)
-    sheet.text((50.5, (ended.bottom + learned.top) / 2), "yes", small=True)
+    sheet.text((50.5, (ended.bottom[1] + learned.top[1]) / 2), "yes", small=True)
     return figure
-
-
-def _heights(n: int, top: float) -> list[float]:
-    """Return the heights of n blocks, the last at the top."""
-    return [top - 17.5 * (n - 1 - k) for k in range(n)]
 
 
 def _initial(algorithm: ga.Optimiser) -> str:
@@ -305,13 +261,13 @@ def _learned(reproduction: Reproduction) -> str:
     return best
 
 
-def _operations(algorithm: ga.Optimiser) -> list[Operation]:
+def _operations(algorithm: ga.Optimiser) -> list[tuple[str, str]]:
     """Return what makes a new generation, in its order."""
     if not isinstance(algorithm, ga.GeneticAlgorithm):
-        evaluated = "Evaluated candidates", "all so far, with their costs"
+        title = algorithm.title[0].upper() + algorithm.title[1:]
         return [
-            evaluated,
-            (algorithm.title[0].upper() + algorithm.title[1:], f"{algorithm.batch} new candidates"),
+            ("Evaluated candidates", "all so far, with their costs"),
+            (title, f"{algorithm.batch} new candidates"),
         ]
     settings = algorithm.settings
     children = settings.population - settings.elites
@@ -325,19 +281,15 @@ def _operations(algorithm: ga.Optimiser) -> list[Operation]:
             rf"$k_2$ = {number(settings.k2)}"
         )
     rate = f"rate {number(settings.mutation_rate)}{' at first, adaptive' * settings.adaptive}"
+    beyond = []  # what the paper's algorithm does not have
+    if settings.surrogates:
+        beyond.append("some from models of the cost")
+    if settings.patience is not None:
+        beyond.append(f"restart after {settings.patience} without progress")
+    new = f"the elite and {children} new candidates" + "\n" * bool(beyond) + ", ".join(beyond)
     return [
         ("Selection", f"elite of {settings.elites} in {settings.population}, {keeps}"),
         ("Crossover", crossover),
         ("Mutation", f"{settings.mutation}, {rate}"),
-        ("Next generation", f"the elite and {children} new candidates{_beyond(settings)}"),
+        ("Next generation", new),
     ]
-
-
-def _beyond(settings: ga.Settings) -> str:
-    """Return what the paper's algorithm does not have."""
-    parts = []
-    if settings.surrogates:
-        parts.append("some from models of the cost")
-    if settings.patience is not None:
-        parts.append(f"restart after {settings.patience} without progress")
-    return "".join(f"\n{part}" if k == 0 else f", {part}" for k, part in enumerate(parts))
