@@ -12,7 +12,7 @@ from stickslip.fleet.drive import Drive
 from stickslip.fleet.picture import draw_fleet
 from stickslip.fleet.study import TABLE, UNFINISHED, Fleet
 from stickslip.fmi.files import atomic_write
-from stickslip.report.picture import picture_files
+from stickslip.report.page import picture_files
 from stickslip.results.folder import remove_results, staged
 
 

@@ -35,7 +35,7 @@ from stickslip.logs import (
 from stickslip.pipeline.log_trial import LogTrial, try_compensator
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
-from stickslip.report.learned.result import compensation
+from stickslip.report.learned.content import compensation
 from stickslip.results.folder import staged
 from stickslip.results.learned import estimation_document, trial_document
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stickslip.pipeline.reproduction import Options
-from stickslip.report.page import write_page
-from stickslip.report.picture import picture_files
+from stickslip.report.page import picture_files, write_page
 from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.reproduction_folder import command_of, write_table

@@ -12,7 +12,7 @@ from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import RecordReproduction, gains_of
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
-from stickslip.report.picture import picture_files
+from stickslip.report.page import picture_files
 from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
 from stickslip.results.learned import estimation_document

@@ -18,10 +18,9 @@ from stickslip.identification.estimation import Certainty, Estimation
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
-from stickslip.report.learned import FIGURES, method, result, sections, write_estimation_report
-from stickslip.report.learned.scales import Scale
-from stickslip.report.learned.signals import thinned
-from stickslip.report.picture import Picture
+from stickslip.report.learned import FIGURES, content, sections, write_estimation_report
+from stickslip.report.learned.signals import Scale, thinned
+from stickslip.report.page import Picture
 from stickslip.report.quantity import estimated, interval
 from stickslip.report.style import house_style
 
@@ -215,7 +214,7 @@ def test_the_same_estimation_gives_the_same_bytes(written, name):
 def test_searches_of_several_seeds_are_listed():
     estimation = made("friction", n=2000)
     rows = pd.concat([estimation.searches, estimation.searches.assign(seed=7, cost=0.0123)])
-    said = method.criterion(replace(estimation, searches=rows)).markup({})
+    said = content.criterion(replace(estimation, searches=rows)).markup({})
     assert "Spread over seeds" in said
     assert "0.0123" in said
     assert "504 candidates in 2 searches" in said
@@ -236,7 +235,7 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
     with house_style():
         for name in ("force", "profiles"):
             drawing(name, blind)().draw_without_rendering()
-    assert "≈ 6" in result.head(blind).markup({})
+    assert "≈ 6" in content.head(blind).markup({})
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():

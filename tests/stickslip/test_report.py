@@ -32,8 +32,7 @@ from stickslip.identification.stages import (
 from stickslip.pipeline.datasheet_errors import FACTORS
 from stickslip.pipeline.reproduction import Extras, Options, Reproduction, drive_truth
 from stickslip.pipeline.steps import STEPS
-from stickslip.report.page import render
-from stickslip.report.picture import Picture
+from stickslip.report.page import Picture, render
 from stickslip.report.quantity import (
     number,
     parameter_estimate,

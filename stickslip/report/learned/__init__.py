@@ -11,9 +11,8 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
-from stickslip.report.learned import method, result
-from stickslip.report.page import Section, write_page
-from stickslip.report.picture import picture_files
+from stickslip.report.learned import content
+from stickslip.report.page import Section, picture_files, write_page
 
 __all__ = ["FIGURES", "FILES", "parameter_table", "sections", "write_estimation_report"]
 
@@ -55,13 +54,13 @@ def sections(
     further : sections that follow the first
     """
     return [
-        result.head(estimation),
+        content.head(estimation),
         *further,
-        method.criterion(estimation),
-        method.log(estimation, findings),
-        method.fit(estimation),
-        method.identifiability(estimation),
-        result.use(estimation, beside),
+        content.criterion(estimation),
+        content.log(estimation, findings),
+        content.fit(estimation),
+        content.identifiability(estimation),
+        content.use(estimation, beside),
     ]
 
 

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.report.page import Section, write_page
-from stickslip.report.picture import picture_files
+from stickslip.report.page import Section, picture_files, write_page
 from stickslip.report.reproduction.as_published import as_published
 from stickslip.report.reproduction.identification import identification_section
 from stickslip.report.reproduction.learning import learning_section
 from stickslip.report.reproduction.loop import design_section, use_section
-from stickslip.report.reproduction.motions import motions_section
 from stickslip.report.reproduction.result import head
-from stickslip.report.reproduction.validation import steps_section, validation_section
+from stickslip.report.reproduction.validation import (
+    motions_section,
+    steps_section,
+    validation_section,
+)
 
 __all__ = ["FIGURES", "FILES", "TITLE", "sections", "write_report"]
 

@@ -24,7 +24,7 @@ from stickslip.report.quantity import (
     symbol,
     unit,
 )
-from stickslip.report.reproduction.experiments import draw_friction, draw_inertia, draw_presliding
+from stickslip.report.reproduction.curves import draw_friction, draw_inertia, draw_presliding
 from stickslip.servo.datasheet import LOOP, Datasheet
 
 
