@@ -54,7 +54,7 @@ class Sheet:
     def block(self, block: Block, label: str, note: str = "", fill: str = "white") -> Block:
         """Draw a block with a label and, below it, a note of one line or more in small print."""
         corner = (block.left[0], block.bottom[1])
-        outline = {"facecolor": fill, "edgecolor": INK, "lw": LINE}
+        outline: Any = {"facecolor": fill, "edgecolor": INK, "lw": LINE}
         self.axes.add_patch(Rectangle(corner, block.width, block.height, **outline))
         return self._labelled(block, label, note)
 
