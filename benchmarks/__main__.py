@@ -1,27 +1,27 @@
-"""Speed as ratios inside one run: ``python -m benchmarks``. Absolute times vary by machine."""
+"""Speed as ratios inside one run: ``python -m benchmarks [NAME ...]``. Absolute times vary."""
 
+import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import candidate, container, description, firmware, isolation, many_runs, workers
+from benchmarks import container, description, firmware, isolation, many_runs, workers
 from benchmarks.coupling import report
 from benchmarks.learning import speed
+from benchmarks.timing import table
 
-BENCHMARKS = (
-    report,
-    candidate,
-    container,
-    workers,
-    isolation,
-    description,
-    many_runs,
-    firmware,
-    speed,
-)
+BENCHMARKS = {
+    "coupling": report,
+    "container": container,
+    "workers": workers,
+    "isolation": isolation,
+    "description": description,
+    "many_runs": many_runs,
+    "firmware": firmware,
+    "speed": speed,
+}
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
-        for benchmark in BENCHMARKS:
-            print(f"\n{benchmark.__doc__.strip()}")
-            for name, ratio in benchmark.measure(Path(folder)).items():
-                print(f"  {name:76} {ratio:8.2f}")
+        for name in sys.argv[1:] or BENCHMARKS:
+            benchmark = BENCHMARKS[name]
+            print(f"\n{benchmark.__doc__.strip()}\n{table(benchmark.measure(Path(folder)))}")

@@ -65,28 +65,39 @@ def write(system: cosim.System, path: Path, step: float, output: str) -> Path:
     return path
 
 
+def slave(path: Path, name: str) -> FMU2Slave:
+    """Load and instantiate an FMU 2.0."""
+    description = read_model_description(path)
+    found = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=extract(path),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=name,
+    )
+    found.instantiate()
+    return found
+
+
+def start(slave: FMU2Slave) -> FMU2Slave:
+    """Initialise an instance at time 0."""
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    return slave
+
+
 class Instance:
     """An FMU 2.0 that is run over and over by calls from outside."""
 
     def __init__(self, path: Path) -> None:
-        description = read_model_description(path)
-        self.references = {v.name: v.valueReference for v in description.modelVariables}
-        self._slave = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=extract(path),
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=path.stem,
-        )
-        self._slave.instantiate()
+        variables = read_model_description(path).modelVariables
+        self.references = {v.name: v.valueReference for v in variables}
+        self._slave = slave(path, path.stem)
 
     def run(self, stop: float, output: str, **inputs: float) -> float:
         """Start again, hold the inputs, go to ``stop`` in one call; return the output's end."""
-        slave = self._slave
-        slave.reset()
+        self._slave.reset()
         for name, value in inputs.items():
-            slave.setReal([self.references[name]], [value])
-        slave.setupExperiment(startTime=0.0)
-        slave.enterInitializationMode()
-        slave.exitInitializationMode()
-        slave.doStep(0.0, stop)
-        return slave.getReal([self.references[output]])[0]
+            self._slave.setReal([self.references[name]], [value])
+        start(self._slave).doStep(0.0, stop)
+        return self._slave.getReal([self.references[output]])[0]

@@ -1,6 +1,5 @@
 """Runs of 10,000 steps with the FMUs in a process of their own, against runs in this one."""
 
-import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -40,9 +39,3 @@ def measure(folder: Path) -> dict[str, float]:
         ratios[f"{name}: here (ms)"] = 1e3 * seconds["here"]
     ratios["start of a child (ms)"] = 1e3 * started
     return ratios
-
-
-if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as room:
-        for label, ratio in measure(Path(room)).items():
-            print(f"{label:60} {ratio:8.2f}")

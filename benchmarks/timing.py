@@ -1,4 +1,4 @@
-"""Times that can be compared: one process, case after case in turn, medians."""
+"""Times that can be compared: one process, case after case in turn, medians; and their table."""
 
 import statistics
 import time
@@ -16,3 +16,8 @@ def interleaved(cases: Mapping[str, Callable[[], object]], repeats: int) -> dict
             run()
             times[name].append(time.perf_counter() - begin)
     return {name: statistics.median(seconds) for name, seconds in times.items()}
+
+
+def table(figures: Mapping[str, float]) -> str:
+    """Return a line for each figure."""
+    return "\n".join(f"  {name:76} {figure:8.4g}" for name, figure in figures.items())

@@ -7,9 +7,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
-
 from benchmarks import fmpy_container as sealed
 from benchmarks.coupling import ring
 from stickslip import cosim
@@ -28,7 +25,9 @@ REFERENCE = {
 
 def fmpy_from_python(folder: Path, n: int) -> float:
     """Step by step, with lists, as its documentation shows."""
-    slaves = {name: _slave(ring.build(folder, name, 2), name) for name in ring.MODELS}
+    slaves = {
+        name: sealed.start(sealed.slave(ring.build(folder, name, 2), name)) for name in ring.MODELS
+    }
     begin = time.perf_counter()
     for k in range(n):
         moved = [
@@ -115,23 +114,8 @@ PEERS: dict[str, tuple[Callable[[Path, int], float], int]] = {  # and how many s
 }
 
 
-def _slave(path: Path, name: str) -> FMU2Slave:
-    description = read_model_description(path)
-    slave = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=extract(path),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName=name,
-    )
-    slave.instantiate()
-    slave.setupExperiment(startTime=0.0)
-    slave.enterInitializationMode()
-    slave.exitInitializationMode()
-    return slave
-
-
 def _one_call(path: Path, n: int) -> float:
-    slave = _slave(path, path.stem)
+    slave = sealed.start(sealed.slave(path, path.stem))
     begin = time.perf_counter()
     slave.doStep(0.0, n * ring.STEP)
     return time.perf_counter() - begin

@@ -5,10 +5,11 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-from benchmarks.learning import contest, race, scaling, speed, survival
+from benchmarks.learning import contest, race, scaling, speed
 from benchmarks.learning.problem import KINDS
+from benchmarks.timing import table
 
-PARTS = ("speed", "scaling", "survival", "race", "functions", "further")
+PARTS = ("speed", "scaling", "race", "functions", "further")
 
 
 def main() -> None:
@@ -41,13 +42,12 @@ def main() -> None:
                 "functions": (partial(function_race, further=False), contest.__doc__),
                 "further": (partial(function_race, further=True), contest.__doc__),
                 "speed": (partial(speed.measure, folder, options.evaluations), speed.__doc__),
-                "scaling": (partial(scaling.run, folder, options.out), scaling.__doc__),
-                "survival": (partial(survival.run, folder, options.out), survival.__doc__),
+                "scaling": (partial(scaling.run, folder), scaling.__doc__),
             }[part]
             print(f"\n{about.strip()}")
             found = measure()
             if isinstance(found, dict):
-                found = "\n".join(f"  {name:76} {value:8.4g}" for name, value in found.items())
+                found = table(found)
             print(found, flush=True)
             text = f"{about.strip()}\n{found}\n"
             (options.out / f"{part}.txt").write_text(text, encoding="utf-8")

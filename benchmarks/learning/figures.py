@@ -1,4 +1,4 @@
-"""The figures: cost over evaluations, and speed over workers."""
+"""The figure: cost over evaluations."""
 
 from pathlib import Path
 
@@ -34,20 +34,5 @@ def race(path: Path, problems: dict[str, dict[str, np.ndarray]]) -> None:
         axes.set_title(titles[kind])
         axes.grid(alpha=0.3)
     all_axes[0][0].legend(fontsize=9)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
-
-
-def workers(path: Path, speeds: dict[str, float], goals: dict[str, float]) -> None:
-    """Draw the speed of two workers relative to one, and what it should be."""
-    figure, axes = plt.subplots(figsize=(6.5, 3), layout="constrained")
-    names = list(speeds)[::-1]
-    bars = axes.barh(names, [speeds[name] for name in names], color=OURS, height=0.6)
-    axes.bar_label(bars, fmt="%.2f", padding=4)
-    for place, name in enumerate(names):
-        if name in goals:
-            axes.plot([goals[name]] * 2, [place - 0.4, place + 0.4], color=PAPER, linewidth=2)
-    axes.set_xlim(0, 2.3)
-    axes.set_xlabel("candidates a second / one worker (1); line: goal")
     figure.savefig(path, dpi=130)
     plt.close(figure)

@@ -38,7 +38,7 @@ def cost(folder: Path, kind: str = "measured", duration: float = 2.5) -> ga.Simu
     return ga.SimulatedCost(specification, names, VelocityCost(LOOP.T_s), {"v_cmd": command})
 
 
-def problem(seed: int, *, constrained: bool = True) -> ga.Problem:
+def problem(seed: int) -> ga.Problem:
     """Return genes around a coarse identification that differs from seed to seed."""
     rng = np.random.default_rng(1000 + seed)
     start = {
@@ -47,4 +47,4 @@ def problem(seed: int, *, constrained: bool = True) -> ga.Problem:
     }
     start["F_s"] = max(start["F_s"], start["F_c"])
     genes = [ga.Gene(n, 0.1 * value, 100 * value, value, UNITS[n]) for n, value in start.items()]
-    return ga.Problem(genes, CONSTRAINT if constrained else None)
+    return ga.Problem(genes, CONSTRAINT)

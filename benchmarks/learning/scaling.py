@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import statistics
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from benchmarks.learning import figures
+from benchmarks import workers
 from benchmarks.learning.problem import cost, problem
 from stickslip import ga
 
@@ -16,8 +15,8 @@ PLACES = {"threads": "threads", "processes": "processes", "Dask": "local"}
 EVALUATIONS, ROUNDS = 500, 7
 
 
-def run(folder: Path, out: Path) -> dict[str, float]:
-    """Measure, write workers.csv and a figure, and return the speeds; all must learn the same."""
+def run(folder: Path) -> dict[str, float]:
+    """Return the speeds; one and two workers must learn the same."""
     speeds: dict[str, float] = {}
     with cost(folder, duration=10.0) as judge:
         for name, where in PLACES.items():
@@ -31,27 +30,8 @@ def run(folder: Path, out: Path) -> dict[str, float]:
             if len({history for pair in rounds for _, history in pair}) > 1:
                 raise RuntimeError(f"{name}: one and two workers learned differently")
             speeds[name] = statistics.median(a / b for (a, _), (b, _) in rounds)
-        limit = _limit(judge)
-    lines = [f"{name},{speed:.3f},{GOALS[name]}" for name, speed in speeds.items()]
-    (out / "workers.csv").write_text("\n".join(["workers,two / one,goal", *lines, ""]))
-    figures.workers(out / "workers.png", speeds, GOALS)
-    found = {f"two {name} / one": speed for name, speed in speeds.items()}
-    return found | {"candidates without learning, two threads / one: what the machine has": limit}
-
-
-def _limit(judge: ga.SimulatedCost) -> float:
-    """Return how much faster two threads run candidates than one when nothing depends on them."""
-    candidates = [problem(0).start] * (EVALUATIONS // 5)
-    ratios = []
-    with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-        for _ in range(ROUNDS):
-            seconds = []
-            for threads in (one, two):
-                begin = time.perf_counter()
-                list(threads.map(judge, candidates))
-                seconds.append(time.perf_counter() - begin)
-            ratios.append(seconds[0] / seconds[1])
-    return statistics.median(ratios)
+    found = {f"two {name} / one (goal {GOALS[name]})": speed for name, speed in speeds.items()}
+    return found | workers.measure(folder / "workers")
 
 
 def _learn(judge: ga.SimulatedCost, executor, evaluations: int) -> tuple[float, str]:
