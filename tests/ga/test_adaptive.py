@@ -18,11 +18,6 @@ def test_values_of_equation_7():
     )
 
 
-def test_the_best_parent_is_protected_and_the_average_one_is_crossed_with_k1():
-    assert probability([4.0]) == 0
-    assert probability([2.0]) == 0.9
-
-
 def test_an_equal_generation_crosses_with_k2():
     np.testing.assert_array_equal(probability([2.0, 2.0], best=2.0), [0.7, 0.7])
 

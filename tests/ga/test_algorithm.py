@@ -41,23 +41,6 @@ def test_the_best_cost_never_rises_whatever_the_costs(preset, seed, data):
     assert (best[1:] <= best[:-1]).all()
 
 
-@PRESETS
-@settings(max_examples=15)
-@given(seed=st.integers(0, 2**32))
-def test_candidates_stay_in_their_bounds(preset, seed):
-    algorithm = run(new(preset, seed), 10)
-    for gene in GENES:
-        values = algorithm.history[gene.name]
-        assert values.between(gene.lower, gene.upper).all()
-
-
-@PRESETS
-def test_the_start_is_the_first_candidate(preset):
-    first = new(preset).ask()[0]
-    span = np.array([gene.upper - gene.lower for gene in GENES])
-    assert (np.abs(first - [gene.start for gene in GENES]) <= 0.51e-4 * span).all()
-
-
 def test_the_paper_searches_on_a_grid_of_its_resolution():
     algorithm = run(new("paper"), 5)
     for gene in GENES:
@@ -73,34 +56,18 @@ def test_the_elite_is_not_evaluated_again(preset):
     assert algorithm.ask().shape == (8, 3)
 
 
-@PRESETS
-def test_the_same_seed_gives_the_same_bytes(preset):
-    tables = [run(new(preset, seed), 15) for seed in (5, 5, 6)]
-    histories = [table.history.to_csv() for table in tables]
-    assert histories[0] == histories[1] != histories[2]
-    assert tables[0].convergence().to_csv() == tables[1].convergence().to_csv()
-
-
-@PRESETS
-@pytest.mark.parametrize("asked", [False, True])
-@pytest.mark.parametrize("generations", [0, 1, 7])
-def test_a_resumed_run_equals_the_uninterrupted_one(preset, generations, asked):
-    repair = ga.AtLeast("b", "a")
-    whole = run(new(preset, 4, repair), 15, cost=_inf_beyond_10)
-    broken = run(new(preset, 4, repair), generations, cost=_inf_beyond_10)
-    if asked:
-        broken.ask()
-    text = json.dumps(broken.state(), allow_nan=False)
-    resumed = ga.GeneticAlgorithm.from_state(
-        GENES, ga.PRESETS[preset], json.loads(text), repair=repair
-    )
-    run(resumed, 15 - generations, cost=_inf_beyond_10)
-    assert resumed.history.to_csv() == whole.history.to_csv()
-    assert json.dumps(resumed.state()) == json.dumps(whole.state())
-
-
-def _inf_beyond_10(values):
-    return quadratic(values) if values[0] < 10 else float("inf")
+@pytest.mark.parametrize("generations", [0, 7])
+def test_a_state_between_ask_and_tell_is_that_before_ask(generations):
+    """Threshold and number of generations may change; what is missing from a state is damage."""
+    whole, broken = run(new("default", 4), 15), run(new("default", 4), generations)
+    broken.ask()
+    state = json.loads(json.dumps(broken.state(), allow_nan=False))
+    longer = replace(ga.DEFAULT, generations=500, threshold=1e-9)
+    resumed = ga.GeneticAlgorithm.from_state(GENES, longer, state)
+    assert run(resumed, 15 - generations).history.to_csv() == whole.history.to_csv()
+    del state["evaluations"]
+    with pytest.raises(ga.StateError, match=r"damaged.*evaluations"):
+        ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, state)
 
 
 def test_a_state_is_a_snapshot():
@@ -109,21 +76,6 @@ def test_a_state_is_a_snapshot():
     text = json.dumps(state)
     run(algorithm, 2)
     assert json.dumps(state) == text
-
-
-def test_a_resumed_run_may_go_on_for_longer_but_not_differently():
-    state = run(new("default"), 2).state()
-    longer = replace(ga.DEFAULT, generations=500, threshold=1e-9)
-    assert ga.GeneticAlgorithm.from_state(GENES, longer, state).generation == 2
-    with pytest.raises(ga.StateError, match="other settings"):
-        ga.GeneticAlgorithm.from_state(GENES, ga.PAPER, state)
-    with pytest.raises(ga.StateError, match="other genes"):
-        ga.GeneticAlgorithm.from_state(GENES[:2], ga.DEFAULT, state)
-    with pytest.raises(ga.StateError, match="no checkpoint"):
-        ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, {})
-    del state["evaluations"]
-    with pytest.raises(ga.StateError, match=r"damaged.*evaluations"):
-        ga.GeneticAlgorithm.from_state(GENES, ga.DEFAULT, state)
 
 
 def test_the_order_of_calls_is_enforced():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip.ga.operators.quadratic import LARGEST, POINTS, RADIUS, bottom, bowl, unknowns
+from stickslip.ga.operators.quadratic import RADIUS, bottom, bowl, unknowns
 from stickslip.ga.operators.surrogates import Archive
 
 
@@ -111,22 +111,3 @@ def test_there_is_no_bowl_through_too_few_or_equal_costs(costs):
 def test_there_is_no_bowl_where_the_cost_bends_down():
     points = np.random.default_rng(0).random((30, 2))
     assert bowl(*ranked(points, 5 - np.sum((points - 0.5) ** 2, axis=1))) is None
-
-
-@pytest.mark.slow
-def test_the_work_of_a_fit_is_bounded_in_many_dimensions(monkeypatch):
-    """Rows times the square of columns, which the time of least squares follows."""
-    work = []
-    solve = np.linalg.lstsq
-
-    def counted(terms, *rest, **options):
-        work.append(len(terms) * terms.shape[1] ** 2)
-        return solve(terms, *rest, **options)
-
-    monkeypatch.setattr("numpy.linalg.lstsq", counted)
-    for k in (2, 10, 20, 21, 50, 100):
-        points = np.random.default_rng(0).random((5000, k))
-        costs = np.sum((points - 0.4) ** 2, axis=1)
-        assert bottom(*ranked(points, costs)) is not None
-        assert bowl(*ranked(points, costs)) is not None
-    assert max(work) <= POINTS * LARGEST**3
