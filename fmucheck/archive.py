@@ -18,10 +18,9 @@ from stickslip.fmi.archive.directory import (
     is_link,
     is_special,
 )
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.frame import MAX_MEMBERS, check_frame
 from stickslip.fmi.archive.members import FAULTS, extract_file
-from stickslip.fmi.archive.names import is_device
+from stickslip.fmi.archive.names import Refused, is_device
 from stickslip.fmi.files import open_regular_file
 from stickslip.fmucheck.rules import Claims, error, note, warning
 

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import PurePosixPath
 
-from stickslip.fmi.archive.errors import Refused
-from stickslip.fmi.archive.names import check_distinct, place
+from stickslip.fmi.archive.names import Refused, check_distinct, place
 from stickslip.fmi.messages import shown
 
 MAX_BYTES = 2 * 1024**3  # unpacked
@@ -26,12 +25,6 @@ def check_members(members: Sequence[zipfile.ZipInfo], stated: int) -> list[PureP
     Parameters
     ----------
     stated : how many members there are, by the end of the archive
-
-    Raises
-    ------
-    Refused
-        When a member is no plain file or folder, cannot be read, lies where another one does, or
-        all together are too many or too much.
     """
     if len(members) != stated:
         raise Refused(

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import IO
 
 from stickslip.fmi.archive import directory
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.frame import check_frame
+from stickslip.fmi.archive.names import Refused
 from stickslip.fmi.messages import printable, shown
 
 _CHUNK = 1024**2
@@ -23,13 +23,7 @@ FAULTS = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError, Ov
 
 
 def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
-    """Unpack an archive into a new folder; return the CRC-32 of each file by its path.
-
-    Raises
-    ------
-    Refused
-    OSError
-    """
+    """Unpack an archive into a new folder; return the CRC-32 of each file by its path."""
     try:
         stated = check_frame(file)
     except ValueError as fault:
@@ -61,13 +55,7 @@ def _check_room(members: Sequence[zipfile.ZipInfo], folder: Path) -> None:
 
 
 def extract_file(archive: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path) -> None:
-    """Write one file, not a byte more than its header declares.
-
-    Raises
-    ------
-    Refused
-    OSError
-    """
+    """Write one file, not a byte more than its header declares."""
     what, size = f"member {shown(member.orig_filename)} is damaged", 0
     with _blaming(what), archive.open(member) as source, target.open("xb") as copy:
         while chunk := source.read(_CHUNK):

@@ -7,7 +7,6 @@ import unicodedata
 from collections.abc import Iterable
 from pathlib import PurePosixPath
 
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.messages import shown
 
 MAX_DEPTH = 64
@@ -20,19 +19,17 @@ _LEAVES = re.compile(r"^/|^[A-Za-z]:|(^|/)\.\.(/|$)")
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9\u00b9\u00b2\u00b3])", re.I)
 
 
+class Refused(Exception):
+    """An archive that is not unpacked; the message lacks its path, which the caller knows."""
+
+
 def is_device(name: str) -> bool:
     """Tell whether Windows takes a file of this name for a device."""
     return _DEVICE.fullmatch(name.partition(".")[0].rstrip(" ")) is not None
 
 
 def place(name: str) -> PurePosixPath:
-    """Return where a member goes, relative to the folder it is unpacked to.
-
-    Raises
-    ------
-    Refused
-        When the name could mean a place outside, or means different files on different systems.
-    """
+    """Return where a member goes, relative to the folder it is unpacked to."""
     if fault := _fault(name):
         raise Refused(f"member {shown(name)} {fault}")
     return PurePosixPath(name)
@@ -67,10 +64,7 @@ def _fault(name: str) -> str | None:
 def check_distinct(places: Iterable[tuple[PurePosixPath, bool]]) -> None:
     """Check that no two members (path, whether it is a folder) need the same place.
 
-    Raises
-    ------
-    Refused
-        Upper and lower case, and accents written as one letter or two, count as the same.
+    Upper and lower case, and accents written as one letter or two, count as the same.
     """
     files: dict[str, PurePosixPath] = {}
     folders: dict[str, PurePosixPath] = {}

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import IO
 
 from stickslip.fmi import toolchain
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.members import extract
+from stickslip.fmi.archive.names import Refused
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import atomic_write, require_regular_file
 

@@ -15,13 +15,7 @@ _NEEDED, _HASH, _STRINGS, _SYMBOLS, _GNU_HASH = 1, 4, 5, 6, 0x6FFFFEF5
 
 
 def read(data: bytes) -> tuple[str, list[str], list[str]]:
-    """Return machine, exported names and needed libraries.
-
-    Raises
-    ------
-    ValueError, struct.error, IndexError
-        When it is no shared library, or damaged.
-    """
+    """Return machine, exported names and needed libraries."""
     wide, order = data[4] == 2, "<" if data[5] == 1 else ">"
     kind, number = struct.unpack_from(order + "HH", data, 16)
     if kind != _SHARED:

@@ -29,13 +29,7 @@ class Part:
 
 
 def read(data: bytes) -> list[Part]:
-    """Return the parts of a library.
-
-    Raises
-    ------
-    ValueError, struct.error, IndexError
-        When it is no shared library, or damaged.
-    """
+    """Return the parts of a library."""
     if data[:4] != _FAT:
         return [_part(data)]
     (count,) = struct.unpack_from(">I", data, 4)

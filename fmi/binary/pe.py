@@ -13,13 +13,7 @@ _IS_DLL = 0x2000
 
 
 def read(data: bytes) -> tuple[str, list[str], list[str]]:
-    """Return machine, exported names and needed libraries.
-
-    Raises
-    ------
-    ValueError, struct.error, IndexError
-        When it is no shared library, or damaged.
-    """
+    """Return machine, exported names and needed libraries."""
     (header,) = struct.unpack_from("<I", data, 0x3C)
     if data[header : header + 4] != b"PE\0\0":
         raise ValueError("it has no PE header")

@@ -7,12 +7,24 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.fmi.description.faults import DescriptionFault
 from stickslip.fmi.messages import shown
 
 _WHOLE = re.compile(r"\s*[-+]?[0-9]{1,20}\s*")
 _NAMELESS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 WORDS = {"true": True, "1": True, "false": False, "0": False}
+
+
+class DescriptionFault(ValueError):
+    """A description that is not taken; the message begins with the line.
+
+    Parameters
+    ----------
+    element : of the XML that is wrong
+    what : what it is, what was expected, what to do
+    """
+
+    def __init__(self, element: Any, what: str) -> None:
+        super().__init__(f"line {element.sourceline}: {what}")
 
 
 def name_of(element: Any) -> str:

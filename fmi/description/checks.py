@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import DescriptionFault
 from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import shown
 
@@ -13,20 +13,14 @@ from stickslip.fmi.messages import shown
 def check_distinct(
     variables: Sequence[Variable], elements: Sequence[Any], aliases: Mapping[str, str]
 ) -> None:
-    """Check that names, and in FMI 3.0 value references, occur once.
-
-    Raises
-    ------
-    DescriptionFault
-        In FMI 2.0 variables of one type may share a value reference: they are one quantity.
-    """
+    """Check that names, and in FMI 3.0 value references, occur once."""
     names: set[str] = set(aliases)
     references: dict[int, str] = {}
     for variable, element in zip(variables, elements, strict=True):
         if variable.name in names:
             raise DescriptionFault(element, f"a second variable {shown(variable.name)}; rename it")
         names.add(variable.name)
-        if element.tag == "ScalarVariable":
+        if element.tag == "ScalarVariable":  # FMI 2.0: those that share one are one quantity
             continue
         other = references.setdefault(variable.reference, variable.name)
         if other is not variable.name:
@@ -38,12 +32,7 @@ def check_distinct(
 
 
 def check_numbers(variable: Variable, element: Any) -> None:
-    """Check that a range holds a value and that a nominal value is one.
-
-    Raises
-    ------
-    DescriptionFault
-    """
+    """Check that a range holds a value and that a nominal value is one."""
     low, high, nominal = variable.minimum, variable.maximum, variable.nominal
     for what, number in (("min", low), ("max", high)):
         if number is not None and number != number:

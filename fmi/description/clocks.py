@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmi.description.attributes import finite, whole
-from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import DescriptionFault, finite, whole
 
 # When an FMU is asked for the interval, by ``intervalVariability``; places in ``enum Asked``.
 # Clocks of other kinds are triggered by whoever runs the FMU.
@@ -40,13 +39,7 @@ class Clock:
 
 
 def read_clocks(elements: Iterable[Any]) -> tuple[Clock, ...]:
-    """Return the input clocks among the elements of variables.
-
-    Raises
-    ------
-    DescriptionFault
-        When a number in one is none.
-    """
+    """Return the input clocks among the elements of variables."""
     clocks = (e for e in elements if e.tag == "Clock" and e.get("causality") == "input")
     return tuple(map(_clock, clocks))
 

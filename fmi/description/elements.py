@@ -9,8 +9,15 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from stickslip.fmi.description.attributes import WORDS, flag, name_of, real, whole, whole_of
-from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import (
+    WORDS,
+    DescriptionFault,
+    flag,
+    name_of,
+    real,
+    whole,
+    whole_of,
+)
 from stickslip.fmi.description.types import TypeDefinition
 from stickslip.fmi.description.variables import (
     FLOATS,
@@ -72,10 +79,6 @@ def read_variable(
     Parameters
     ----------
     typed : what ``typed_element`` returns
-
-    Raises
-    ------
-    DescriptionFault
     """
     name = name_of(element)
     kind = typed.tag

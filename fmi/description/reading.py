@@ -8,10 +8,9 @@ from types import MappingProxyType
 from typing import Any
 
 from stickslip.fmi.description import checks
-from stickslip.fmi.description.attributes import name_of, real, whole, whole_of
+from stickslip.fmi.description.attributes import DescriptionFault, name_of, real, whole, whole_of
 from stickslip.fmi.description.clocks import read_clocks
 from stickslip.fmi.description.elements import MAX_REFERENCE, Lengths, read_variable, typed_element
-from stickslip.fmi.description.faults import DescriptionFault
 from stickslip.fmi.description.model import DefaultExperiment, Description
 from stickslip.fmi.description.structure import read_derivatives, read_unknowns
 from stickslip.fmi.description.types import read_types, read_units
@@ -22,13 +21,7 @@ _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 
 
 def read_description(root: Any) -> Description:
-    """Return what a description says.
-
-    Raises
-    ------
-    DescriptionFault
-        When it contradicts itself or the standard in what a run depends on.
-    """
+    """Return what a description says."""
     version = _version(root)
     units, types = read_units(root), read_types(root, version)
     elements = _elements(root)

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from stickslip.fmi.description.attributes import whole
-from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import DescriptionFault, whole
 from stickslip.fmi.description.model import Unknown
 from stickslip.fmi.messages import shown
 
@@ -29,13 +28,7 @@ _KINDS = {
 
 
 def read_unknowns(root: Any, version: int, places: Places) -> dict[str, list[Unknown]]:
-    """Return the entries of ModelStructure by kind.
-
-    Raises
-    ------
-    DescriptionFault
-        When a variable is named that does not exist.
-    """
+    """Return the entries of ModelStructure by kind."""
     kinds = _KINDS[version]
     found: dict[str, list[Unknown]] = {kind: [] for kind in kinds.values()}
     for element in root.iterfind("ModelStructure/*"):
@@ -61,11 +54,6 @@ def read_derivatives(elements: Iterable[tuple[Any, str]], places: Places) -> dic
     Parameters
     ----------
     elements : with the attribute ``derivative`` where they have one, and the variable's name
-
-    Raises
-    ------
-    DescriptionFault
-        When a derivative is of a variable that does not exist, or after all of itself.
     """
     states: dict[str, str] = {}
     lines: dict[str, Any] = {}

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.fmi.description.attributes import finite, name_of, whole
-from stickslip.fmi.description.faults import DescriptionFault
+from stickslip.fmi.description.attributes import DescriptionFault, finite, name_of, whole
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 
 

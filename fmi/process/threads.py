@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
 from stickslip.fmi.process.interruption import held
@@ -41,12 +40,7 @@ class Threads(ThreadPoolExecutor):
         with held():
             super().shutdown(wait, cancel_futures=cancel_futures)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, *_: object) -> None:
         """End the threads."""
         self.shutdown(cancel_futures=error is not None)
 

@@ -16,7 +16,6 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
-from types import TracebackType
 from typing import ParamSpec, TypeVar
 
 from stickslip.fmi.process import Threads, held
@@ -102,12 +101,7 @@ class Processes(Executor):
         with held():
             self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, *_: object) -> None:
         """End the processes, at once where the block has failed."""
         with held():
             if error is not None:

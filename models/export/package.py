@@ -18,12 +18,11 @@ from stickslip.fmi.toolchain import (
     standard_functions,
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
-from stickslip.models.export import icon
 from stickslip.models.export.description import MODELS, Model, read_model
-from stickslip.models.export.documentation import index
 from stickslip.models.export.headers import table_header
 from stickslip.models.export.law import Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
+from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
 from stickslip.models.export.reference import cross_check, layered_standard, reference_file
 from stickslip.models.export.sources import (
     COMPILER_OPTIONS,
@@ -34,7 +33,6 @@ from stickslip.models.export.sources import (
     grouped,
     text,
 )
-from stickslip.models.export.terminals import terminals_and_icons
 
 _ROOMS = ("plants", "compensators", "controllers")
 _ICON = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
@@ -157,7 +155,7 @@ def pack_fmu(
         "documentation/index.html": index(model, _ICON[fmi]),
         "documentation/licenses/license.txt": text(MODELS / "license.txt"),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(model),
-        "terminalsAndIcons/icon.svg": icon.svg(model.icon),
+        "terminalsAndIcons/icon.svg": svg(model.icon),
         "sources/buildDescription.xml": build_description(model, files),
         **{f"sources/{path}": content for path, content in files.items()},
     }
@@ -166,7 +164,7 @@ def pack_fmu(
     if reference:
         texts |= layered_standard(model)
     members = {path: content.encode() for path, content in texts.items()}
-    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, icon.png(model.icon))
+    members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
     members |= _binaries(model.name, files, fmi, platforms or [host_platform()])
     return atomic_write(Path(folder) / f"{model.name}.fmu", _archive(members))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,10 @@ from stickslip.models.errors import LtiError
 from stickslip.models.export.package import pack_fmu
 from stickslip.models.export.sources import FmiVersion
 from stickslip.models.lti.description import has_derivatives, model_of, readme
-from stickslip.models.lti.experiment import proposed
-from stickslip.models.lti.exponential import exponential
 from stickslip.models.lti.system import Array, LinearSystem, linear_system
 
 _HERE = Path(__file__).parent
+_STEPS = 100_000  # at most
 _LARGEST = 128  # states in continuous time: three matrices of that size lie on the stack
 
 
@@ -69,7 +69,7 @@ def export_lti(
             f"{system.name} has {len(system.A)} states, at most {_LARGEST} can be in an FMU in"
             " continuous time; reduce or discretise it"
         )
-    own_step, own_stop = proposed(system)
+    own_step, own_stop = _proposed(system)
     step = (own_step if step is None else step) if not system.dt else system.dt
     stop = own_stop if stop is None else stop
     if not (0.0 < step < float("inf") and 0.0 < stop < float("inf")):
@@ -117,10 +117,40 @@ def _over(step: float, system: LinearSystem, balance: Array) -> dict[str, Array]
     A, B = system.A * balance / balance[:, None], system.B / balance[:, None]
     scale = np.abs(B).max(initial=0.0) or 1.0
     rates = np.vstack([np.hstack([A, B / scale]), np.zeros((m, n + m))])
-    change = balance[:, None] * exponential(step * rates)[:n]
+    change = balance[:, None] * _exponential(step * rates)[:n]
     return {"BALANCE": balance, "A_STEP": change[:, :n] / balance, "B_STEP": change[:, n:] * scale}
 
 
 def _table(name: str, matrix: Array) -> str:
     numbers = ", ".join(repr(float(value)) for value in matrix.flat) or "0.0"
     return f"static const double {name}[] = {{{numbers}}};"
+
+
+def _exponential(matrix: Array) -> Array:
+    """Return e^matrix - 1, (n, n): what ``continuous.c`` does."""
+    norm = float(np.abs(matrix).sum(axis=1).max(initial=0.0))
+    squarings = max(0, math.ceil(math.log2(norm / 0.5))) if norm > 0.0 else 0
+    part = matrix / 2.0**squarings
+    series = np.eye(len(matrix))
+    for n in range(14, 1, -1):
+        series = np.eye(len(matrix)) + part @ series / n
+    result = part @ series
+    for _ in range(squarings):
+        result = 2.0 * result + result @ result
+    return np.asarray(result)
+
+
+def _proposed(system: LinearSystem) -> tuple[float, float]:
+    """Return step and duration [s]: powers of ten (samples, where it is discrete) by the poles."""
+    poles = np.linalg.eigvals(system.A)
+    if system.dt:
+        moduli = np.abs(poles)
+        rates = -np.log(moduli[moduli > 0.0]) / system.dt
+        step = system.dt
+    else:
+        rates = -poles.real
+        fastest = max(abs(poles), default=0.0)
+        step = 10.0 ** math.floor(math.log10(0.3 / fastest)) if fastest > 0.0 else 1e-3
+    slowest = min((r for r in abs(rates) if r > 1e-9 / step), default=0.01 / step)
+    steps = 10 ** math.ceil(math.log10(min(max(5.0 / (slowest * step), 1.0), _STEPS)))
+    return step, step * steps

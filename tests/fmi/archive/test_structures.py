@@ -12,9 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip.fmi.archive.directory import check_members
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.members import extract
-from stickslip.fmi.archive.names import place
+from stickslip.fmi.archive.names import Refused, place
 from tests.corpus.hostile.zips import DEFLATE, STORED, Member, zipped
 
 LETTERS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=9)

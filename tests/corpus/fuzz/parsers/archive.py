@@ -12,8 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from stickslip.fmi.archive.errors import Refused
 from stickslip.fmi.archive.members import extract
+from stickslip.fmi.archive.names import Refused
 from tests.corpus.fuzz.mutation import TOKENS
 from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
 

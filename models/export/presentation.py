@@ -1,14 +1,40 @@
-"""The icon of a model: lines of model.toml on a tile, as SVG and as PNG."""
+"""What an FMU shows to people: icon (lines on a tile, as SVG and as PNG), plugs, documentation."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 from functools import cache
 from io import BytesIO
+from xml.etree import ElementTree as ET
+
+from stickslip.models.export import xml
+from stickslip.models.export.description import Model
 
 Line = Sequence[float]
 """A polyline x1, y1, x2, y2 ... on a tile of 100 by 100, y downwards."""
 
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}
+pre {{ font: 14px/1.4 monospace; white-space: pre-wrap; }}
+</style>
+</head>
+<body>
+<img src="../{icon}" alt="" width="96" height="96">
+<pre>{body}</pre>
+<h2>Licence</h2>
+<p>MIT: <a href="licenses/license.txt">licenses/license.txt</a>. The functions are those of the
+Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.</p>
+</body>
+</html>
+"""
+
+_SQUARE = {"x1": 0.0, "y1": 0.0, "x2": 100.0, "y2": 100.0}
 _STROKE = 5.0  # of 100
 _EDGE, _CORNER = 3.0, 14.0
 _TILE, _INK = "#f0f4f8", "#183e60"
@@ -67,3 +93,46 @@ def png(lines: tuple[Line, ...]) -> bytes:
 
 def _points(line: Line) -> list[tuple[float, float]]:
     return list(zip(line[::2], line[1::2], strict=True))
+
+
+def terminals_and_icons(model: Model) -> str:
+    """Return the XML; members of the same name fit each other.
+
+    Source
+    ------
+    FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
+    """
+    root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    picture = xml.child(root, "GraphicalRepresentation")
+    xml.child(picture, "CoordinateSystem", **_SQUARE, suggestedScalingFactorTo_mm=0.1)
+    xml.child(picture, "Icon", **_SQUARE)
+    if model.terminals:
+        section = xml.child(root, "Terminals")
+        for name, terminal in model.terminals.items():
+            element = xml.child(
+                section,
+                "Terminal",
+                name=name,
+                matchingRule="plug",
+                description=terminal.description,
+            )
+            for member, variable in terminal.members.items():
+                xml.child(
+                    element,
+                    "TerminalMemberVariable",
+                    variableName=variable,
+                    memberName=member,
+                    variableKind="signal",
+                )
+    return xml.document(root)
+
+
+def index(model: Model, icon: str) -> str:
+    """Return the page. ``icon`` is its picture's path from the root of the FMU."""
+    readme = model.folder / "README.md"
+    text = f"# {model.title}\n\n{model.description}\n"
+    if readme.exists():
+        text = readme.read_text(encoding="utf-8")
+    if model.law is not None:
+        text += "\n" + (model.law.folder / "README.md").read_text(encoding="utf-8")
+    return _PAGE.format(title=html.escape(model.title), icon=icon, body=html.escape(text))
