@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import zipfile
 
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from stickslip import cosim
@@ -185,6 +188,60 @@ def test_refuses_a_description_of_another_build(loop, version, tmp_path):
     system.add("a", other)
     with pytest.raises(cosim.SimulationError, match=r"the token is 0{32}, expected"):
         system.prepare(step=STEP, stop=STOP)
+
+
+ONE, TWO = (ctypes.c_uint32 * 1)(1), (ctypes.c_double * 2)()
+SIZE, H, NO = ctypes.c_size_t(1), ctypes.c_double(STEP), ctypes.c_int(0)
+REFUSED = {
+    2: [
+        ("fmi2GetReal", ONE, SIZE, None),
+        ("fmi2SetReal", None, SIZE, TWO),
+        ("fmi2GetString", None, SIZE, None),
+        ("fmi2GetFMUstate", None),
+        ("fmi2SetFMUstate", None),
+        ("fmi2SerializedFMUstateSize", None, None),
+        ("fmi2SerializeFMUstate", None, None, SIZE),
+        ("fmi2DeSerializeFMUstate", None, SIZE, None),
+        ("fmi2GetRealStatus", ctypes.c_int(2), None),
+        ("fmi2GetDirectionalDerivative", None, SIZE, None, SIZE, None, None),
+    ],
+    3: [
+        ("fmi3GetFloat64", None, SIZE, TWO, SIZE),
+        ("fmi3SetFloat64", ONE, SIZE, None, SIZE),
+        ("fmi3GetFloat64", ONE, SIZE, TWO, ctypes.c_size_t(2)),
+        ("fmi3SetFloat64", ONE, SIZE, TWO, ctypes.c_size_t(0)),
+        ("fmi3GetFMUState", None),
+        ("fmi3SetFMUState", None),
+        ("fmi3SerializedFMUStateSize", None, None),
+        ("fmi3SerializeFMUState", None, None, SIZE),
+        ("fmi3DeserializeFMUState", None, SIZE, None),
+        ("fmi3GetNumberOfContinuousStates", None),
+        ("fmi3DoStep", ctypes.c_double(0.0), H, NO, None, None, None, None),
+        ("fmi3GetDirectionalDerivative", None, SIZE, None, SIZE, TWO, SIZE, TWO, SIZE),
+    ],
+}
+
+
+def test_refuses_null_and_numbers_of_values_that_differ(loop, version, tmp_path):
+    """Each such call is an error, which leaves the FMU as it was."""
+    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
+    description = fmpy.read_model_description(path)
+    fmu = (FMU2Slave if version == 2 else FMU3Slave)(
+        guid=description.guid or description.instantiationToken,
+        unzipDirectory=fmpy.extract(path, tmp_path / "unpacked"),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="a",
+    )
+    fmu.instantiate()
+    if version == 2:
+        fmu.setupExperiment()
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    for name, *arguments in REFUSED[version]:
+        assert fmu.dll[name](ctypes.c_void_p(fmu.component), *arguments) == 3, name
+    fmu.doStep(0.0, STEP)
+    fmu.terminate()
+    fmu.freeInstance()
 
 
 @pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
