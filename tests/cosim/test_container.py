@@ -13,6 +13,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from stickslip import cosim
+from tests.cosim.single import one
 
 STEP, STOP = 0.01, 1.0
 
@@ -33,6 +34,11 @@ def loop(make):
     system.connect("feedback.y", "limit.u")
     system.expose("disturbance", "plant.u")
     return system
+
+
+@pytest.fixture
+def packed(loop, version, tmp_path):
+    return cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
 
 
 def in_fmpy(path, output_interval=STEP, **start_values):
@@ -61,9 +67,8 @@ def test_equals_the_system_bit_for_bit(loop, version, coupling, tmp_path):
     assert ours["limit.y"][-1] == pytest.approx(2.0 * STOP * 5.0 * 1e-3, rel=0.02)
 
 
-def test_takes_several_steps_at_once(loop, version, tmp_path):
-    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
-    coarse = in_fmpy(path, 4 * STEP, disturbance=1.5)
+def test_takes_several_steps_at_once(loop, packed):
+    coarse = in_fmpy(packed, 4 * STEP, disturbance=1.5)
     np.testing.assert_array_equal(coarse["limit.y"], alone(loop, disturbance=1.5)["limit.y"][::4])
 
 
@@ -93,9 +98,8 @@ def test_shows_what_is_chosen(loop, version, tmp_path):
     assert {v.name: v.start for v in shown}["feedback.k"] == "-3.0"
 
 
-def test_its_page_tells_what_is_inside(loop, version, tmp_path):
-    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
-    with zipfile.ZipFile(path) as archive:
+def test_its_page_shows_what_is_inside(packed):
+    with zipfile.ZipFile(packed) as archive:
         page = archive.read("documentation/index.html").decode()
         licence = archive.read("documentation/licenses/license.txt").decode()
     assert "plant (integrator): not stated" in licence
@@ -110,11 +114,11 @@ def test_outputs_of_the_system_come_first(loop, version, tmp_path):
 
 
 def test_nothing_is_found_by_validation_and_two_builds_are_the_same(loop, version, tmp_path):
-    one, other = (
+    first, other = (
         cosim.write_fmu(loop, tmp_path / name / "a.fmu", step=STEP, fmi=version) for name in "ab"
     )
-    assert not validate_fmu(str(one))
-    assert one.read_bytes() == other.read_bytes()
+    assert not validate_fmu(str(first))
+    assert first.read_bytes() == other.read_bytes()
 
 
 def test_lies_in_a_system_twice_and_in_itself(loop, version, tmp_path):
@@ -132,10 +136,8 @@ def test_lies_in_a_system_twice_and_in_itself(loop, version, tmp_path):
     np.testing.assert_array_equal(result["two.limit.y"], ours[2.0])
 
 
-def test_runs_again_with_other_values(loop, version, tmp_path):
-    system = cosim.System()
-    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
-    with system.prepare(step=STEP, stop=STOP) as simulation:
+def test_runs_again_with_other_values(packed):
+    with one(packed).prepare(step=STEP, stop=STOP) as simulation:
         first, changed, again = (
             simulation.run(values)["a.plant.y"]
             for values in ({"a.disturbance": 1.0}, {"a.plant.k": 3.0}, {"a.disturbance": 1.0})
@@ -152,10 +154,8 @@ def test_runs_again_with_other_values(loop, version, tmp_path):
         ({"a.feedback.fault": 3, "a.feedback.fault_time": 0.5}, "feedback: fmi2DoStep failed"),
     ],
 )
-def test_says_which_component_failed(loop, version, tmp_path, values, said):
-    system = cosim.System()
-    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
-    with system.prepare(step=STEP, stop=STOP) as simulation:
+def test_says_which_component_failed(packed, values, said):
+    with one(packed).prepare(step=STEP, stop=STOP) as simulation:
         with pytest.raises(cosim.SimulationError) as caught:
             simulation.run(values)
         assert said in str(caught.value)
@@ -163,31 +163,26 @@ def test_says_which_component_failed(loop, version, tmp_path, values, said):
         simulation.run()  # and goes on
 
 
-def test_refuses_a_step_that_it_cannot_take(loop, version, tmp_path):
-    system = cosim.System()
-    system.add("a", cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version))
+def test_refuses_a_step_that_it_cannot_take(packed):
     with (
-        system.prepare(step=1.5 * STEP, stop=3 * STEP) as simulation,
+        one(packed).prepare(step=1.5 * STEP, stop=3 * STEP) as simulation,
         pytest.raises(cosim.SimulationError, match="expected a multiple of the components' step"),
     ):
         simulation.run()
 
 
-def test_refuses_a_description_of_another_build(loop, version, tmp_path):
-    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
-    token = fmpy.read_model_description(path)
+def test_refuses_a_description_of_another_build(packed, tmp_path):
+    token = fmpy.read_model_description(packed)
     token = token.guid or token.instantiationToken
     other = tmp_path / "other.fmu"
-    with zipfile.ZipFile(path) as source, zipfile.ZipFile(other, "w") as target:
+    with zipfile.ZipFile(packed) as source, zipfile.ZipFile(other, "w") as target:
         for member in source.namelist():
             content = source.read(member)
             if member == "modelDescription.xml":
                 content = content.replace(token.encode(), b"0" * 32)
             target.writestr(member, content)
-    system = cosim.System()
-    system.add("a", other)
     with pytest.raises(cosim.SimulationError, match=r"the token is 0{32}, expected"):
-        system.prepare(step=STEP, stop=STOP)
+        one(other).prepare(step=STEP, stop=STOP)
 
 
 ONE, TWO = (ctypes.c_uint32 * 1)(1), (ctypes.c_double * 2)()
@@ -222,13 +217,12 @@ REFUSED = {
 }
 
 
-def test_refuses_null_and_numbers_of_values_that_differ(loop, version, tmp_path):
+def test_refuses_null_and_numbers_of_values_that_differ(version, packed, tmp_path):
     """Each such call is an error, which leaves the FMU as it was."""
-    path = cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
-    description = fmpy.read_model_description(path)
+    description = fmpy.read_model_description(packed)
     fmu = (FMU2Slave if version == 2 else FMU3Slave)(
         guid=description.guid or description.instantiationToken,
-        unzipDirectory=fmpy.extract(path, tmp_path / "unpacked"),
+        unzipDirectory=fmpy.extract(packed, tmp_path / "unpacked"),
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="a",
     )
