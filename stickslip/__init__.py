@@ -23,7 +23,8 @@ _PLACES = {
     "stickslip.cosim.control": ("linearise", "measure_response"),
     "stickslip.fmucheck": ("check",),
     "stickslip.models": ("build_fmu", "export_lti"),
-    "stickslip.pipeline.log_learning": ("learn", "write_learned"),
+    "stickslip.pipeline.log_learning": ("learn",),
+    "stickslip.results.learned_folder": ("write_learned",),
     "stickslip.planning": ("plan",),
     "stickslip.servo": (
         *("Axis", "LoopSpecification", "VelocityLoop"),

@@ -21,8 +21,8 @@ from stickslip.fmucheck import check as check
 from stickslip.models import build_fmu as build_fmu
 from stickslip.models import export_lti as export_lti
 from stickslip.pipeline.log_learning import learn as learn
-from stickslip.pipeline.log_learning import write_learned as write_learned
 from stickslip.planning import plan as plan
+from stickslip.results.learned_folder import write_learned as write_learned
 from stickslip.servo import Axis as Axis
 from stickslip.servo import LoopSpecification as LoopSpecification
 from stickslip.servo import VelocityLoop as VelocityLoop

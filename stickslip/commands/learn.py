@@ -23,8 +23,10 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_benefit
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, Finding, raise_errors
-from stickslip.pipeline.log_learning import FILES, LogLearning, learn, read_and_check, write_learned
+from stickslip.pipeline.learned import LearnedFromRecording
+from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.results.folder import reserved
+from stickslip.results.learned_folder import FILES, write_learned
 
 CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
@@ -105,7 +107,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         forget(execution, options)
 
 
-def _print_written(learned: LogLearning, options: argparse.Namespace) -> None:
+def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:
     benefit = learned.trial.benefit if learned.trial else None
     if learned.refusal:
         fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")

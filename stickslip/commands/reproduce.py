@@ -94,15 +94,15 @@ def _drive(
 
 def _print_drive(reproduction: Reproduction) -> None:
     print_table4(reproduction.table4())
-    if reproduction.learned.skipped:
-        print(f"no search was made: {reproduction.learned.skipped}")
+    if reproduction.refinement.skipped:
+        print(f"no search was made: {reproduction.refinement.skipped}")
 
 
 def _record(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Show:
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
-    print_estimation(reproduction.estimation)
+    print_estimation(reproduction.learned.estimation)
     print()
     progress.stage("writing the report")
     write_record_results(reproduction, out)

@@ -16,17 +16,12 @@ from threadpoolctl import threadpool_limits
 from stickslip.errors import StickslipError
 from stickslip.fleet.drive import Drive, LogSource
 from stickslip.fmi.process import interrupted_by, interruptible
-from stickslip.identification.estimation import Estimation, Task, candidate_fmus
-from stickslip.identification.estimation import learn as estimate
-from stickslip.logs import Description, check_recording, load_description
-from stickslip.pipeline.log_learning import learn, learned_document
-from stickslip.pipeline.record_mode import gains_of, record_drive
-from stickslip.results.learned import estimation_document
-from stickslip.servo.axis import ControlError
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.identification.estimation import Search
+from stickslip.logs import Description, load_description
+from stickslip.pipeline.log_learning import learn
+from stickslip.pipeline.record_mode import learn_from_recording
+from stickslip.results.learned import log_document, recording_document
 from stickslip.servo.rig import rig_of
-from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 OnStage = Callable[[str], object]
 
@@ -66,27 +61,14 @@ def _document(drive: Drive, seed: int, on_stage: OnStage) -> dict[str, Any]:
         config = drive.source.config
         description = load_description(config) if config else Description()
         learned = learn(drive.source.log, description, seed=seed, on_stage=on_stage)
-        document, findings = learned_document(learned), learned.findings
+        document = log_document(learned)
     else:
         with rig_of(drive.source.changes) as rig:
-            recording, recording_loop = record_drive(rig)
-        findings = check_recording(recording)
-        with candidate_fmus() as fmus:
-            task = Task(fmus, recording, gains_of(recording_loop), seed=seed)
-            estimation = estimate(task, on_stage, on_generation=lambda _: on_stage("searching"))
-        document = estimation_document(estimation, _designed(estimation), seed)
-    return document | {"findings": [str(finding) for finding in findings]}
-
-
-def _designed(estimation: Estimation) -> VelocityLoop | None:
-    """Return the loop that record mode designs around a learned axis, None if there can be none."""
-    known, sheet = estimation.known, Datasheet()
-    axis = sheet.axis(known["m"].value, max(known["b"].value, 0.0))
-    try:
-        plain = design_velocity_loop(axis, LOOP)
-        return with_inertia(with_velocity_filter(plain, sheet, known["F_c"].value))
-    except ControlError:
-        return None
+            learned = learn_from_recording(
+                rig, seed, Search(), on_stage, lambda _: on_stage("searching")
+            )
+        document = recording_document(learned)
+    return document | {"findings": [str(finding) for finding in learned.findings]}
 
 
 def _reason(drive: Drive, error: Exception) -> str:

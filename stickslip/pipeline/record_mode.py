@@ -7,24 +7,24 @@ velocity filter and feedforward of inertia that a known mass allows.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from stickslip import cosim
-from stickslip.catalog.parameters import PAPER, UNITS
+from stickslip import ga
 from stickslip.evaluation.attribution import attribute
-from stickslip.evaluation.validation import Validation, validate
-from stickslip.identification.estimation import Estimation, Search, Task, candidate_fmus, learn
-from stickslip.logs import Finding, Recording, check_recording
-from stickslip.pipeline.reproduction import Options, Progress, drive_truth
+from stickslip.identification.estimation import Estimation, Search
+from stickslip.logs import Recording, check_recording
+from stickslip.pipeline.learned import LearnedFromRecording, Loops, learn_recording
+from stickslip.pipeline.reproduction import Options, Progress, Reproduced, build_rig, validated
+from stickslip.pipeline.tables import table2_of_recording
 from stickslip.planning import plan
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import Rig
-from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 from stickslip.tuning.execution import Execution
 
@@ -33,116 +33,81 @@ COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, t
 
 
 @dataclass(frozen=True)
-class RecordReproduction:
-    """All that was computed.
+class RecordReproduction(Reproduced):
+    """All that was computed from one recording.
 
     Attributes
     ----------
-    truth : every parameter of the drive FMU, joined after learning
-    recording_loop : in which the drive was recorded
-    plain, loop : the loops that Table 4 compares, without and with compensation
+    attribution : the errors with each part of the loop on and off
     """
 
-    options: Options
-    truth: dict[str, float]
-    recording_loop: VelocityLoop
-    findings: tuple[Finding, ...]
-    estimation: Estimation
-    plain: VelocityLoop
-    loop: VelocityLoop
-    validation: Validation
+    learned: LearnedFromRecording
     attribution: pd.DataFrame
-    system: cosim.System
-
-    @property
-    def compensator(self) -> dict[str, float]:
-        """The compensator's parameters by name, in SI units."""
-        return self.estimation.compensator
 
     def table2(self) -> pd.DataFrame:
-        """Return Table 2 with what was learned, in SI units; the drive's truth enters here only.
-
-        ``identified`` is what a straight line through the recorded force says; it knows nothing of
-        F_s, v_s, sigma_0 and sigma_1. ``spread`` is the standard error of what was learned.
-        """
-        line = self.estimation.start.line
-        rows = []
-        for name, unit in UNITS.items():
-            known = self.estimation.known[name]
-            row: dict[str, Any] = {
-                "parameter": name,
-                "unit": unit,
-                "paper": PAPER[name],
-                "drive": self.truth[name],
-                "identified": line[name] if name in ("m", "b", "F_c") else None,
-                "learned": known.value,
-                "spread": known.standard_error,
-                "low": known.low,
-                "high": known.high,
-                "remark": known.sentence,
-            }
-            rows.append(row)
-        return pd.DataFrame(rows)
+        """Return Table 2 with what was learned."""
+        return table2_of_recording(self.learned.estimation, self.truth)
 
 
-def record_drive(rig: Rig) -> tuple[Recording, VelocityLoop]:
+def commissioning_loop(sheet: Datasheet) -> VelocityLoop:
+    """Return the loop of the recording."""
+    return design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
+
+
+def record_drive(rig: Rig) -> Recording:
     """Record 20 s of a drive without compensation, in the commissioning loop."""
-    datasheet = rig.datasheet
-    loop = design_velocity_loop(datasheet.axis(datasheet.mass, 0.0), COMMISSIONING)
     v_cmd = plan()["velocity_command"].to_numpy()
-    log = rig.follow(v_cmd, loop)
-    recording = Recording(
+    log = rig.follow(v_cmd, commissioning_loop(rig.datasheet))
+    return Recording(
         log.t,
         log.x_enc,
         log.F_m,
         velocity_command=v_cmd,
-        encoder_step=datasheet.encoder_step,
+        encoder_step=rig.datasheet.encoder_step,
         source="drive.fmu",
     )
-    return recording, loop
 
 
-@dataclass(frozen=True)
-class Learned:
-    """What one recording of a drive gives.
+def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
+    """Return the paper's loop for a learned axis, and that with velocity filter and inertia.
 
-    Attributes
-    ----------
-    recording_loop : in which the drive was recorded
-    plain : the paper's loop, designed on what was learned
-    loop : the same with velocity filter and feedforward of inertia
+    Raises
+    ------
+    ControlError
+        When the loop cannot be designed.
     """
-
-    recording: Recording
-    recording_loop: VelocityLoop
-    estimation: Estimation
-    plain: VelocityLoop
-    loop: VelocityLoop
+    known = estimation.known
+    plain = design_velocity_loop(sheet.axis(known["m"].value, max(known["b"].value, 0.0)), LOOP)
+    F_c = estimation.compensator["F_c"]
+    return Loops(plain, with_inertia(with_velocity_filter(plain, sheet, F_c)))
 
 
 def learn_from_recording(
-    rig: Rig, options: Options, progress: Progress, execution: Execution | None = None
-) -> Learned:
+    rig: Rig,
+    seed: int,
+    search: Search,
+    on_stage: Callable[[str], object],
+    on_generation: Callable[[ga.Optimiser], object],
+) -> LearnedFromRecording:
     """Record a drive once, learn from the recording and design the loops.
 
     Raises
     ------
     stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
-        When the drive does not show what is looked for, or its loop cannot be designed.
+        When the drive does not show what is looked for, or cannot be recorded.
     """
-    progress.stage("recording the drive")
-    recording, recording_loop = record_drive(rig)
-    with candidate_fmus() as candidates:
-        how = Search(options.preset, execution=execution or Execution())
-        gains = gains_of(recording_loop)
-        task = Task(candidates, recording, gains, search=how, seed=options.seed)
-        estimation = learn(task, progress.stage, progress.generation)
-    known = estimation.known
-    axis = rig.datasheet.axis(known["m"].value, max(known["b"].value, 0.0))
-    plain = design_velocity_loop(axis, LOOP)
-    F_c = estimation.compensator["F_c"]
-    loop = with_inertia(with_velocity_filter(plain, rig.datasheet, F_c))
-    return Learned(recording, recording_loop, estimation, plain, loop)
+    on_stage("recording the drive")
+    recording = record_drive(rig)
+    return learn_recording(
+        recording,
+        gains_of(commissioning_loop(rig.datasheet)),
+        partial(loops_of_drive, rig.datasheet),
+        check_recording(recording),
+        seed=seed,
+        search=search,
+        on_stage=on_stage,
+        on_generation=on_generation,
+    )
 
 
 def reproduce_from_recording(
@@ -156,25 +121,13 @@ def reproduce_from_recording(
     stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
         When the drive does not show what is looked for, or its loop cannot be designed.
     """
-    truth = drive_truth(options.truth)
-    progress.stage("building the FMUs")
-    build_fmus(fmus, options.truth)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
-    learned = learn_from_recording(rig, options, progress, execution)
-    progress.stage("validating")
-    compensator, plain, loop = learned.estimation.compensator, learned.plain, learned.loop
-    return RecordReproduction(
-        options,
-        truth,
-        learned.recording_loop,
-        check_recording(learned.recording),
-        learned.estimation,
-        plain,
-        loop,
-        validate(rig, loop, compensator, VALIDATION, options.feed, plain),
-        attribute(rig, plain, compensator, VALIDATION, options.feed),
-        paper_loop(fmus, loop, compensator, options.feed),
-    )
+    rig = build_rig(options, fmus, progress)
+    search = Search(options.preset, execution=execution or Execution())
+    learned = learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
+    result = validated(options, rig, learned, progress)
+    plain = learned.designed.plain
+    parts = attribute(rig, plain, learned.friction, VALIDATION, options.feed)
+    return RecordReproduction(**vars(result), attribution=parts)
 
 
 def gains_of(loop: VelocityLoop) -> dict[str, float]:

@@ -20,8 +20,9 @@ from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
 from stickslip.identification.stages import Estimate, Identification, identify
+from stickslip.pipeline.learned import Learned, Loops
 from stickslip.pipeline.steps import with_steps
-from stickslip.results.tables import table2
+from stickslip.pipeline.tables import table2
 from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
@@ -97,15 +98,31 @@ class Extras:
 
 
 @dataclass(frozen=True)
-class Reproduction:
-    """All that was computed.
+class Reproduced:
+    """What both modes compute.
 
     Attributes
     ----------
-    truth : every parameter of the drive FMU
+    truth : every parameter of the drive FMU; it enters after all is learned
+    system : the loop of Fig. 2a with the learned compensator
+    """
+
+    options: Options
+    truth: Mapping[str, float]
+    learned: Learned
+    validation: Validation
+    system: cosim.System
+
+
+@dataclass(frozen=True)
+class Reproduction(Reproduced):
+    """All that was computed with the three experiments and the search on the drive.
+
+    Attributes
+    ----------
     start : the five parameters that learning began with
     algorithm : what searched; where that was skipped it has done its first generation alone
-    system : the loop of Fig. 2a with the learned compensator
+    refinement : what was known in the end
     cost_without : of the training run without compensation [m^2/s^2]
     extras : the same on the drive with all effects on, if that was asked for
     beforehand : what ``vary_datasheet`` found, if that was asked for
@@ -114,14 +131,10 @@ class Reproduction:
     published : the learning as published, where that was asked for
     """
 
-    options: Options
-    truth: Mapping[str, float]
     identification: Identification
     start: Mapping[str, Estimate]
     algorithm: ga.Optimiser
-    learned: Refinement
-    validation: Validation
-    system: cosim.System
+    refinement: Refinement
     cost_without: float
     extras: Extras | None = None
     beforehand: pd.DataFrame | None = None
@@ -139,7 +152,7 @@ class Reproduction:
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
-        return table2(self.identification, self.start, self.learned, self.truth)
+        return table2(self.identification, self.start, self.refinement, self.truth)
 
     def table4(self) -> pd.DataFrame:
         """Return Table 4, with a column for each step once all motions were run."""
@@ -163,6 +176,28 @@ def drive_truth(changes: Changes) -> dict[str, float]:
     return dict.fromkeys(LUGRE, math.nan) | known
 
 
+def build_rig(options: Options, fmus: Path, progress: Progress) -> Rig:
+    """Build the drive and the FMUs of the loop into a folder, which must stay."""
+    progress.stage("building the FMUs")
+    build_fmus(fmus, options.truth)
+    return Rig(fmus, Datasheet(), LOOP.T_s)
+
+
+def validated(options: Options, rig: Rig, learned: Learned, progress: Progress) -> Reproduced:
+    """Run the trapezoid on the drive without and with what was learned; join the truth.
+
+    Raises
+    ------
+    stickslip.servo.axis.ControlError
+        When no loop could be designed.
+    """
+    plain, loop, _ = learned.designed
+    progress.stage("validating")
+    validation = validate(rig, loop, learned.friction, VALIDATION, options.feed, plain)
+    system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
+    return Reproduced(options, drive_truth(options.truth), learned, validation, system)
+
+
 def reproduce(
     options: Options, fmus: Path, progress: Progress, execution: Execution | None = None
 ) -> Reproduction:
@@ -174,10 +209,7 @@ def reproduce(
     stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError
         When the drive does not show what is looked for, or its loop cannot be designed.
     """
-    truth = drive_truth(options.truth)
-    progress.stage("building the FMUs")
-    build_fmus(fmus, options.truth)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    rig = build_rig(options, fmus, progress)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     start = {name: identification.estimates[name] for name in LUGRE}
     if options.coarse:
@@ -192,25 +224,20 @@ def reproduce(
         seed=options.seed,
     )
     progress.stage("checking whether a search is useful")
-    learned = without_search(study) if options.may_skip else None
+    refinement = without_search(study) if options.may_skip else None
     progress.stage("learning")
-    limits = ga.Limits(generations=1) if learned else None
+    limits = ga.Limits(generations=1) if refinement else None
     algorithm = learn(study, progress.generation, execution, limits)
-    if learned is None:
+    if refinement is None:
         progress.stage("refining")
-        learned = refine(study, parameters(algorithm.best.values), fitted=options.refined)
-    progress.stage("validating")
+        refinement = refine(study, parameters(algorithm.best.values), fitted=options.refined)
     loop = identification.loop
-    validation = validate(rig, loop, learned.values, VALIDATION, options.feed)
-    system = paper_loop(fmus, loop, learned.values, options.feed)
+    result = validated(options, rig, Learned(refinement.values, Loops(loop, loop)), progress)
     return Reproduction(
-        options,
-        truth,
-        identification,
-        start,
-        algorithm,
-        learned,
-        validation,
-        system,
-        study.cost_without(),
+        **vars(result),
+        identification=identification,
+        start=start,
+        algorithm=algorithm,
+        refinement=refinement,
+        cost_without=study.cost_without(),
     )

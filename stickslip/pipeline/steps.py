@@ -11,8 +11,8 @@ from stickslip.evaluation.comparison import Entry
 from stickslip.evaluation.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.evaluation.motions import MOTIONS
 from stickslip.identification.stages import Identification
+from stickslip.pipeline.learned import Learned
 from stickslip.servo.tuned_pi import tuned_pi
-from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published import Published
 
 TRAPEZOID = MOTIONS[0]
@@ -29,23 +29,21 @@ STEPS = {
 }
 """The steps by the names of their columns, in the order in which they are shown."""
 
-Recorded = tuple[VelocityLoop, VelocityLoop, Mapping[str, float]]
-"""What one recording gave: the paper's loop, that with velocity filter, and the parameters."""
-
 
 def steps(
     identification: Identification,
-    learned: Mapping[str, float],
+    learned: Learned,
     published: Published | None = None,
     coarse: Sequence[Mapping[str, float]] = (),
-    recorded: Recorded | None = None,
+    recorded: Learned | None = None,
 ) -> dict[str, Entry]:
     """Return the steps that there are, in the order of ``STEPS``.
 
     Parameters
     ----------
-    learned : parameters of the default
+    learned : by the default
     coarse : parameters of the default from the coarse starts of some of the published seeds
+    recorded : from one recording
     """
     loop = identification.loop
     identified = {name: identification.estimates[name].value for name in LUGRE}
@@ -53,7 +51,7 @@ def steps(
         UNCOMPENSATED: Entry(loop),
         "tuned_pi": Entry(tuned_pi(loop)),
         IDENTIFIED: Entry(loop, identified),
-        LEARNED: Entry(loop, learned),
+        LEARNED: Entry(loop, learned.friction),
     }
     if published is not None:
         first, *others = (one.learned for one in published.seeds)
@@ -61,9 +59,9 @@ def steps(
     if coarse:
         found["coarse_default"] = Entry(loop, coarse[0], coarse[1:])
     if recorded is not None:
-        plain, filtered, compensator = recorded
-        found["one_recording"] = Entry(plain, compensator)
-        found["velocity_filter"] = Entry(filtered, compensator)
+        plain, filtered, _ = recorded.designed
+        found["one_recording"] = Entry(plain, recorded.friction)
+        found["velocity_filter"] = Entry(filtered, recorded.friction)
     return {name: found[name] for name in STEPS if name in found}
 
 

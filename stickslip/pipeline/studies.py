@@ -12,11 +12,13 @@ from stickslip import ga, models
 from stickslip.evaluation.comparison import evaluate
 from stickslip.evaluation.motion_study import study_motions
 from stickslip.fmi.errors import Fault
+from stickslip.identification.estimation import Search
 from stickslip.identification.stages import Identification
 from stickslip.pipeline.datasheet_errors import vary_datasheet
+from stickslip.pipeline.learned import Learned
 from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.pipeline.reproduction import Extras, Options, Progress, Reproduction, reproduce
-from stickslip.pipeline.steps import TRAPEZOID, Recorded, steps, with_steps
+from stickslip.pipeline.steps import TRAPEZOID, steps, with_steps
 from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.tuning.coarse_start import coarsened, draw_factors
@@ -75,7 +77,7 @@ def with_motions(
     reproduction: Reproduction,
     fmus: Path,
     coarse: Sequence[Mapping[str, float]] = (),
-    recorded: Recorded | None = None,
+    recorded: Learned | None = None,
 ) -> Reproduction:
     """Return a reproduction with what each of its steps does in all motions.
 
@@ -86,7 +88,7 @@ def with_motions(
     """
     found, options = reproduction.identification, reproduction.options
     published = reproduction.published.published if reproduction.published else None
-    entries = steps(found, reproduction.learned.values, published, coarse, recorded)
+    entries = steps(found, reproduction.learned, published, coarse, recorded)
     rig = Rig(fmus, Datasheet(), LOOP.T_s)
     motions = study_motions(rig, entries, found.loop, reproduction.truth, options.feed)
     return replace(reproduction, motions=motions)
@@ -117,10 +119,10 @@ def _from_coarse_starts(
     return side_by_side(learned, some, execution.workers)
 
 
-def _recorded(rig: Rig, options: Options, progress: Progress, execution: Execution) -> Recorded:
-    """Return both loops and the parameters that one recording of the drive gives."""
-    learned = learn_from_recording(rig, options, progress, execution)
-    return learned.plain, learned.loop, learned.estimation.compensator
+def _recorded(rig: Rig, options: Options, progress: Progress, execution: Execution) -> Learned:
+    """Return what one recording of the drive gives."""
+    search = Search(options.preset, execution=execution)
+    return learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
 
 
 def all_effects() -> dict[str, float]:
@@ -151,7 +153,7 @@ def step_by_step(
     """Return Table 4 of a reproduction with a column for each step but coarse starts."""
     rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
     recorded = _recorded(rig, options, progress, execution) if options.complete else None
-    entries = steps(found.identification, found.learned.values, recorded=recorded)
+    entries = steps(found.identification, found.learned, recorded=recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()
     return with_steps(found.validation.table(), table)
 

@@ -25,9 +25,8 @@ from stickslip.catalog.parameters import LUGRE, UNITS, friction_law, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
-from stickslip.evaluation.guards import Benefit
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
-from stickslip.identification.estimation import Estimation
+from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import VALIDATION, Datasheet
@@ -59,7 +58,7 @@ _LOOP = ("T_s", "tau_f", "K_p", "K_i")
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
-    learned, options = reproduction.learned, reproduction.options
+    learned, options = reproduction.refinement, reproduction.options
     return {
         "parameters": {
             name: {
@@ -110,15 +109,9 @@ def _opinion_document(opinion: SecondOpinion | None) -> dict[str, Any] | None:
     }
 
 
-def estimation_document(
-    estimation: Estimation, loop: VelocityLoop | None, seed: int
-) -> dict[str, Any]:
-    """Return the content of learned.json for what one recording gave, values in SI units.
-
-    Parameters
-    ----------
-    loop : in which the compensator is to run, where it is known
-    """
+def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the content of learned.json for what one recording gave, values in SI units."""
+    estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.motion == "rotary"
     known = estimation.known
     parameters = {
@@ -139,7 +132,7 @@ def estimation_document(
             name: _finite(value) for name, value in estimation.figures.errors().items()
         },
         "evaluations": int(estimation.searches["evaluations"].sum()),
-        "seed": seed,
+        "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }
     if loop is not None:
@@ -151,15 +144,18 @@ def estimation_document(
     return document | {"versions": versions()}
 
 
-def trial_document(benefit: Benefit, command: Trapezoid, sheet: Datasheet) -> dict[str, Any]:
-    """Return what learned.json tells of how a compensator was tried.
+def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the content of learned.json for a log, with how the compensator was tried.
 
     Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
     """
-    return {
-        "share": {"value": benefit.share, "unit": "1"},
-        "validation": validation_document(command),
-        "datasheet": datasheet_document(sheet),
+    document = recording_document(learned) | {"refusal": learned.refusal}
+    if learned.trial is None:
+        return document
+    return document | {
+        "share": {"value": learned.trial.benefit.share, "unit": "1"},
+        "validation": validation_document(learned.trial.command),
+        "datasheet": datasheet_document(learned.trial.datasheet),
         "tracking_error": [
             {
                 "speed": row.speed,
@@ -167,7 +163,7 @@ def trial_document(benefit: Benefit, command: Trapezoid, sheet: Datasheet) -> di
                 "without": _finite(row.without),
                 "with": _finite(row.compensated),
             }
-            for row in benefit.rows
+            for row in learned.trial.benefit.rows
         ],
     }
 

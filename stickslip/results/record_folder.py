@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pandas as pd
 
-from stickslip import models
 from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
-from stickslip.pipeline.record_mode import RecordReproduction, gains_of
+from stickslip.pipeline.record_mode import RecordReproduction, commissioning_loop, gains_of
 from stickslip.report.learned import FILES as REPORT
-from stickslip.report.learned import write_estimation_report
 from stickslip.report.page import picture_files
 from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
-from stickslip.results.learned import estimation_document
-from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_table
+from stickslip.results.learned import recording_document
+from stickslip.results.learned_folder import write_compensator
+from stickslip.results.reproduction_folder import command_of, write_loop, write_table
+from stickslip.servo.datasheet import Datasheet
 
 FILES = (
     *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
@@ -37,7 +37,8 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
     OSError
         When a file cannot be written.
     """
-    estimation = reproduction.estimation
+    learned, loop = reproduction.learned, reproduction.learned.designed.compensated
+    estimation = learned.estimation
     with staged(folder, command_of(reproduction.options, mode="record")) as staging:
         write_table(reproduction.table2(), staging / "table2.csv")
         write_table(reproduction.validation.table(), staging / "table4.csv")
@@ -46,12 +47,8 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         write_table(estimation.profiles, staging / "profiles.csv")
         _write_recording(estimation.recording, staging / "recording.csv")
         atomic_write(staging / "recording.toml", _description(reproduction))
-        seed = reproduction.options.seed
-        document = estimation_document(estimation, reproduction.loop, seed)
-        write_json(document, staging / "learned.json")
-        models.build_fmu("compensator", staging, start=reproduction.compensator)
-        write_loop(reproduction.system, reproduction.loop, staging / "loop.ssp")
-        write_estimation_report(estimation, reproduction.findings, staging, sections(reproduction))
+        write_loop(reproduction.system, loop, staging / "loop.ssp")
+        write_compensator(learned, recording_document(learned), staging, sections(reproduction))
 
 
 def _write_recording(recording: Recording, path: Path) -> None:
@@ -66,11 +63,11 @@ def _write_recording(recording: Recording, path: Path) -> None:
 
 def _description(reproduction: RecordReproduction) -> str:
     """Return what ``stickslip learn --config`` takes."""
-    gains = gains_of(reproduction.recording_loop)
+    gains = gains_of(commissioning_loop(Datasheet()))
     lines = [
         "# Describes recording.csv for stickslip learn.",
         'motion = "linear"',
-        f"encoder_step = {reproduction.estimation.recording.encoder_step!r}",
+        f"encoder_step = {reproduction.learned.estimation.recording.encoder_step!r}",
         "",
         "[columns]",
         'time = { name = "time", unit = "s" }',

@@ -57,7 +57,7 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             write_table(reproduction.motions.evaluation.table(), staging / "motions.csv")
             write_table(reproduction.motions.sensitivity, staging / "sensitivity.csv")
         write_table(reproduction.algorithm.convergence(), staging / "fitness.csv")
-        fmu = models.build_fmu("compensator", staging, start=reproduction.learned.values)
+        fmu = models.build_fmu("compensator", staging, start=reproduction.refinement.values)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.identification.estimation import Search
-from stickslip.pipeline.log_learning import FILES
+from stickslip.results.learned_folder import FILES
 
 pytestmark = pytest.mark.slow
 

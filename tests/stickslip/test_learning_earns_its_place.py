@@ -98,7 +98,7 @@ def test_the_papers_crossover_acts_from_coarse_starts_and_never_on_a_flat_line(m
 
 
 def test_on_the_papers_drive_the_default_skips_the_search_and_says_why(reproduction, results):
-    learned, identified = reproduction.learned, reproduction.identification.estimates
+    learned, identified = reproduction.refinement, reproduction.identification.estimates
     skipped = learned.skipped
     assert "no parameters would bring that below" in skipped
     for name in LUGRE:

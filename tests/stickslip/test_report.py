@@ -30,6 +30,7 @@ from stickslip.identification.stages import (
     Presliding,
 )
 from stickslip.pipeline.datasheet_errors import FACTORS
+from stickslip.pipeline.learned import Learned, Loops
 from stickslip.pipeline.reproduction import Extras, Options, Reproduction, drive_truth
 from stickslip.pipeline.steps import STEPS
 from stickslip.report.page import Picture, render
@@ -182,16 +183,18 @@ def made(
         runs=20,
         skipped=skipped,
     )
+    found = identification()
     options = Options(truth=truth, seed=17, preset=preset, feed=feed, coarse=coarse or {})
     return Reproduction(
         options,
         drive_truth(truth),
-        identification(),
+        Learned(learned.values, Loops(found.loop, found.loop)),
+        validation(),
+        cosim.System("loop"),
+        found,
         {name: estimate(name) for name in LUGRE},
         algorithm(preset),
         learned,
-        validation(),
-        cosim.System("loop"),
         0.0221,
         **{"motions": motion_study(), "published": published_study(), **studies},
     )
@@ -324,7 +327,7 @@ def test_page_shows_the_parameters(reproduction, outline):
         found = reproduction.identification.estimates[row.parameter]
         assert parameter_estimate(row.parameter, found) in outline.text
         assert parameter_value(row.parameter, row.drive) in outline.text
-    for name, found in reproduction.learned.estimates.items():
+    for name, found in reproduction.refinement.estimates.items():
         assert parameter_estimate(name, found) in outline.text
 
 

@@ -33,12 +33,12 @@ def test_compensation_reduces_the_errors_far_beyond_the_paper(reproduction):
 
 def test_the_true_velocity_improves_too(reproduction, make_rig, reductions):
     loop = reproduction.identification.loop
-    found = reductions(make_rig(), loop, reproduction.learned.values, "true")
+    found = reductions(make_rig(), loop, reproduction.refinement.values, "true")
     assert (found > 0.8).all()
 
 
 def test_learned_coulomb_friction_is_within_1_percent_of_the_drive(reproduction):
-    learned = reproduction.learned.values["F_c"]
+    learned = reproduction.refinement.values["F_c"]
     assert learned == pytest.approx(reproduction.truth["F_c"], rel=0.01)
 
 
@@ -56,7 +56,7 @@ def test_the_best_cost_never_rises(reproduction):
 def test_a_changed_drive_is_learned_as_well(tmp_path, quiet):
     truth = {"m": 9.0, "F_c": 3.0, "F_s": 5.1, "sigma_0": 8e5}
     found = reproduce(Options(truth=truth), tmp_path, quiet)
-    assert found.learned.values["F_c"] == pytest.approx(3.0, rel=0.01)
+    assert found.refinement.values["F_c"] == pytest.approx(3.0, rel=0.01)
     table = measured(found.validation.table())
     assert (table.reduction > table.paper_reduction).all()
 

@@ -27,7 +27,7 @@ COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 
 def draw_fitness(reproduction: Reproduction) -> Figure:
     """Draw best and mean cost, and those without compensation, identified and in the end."""
-    learned = reproduction.learned
+    learned = reproduction.refinement
     final = learned.cost, learned.result
     cost = r"$\sum (v - v_r)^2$ [m$^2$/s$^2$]"
     figure = draw_course(reproduction.algorithm, cost, final, reproduction.cost_without)

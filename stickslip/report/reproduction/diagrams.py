@@ -254,9 +254,9 @@ def _learned(reproduction: Reproduction) -> str:
         f"the best of {number(algorithm.evaluations, 6)} candidates "
         f"in {number(algorithm.generation, 6)} generations"
     )
-    if reproduction.learned.skipped:
+    if reproduction.refinement.skipped:
         return "what it began with: a search would gain\nnothing after one generation"
-    if reproduction.options.refined and reproduction.learned.accepted:
+    if reproduction.options.refined and reproduction.refinement.accepted:
         return f"{best},\nrefined by least squares"
     return best
 

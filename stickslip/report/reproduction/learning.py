@@ -69,7 +69,7 @@ def learning_section(reproduction: Reproduction) -> Section:
 
 
 def _course(reproduction: Reproduction) -> Html:
-    algorithm, learned = reproduction.algorithm, reproduction.learned
+    algorithm, learned = reproduction.algorithm, reproduction.refinement
     factors = reproduction.options.coarse
     text = "Learning began with the identified parameters. "
     if factors:
@@ -147,7 +147,7 @@ def _setting(settings: ga.Settings, name: str) -> str:
 
 
 def _table2(reproduction: Reproduction) -> Html:
-    identified, learned = reproduction.identification.estimates, reproduction.learned.estimates
+    identified, learned = reproduction.identification.estimates, reproduction.refinement.estimates
     rows = []
     for name, found in identified.items():
         estimate, truth = learned.get(name), reproduction.truth[name]
@@ -176,7 +176,7 @@ def _remarks(reproduction: Reproduction) -> tuple[Html, Html]:
     remarks = reproduction.table2().set_index("parameter")["remark"]
     items = [
         element("li", f"{symbol(name)}: {remarks[name]}".replace("+-", "±").replace("'", "’"))
-        for name in reproduction.learned.estimates
+        for name in reproduction.refinement.estimates
     ]
     return (
         element("ul", join(items, "\n")),
@@ -193,7 +193,7 @@ def _training_cost(reproduction: Reproduction) -> Html:
         ("without compensation", without),
         (begun, reproduction.cost_of_identified),
         ("best candidate", reproduction.algorithm.best.cost),
-        (reproduction.learned.result, reproduction.learned.cost),
+        (reproduction.refinement.result, reproduction.refinement.cost),
         ("real stage (paper), as read below", PAPER_COST),
     ]
     rows = [

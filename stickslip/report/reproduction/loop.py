@@ -51,7 +51,7 @@ def design_section(reproduction: Reproduction) -> Section:
 
 def use_section(reproduction: Reproduction) -> Section:
     """Return the last section."""
-    F_c = reproduction.learned.values["F_c"]
+    F_c = reproduction.refinement.values["F_c"]
     files = {
         "compensator.fmu": "the tuned compensator alone, for any tool that imports FMUs",
         "loop.ssp": "the whole loop of Fig. 2(a) with it, for any tool that opens SSP",

@@ -55,6 +55,8 @@ def _attribution(reproduction: RecordReproduction) -> Section:
 
 
 def _loops(reproduction: RecordReproduction) -> Section:
+    loop, feed = reproduction.learned.designed.plain, reproduction.options.feed
+    algorithm = reproduction.learned.estimation.algorithm
     return Section(
         "The loops and the search",
         paragraph(
@@ -64,16 +66,16 @@ def _loops(reproduction: RecordReproduction) -> Section:
         ),
         Illustration(
             "fig2_loops",
-            partial(draw_loops, reproduction.plain, reproduction.truth, reproduction.options.feed),
+            partial(draw_loops, loop, reproduction.truth, feed),
             "Block diagrams of the compensated and the nominal loop, and its step response",
             "Fig. 2. The loops; the velocity filter, which takes the place of the velocity "
             "estimate, is not drawn.",
         ),
         Illustration(
             "fig5_fitness",
-            partial(draw_course, reproduction.estimation.algorithm, COST),
+            partial(draw_course, algorithm, COST),
             "Cost over the generations of the search",
-            f"Fig. 5. The global search: {reproduction.estimation.algorithm.stopped}. The fit that "
+            f"Fig. 5. The global search: {algorithm.stopped}. The fit that "
             "follows it has no generations.",
         ),
     )

@@ -53,9 +53,9 @@ def head(reproduction: Reproduction) -> Section:
 def _refined(reproduction: Reproduction) -> str:
     if not reproduction.options.refined:
         return ""
-    if reproduction.learned.skipped:
+    if reproduction.refinement.skipped:
         return "; no search followed this first generation, since a search would gain nothing"
-    if reproduction.learned.accepted:
+    if reproduction.refinement.accepted:
         return ", and a least-squares fit refined the winner"
     return "; a least-squares fit of the winner did not do better and was not taken"
 
@@ -114,7 +114,7 @@ def _verdict(reproduction: Reproduction) -> Html:
 
 
 def _coulomb(reproduction: Reproduction) -> Html:
-    learned, truth = reproduction.learned.estimates["F_c"], reproduction.truth["F_c"]
+    learned, truth = reproduction.refinement.estimates["F_c"], reproduction.truth["F_c"]
     unit = parameter_unit("F_c")
     return paragraph(
         f"Coulomb friction $F_c$: learned {parameter_estimate('F_c', learned)} {unit}, the "

@@ -10,8 +10,9 @@ from stickslip.cli import main
 from stickslip.commands.learn import print_estimation
 from stickslip.evaluation.guards import Benefit
 from stickslip.logs import Finding, load_description
-from stickslip.pipeline.log_learning import learn, write_learned
+from stickslip.pipeline.log_learning import learn
 from stickslip.results.learned import LearnedFile
+from stickslip.results.learned_folder import write_learned
 
 pytestmark = pytest.mark.slow
 

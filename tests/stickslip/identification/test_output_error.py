@@ -27,7 +27,7 @@ def test_a_signal_of_zeros_stays():
 @pytest.mark.parametrize("off", [0.0, 0.2])
 def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
     """Replicas are given as much noise as the fit left, so they leave as much themselves."""
-    learned = recorded.estimation
+    learned = recorded.learned.estimation
     best = learned.fit
     q = best.q.copy()
     q[best.space.index("F_c")] += off

@@ -8,8 +8,9 @@ import pytest
 from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
-from stickslip.pipeline.record_mode import record_drive
+from stickslip.pipeline.record_mode import commissioning_loop, record_drive
 from stickslip.results.record_folder import FILES, write_record_results
+from stickslip.servo.datasheet import Datasheet
 
 pytestmark = pytest.mark.slow
 
@@ -23,9 +24,9 @@ def test_parameters_are_found(recorded, name, limit):
 
 
 def test_the_known_loop_judges_and_its_residual_is_what_encoder_and_noise_explain(recorded):
-    assert recorded.estimation.criterion == "output error"
-    assert "controller is known" in recorded.estimation.reason
-    assert recorded.estimation.model_error < 2.0
+    assert recorded.learned.estimation.criterion == "output error"
+    assert "controller is known" in recorded.learned.estimation.reason
+    assert recorded.learned.estimation.model_error < 2.0
 
 
 def test_intervals_surround_their_values_and_most_hold_the_truth(recorded):
@@ -45,7 +46,7 @@ def test_tracking_errors_fall(recorded, velocity, least):
 
 def test_the_commissioning_loop_bears_a_third_and_three_times_its_mass(make_rig):
     for mass in (5.5 / 3.0, 5.5 * 3.0):
-        recording, _ = record_drive(make_rig(m=mass))
+        recording = record_drive(make_rig(m=mass))
         assert np.abs(recording.force).max() < 100.0
         assert np.abs(np.gradient(recording.position, recording.T_s)).max() < 0.08
 
@@ -76,11 +77,11 @@ def test_the_written_recording_is_the_recording(recorded, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {*FILES, "manifest.json"}
     description = load_description(tmp_path / "recording.toml")
     reading = read_recording(tmp_path / "recording.csv", description)
-    recording = recorded.estimation.recording
+    recording = recorded.learned.estimation.recording
     np.testing.assert_allclose(reading.recording.position, recording.position, atol=1e-15)
     np.testing.assert_allclose(reading.recording.force, recording.force, atol=1e-12)
     gains = reading.controller.parameters()
-    assert gains["K_p"] == pytest.approx(recorded.recording_loop.K_p)
+    assert gains["K_p"] == pytest.approx(commissioning_loop(Datasheet()).K_p)
     document = json.loads((tmp_path / "learned.json").read_text())
     assert set(document["parameters"]) == set(UNITS)
     for name, entry in document["parameters"].items():

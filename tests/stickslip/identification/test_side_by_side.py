@@ -15,14 +15,14 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(params=["inverse model", "output error"])
 def criterion_of(request, recorded, candidates):
     """Return a function that makes a criterion with so many workers."""
-    learned = recorded.estimation
+    learned = recorded.learned.estimation
     if request.param == "inverse model":
         return lambda workers: InverseModel(candidates, learned.recording, workers=workers)
     return lambda workers: OutputError(candidates, learned.recording, learned.gains, workers)
 
 
 def test_as_many_run_at_once_as_there_are_workers(criterion_of, recorded):
-    values, met = recorded.estimation.parameters, threading.Barrier(3)
+    values, met = recorded.learned.estimation.parameters, threading.Barrier(3)
 
     with criterion_of(3) as criterion:
         residual = criterion.residual
@@ -37,7 +37,7 @@ def test_as_many_run_at_once_as_there_are_workers(criterion_of, recorded):
 
 
 def test_a_slope_has_the_same_bits(criterion_of, recorded):
-    best = recorded.estimation.fit
+    best = recorded.learned.estimation.fit
     with criterion_of(1) as alone, criterion_of(3) as together:
         one, other = (
             linearised(criterion.over(best.space), best.q, 1.0) for criterion in (alone, together)

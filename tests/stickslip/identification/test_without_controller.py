@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def told(recorded, candidates):
-    return watched(candidates, replace(recorded.estimation.recording, velocity_command=None))
+    return watched(candidates, replace(recorded.learned.estimation.recording, velocity_command=None))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_the_inverse_model_finds_what_shows_well(alone, recorded):
 
 def test_it_is_less_sure_than_with_the_loop(alone, recorded):
     for name, known in alone.known.items():
-        assert known.standard_error > recorded.estimation.known[name].standard_error
+        assert known.standard_error > recorded.learned.estimation.known[name].standard_error
 
 
 def test_a_constant_force_changes_nothing_else(alone, candidates):
@@ -61,21 +61,21 @@ def test_a_constant_force_changes_nothing_else(alone, candidates):
 
 
 def test_an_encoder_counts_as_coarse_by_its_step(recorded, candidates):
-    recording = recorded.estimation.recording
+    recording = recorded.learned.estimation.recording
     with InverseModel(candidates, recording) as model:
         assert coarse(model, recording)
         assert not coarse(model, replace(recording, encoder_step=1e-9))
 
 
 def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):
-    recording = recorded.estimation.recording
+    recording = recorded.learned.estimation.recording
     turned = replace(recording, force=-np.asarray(recording.force))
     with pytest.raises(IdentificationError, match="signs"):
         learn(Task(candidates, turned))
 
 
 def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
-    task = Task(candidates, recorded.estimation.recording, criterion="output error")
+    task = Task(candidates, recorded.learned.estimation.recording, criterion="output error")
     with pytest.raises(UsageError, match="needs the controller"):
         learn(task)
 

@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.cli import main
 from stickslip.errors import UsageError
-from stickslip.pipeline import log_learning
+from stickslip.results import learned_folder
 from stickslip.results import record_folder as record_results
 from stickslip.results import reproduction_folder as reproduction_results
 from stickslip.results.folder import reserved, staged, verify
@@ -85,7 +85,7 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
 
 
 COMMANDS = {
-    "learn": (["learn", "--log", "LOG"], log_learning.FILES, "commands.learn.learn"),
+    "learn": (["learn", "--log", "LOG"], learned_folder.FILES, "commands.learn.learn"),
     "reproduce": (["reproduce"], reproduction_results.FILES, "commands.reproduce.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],

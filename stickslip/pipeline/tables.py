@@ -1,12 +1,14 @@
-"""The tables that a reproduction writes."""
+"""Table 2 with what was found; here the truth of the drive enters."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 
 from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
+from stickslip.identification.estimation import Estimation
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.tuning.refinement import Refinement
 
@@ -24,15 +26,12 @@ def table2(
     are not learned.
     """
     rows = []
-    for name, unit in UNITS.items():
+    for name in UNITS:
         before = identification.estimates[name]
         after = learned.estimates.get(name)
         rows.append(
             {
-                "parameter": name,
-                "unit": unit,
-                "paper": PAPER[name],
-                "drive": truth[name],
+                **_head(name, truth),
                 "identified": before.value,
                 "learned": after.value if after else None,
                 "spread": after.standard_error if after else None,
@@ -42,6 +41,34 @@ def table2(
             }
         )
     return pd.DataFrame(rows)
+
+
+def table2_of_recording(estimation: Estimation, truth: Mapping[str, float]) -> pd.DataFrame:
+    """Return Table 2 with what one recording gave, in SI units.
+
+    ``identified`` is what a straight line through the recorded force gives, which shows none of
+    F_s, v_s, sigma_0 and sigma_1. ``spread`` is the standard error of what was learned.
+    """
+    line = estimation.start.line
+    rows = []
+    for name in UNITS:
+        known = estimation.known[name]
+        rows.append(
+            {
+                **_head(name, truth),
+                "identified": line[name] if name in ("m", "b", "F_c") else None,
+                "learned": known.value,
+                "spread": known.standard_error,
+                "low": known.low,
+                "high": known.high,
+                "remark": known.sentence,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _head(name: str, truth: Mapping[str, float]) -> dict[str, Any]:
+    return {"parameter": name, "unit": UNITS[name], "paper": PAPER[name], "drive": truth[name]}
 
 
 def _remark(

@@ -1,0 +1,273 @@
+"""What was learned of a drive, in every mode, and the stages that recordings and logs share.
+
+    recording -> ``learn_recording``: estimation -> loops -> ``try_compensator``, for a log
+
+A reproduction validates the result on the drive instead of trying it in simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from stickslip import ga
+from stickslip.catalog.parameters import LUGRE, friction_law
+from stickslip.cosim import Trapezoid
+from stickslip.evaluation.guards import Benefit, Trial, benefit_of, inspect
+from stickslip.fmi.process import temporary_folder
+from stickslip.identification.estimation import (
+    CriterionName,
+    Estimation,
+    Search,
+    Task,
+    candidate_fmus,
+)
+from stickslip.identification.estimation import learn as estimate
+from stickslip.identification.fitting.identifiability import NOT_VISIBLE
+from stickslip.logs import Finding, Reading, Recording, implausible_mass
+from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import (
+    LoopSpecification,
+    VelocityLoop,
+    close_velocity_loop,
+    design_velocity_loop,
+)
+
+
+class Loops(NamedTuple):
+    """Velocity loops of a drive.
+
+    Attributes
+    ----------
+    plain : without compensation
+    compensated : in which the compensator runs
+    known : whether the drive runs in them; False where they only serve to try the compensator
+    """
+
+    plain: VelocityLoop
+    compensated: VelocityLoop
+    known: bool = True
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What was learned of a drive.
+
+    Attributes
+    ----------
+    friction : the compensator's parameters by name, in SI units
+    loops : of the drive, or why there are none
+    """
+
+    friction: Mapping[str, float]
+    loops: Loops | ControlError
+
+    @property
+    def designed(self) -> Loops:
+        """The loops of the drive.
+
+        Raises
+        ------
+        ControlError
+            Where none can be designed.
+        """
+        if isinstance(self.loops, ControlError):
+            raise self.loops
+        return self.loops
+
+    @property
+    def known_loop(self) -> VelocityLoop | None:
+        """The loop in which the compensator is to run, None where it is not known."""
+        known = not isinstance(self.loops, ControlError) and self.loops.known
+        return self.designed.compensated if known else None
+
+
+@dataclass(frozen=True)
+class SimulatedTrial:
+    """What trying a compensator on simulated drives gave.
+
+    Attributes
+    ----------
+    command, datasheet : what it was tried on
+    benefit : tracking errors, and the share of the compensator's force that passes
+    warnings : of the guards, a line each
+    """
+
+    command: Trapezoid
+    datasheet: Datasheet
+    benefit: Benefit
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class LearnedFromRecording(Learned):
+    """What was learned from one recording.
+
+    Attributes
+    ----------
+    findings : of reading and checking it
+    trial : of the compensator in a loop; None where none was closed or the drive itself is there
+    implausible : why the learned mass cannot be right, or empty
+    """
+
+    estimation: Estimation
+    findings: tuple[Finding, ...]
+    seed: int
+    trial: SimulatedTrial | None = None
+    implausible: str = ""
+
+    @property
+    def compensator(self) -> dict[str, float]:
+        """The compensator's parameters by name, in SI units, at the share of its force tried."""
+        share = self.trial.benefit.share if self.trial else 1.0
+        return friction_law().share(self.friction, share)
+
+    def with_whole_force(self) -> LearnedFromRecording:
+        """Return the same with the compensator at its whole force, whatever that does."""
+        if self.trial is None:
+            return self
+        benefit = replace(self.trial.benefit, share=1.0, rows=self.trial.benefit.full)
+        return replace(self, trial=replace(self.trial, benefit=benefit))
+
+    @property
+    def refusal(self) -> str:
+        """Why the compensator should not be written; empty where there is no reason."""
+        if self.implausible:
+            return self.implausible
+        for fault in self.estimation.faults:
+            if fault.spoils == "values":
+                return f"{fault.what}: {fault.figure}; {fault.advice}"
+        return self.trial.benefit.refusal if self.trial and not self.trial.benefit.harmless else ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What should be known before the compensator is used, a line each."""
+        guesses = [
+            f"{name} is not visible in this log; the compensator takes {known.value:.4g}: "
+            f"{known.sentence}"
+            for name, known in self.estimation.known.items()
+            if name in LUGRE and known.visible == NOT_VISIBLE
+        ]
+        if self.trial is None:
+            return (*guesses, "no velocity loop can be closed, so the compensator is not tried")
+        loop = self.designed.compensated
+        if not self.designed.known:
+            guesses.append(
+                "no velocity loop of the log is known, so the compensator is tried in one designed "
+                f"for the learned mass, K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
+            )
+        return (*guesses, *self.trial.warnings)
+
+
+def learn_recording(
+    recording: Recording,
+    gains: Mapping[str, float] | None,
+    design: Callable[[Estimation], Loops],
+    findings: tuple[Finding, ...],
+    *,
+    criterion: CriterionName = "auto",
+    seed: int = 0,
+    seeds: int = 1,
+    search: Search | None = None,
+    on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
+) -> LearnedFromRecording:
+    """Estimate a drive from a recording and design its loops.
+
+    Parameters
+    ----------
+    gains : of the controller FMU by name; None when the controller is not known
+    design : gives the loops, or raises ControlError
+    findings : of reading and checking the recording
+    criterion, seed, seeds, search : see ``estimation.Task``
+
+    Raises
+    ------
+    IdentificationError
+        When the recording does not show a drive that slides.
+    """
+    faults = tuple(finding for finding in findings if finding.spoils)
+    with candidate_fmus() as fmus:
+        task = Task(
+            fmus,
+            recording,
+            gains,
+            criterion,
+            search or Search(),
+            seed,
+            seeds,
+            faults=faults,
+        )
+        estimation = estimate(task, on_stage, on_generation)
+    try:
+        loops: Loops | ControlError = design(estimation)
+    except ControlError as error:
+        loops = error
+    return LearnedFromRecording(estimation.compensator, loops, estimation, findings, seed)
+
+
+def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedFromRecording:
+    """Try a learned compensator at the log's own speed, where a loop can be closed."""
+    estimation = learned.estimation
+    mass = estimation.known.get("m")
+    question = implausible_mass(reading, mass.low, mass.high) if mass else None
+    if question and question.severity == "error":
+        learned = replace(learned, implausible=str(question))
+    if isinstance(learned.loops, ControlError):
+        return learned
+    loop = learned.loops.compensated
+    top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
+    scale = top / VALIDATION.height
+    command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
+    duration = command.corners()[-1] + command.begin
+    v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
+    strongest = float(np.max(np.abs(estimation.figures.measured)))
+    sheet = Datasheet(
+        peak_force=reading.force_limit or 1e3 * strongest,
+        tau_i=loop.axis.tau_i,
+        encoder_step=reading.recording.encoder_step or 1e-6 * top,
+    )
+    errors = {
+        name: estimation.known[name].standard_error
+        for name in LUGRE
+        if estimation.known[name].visible != NOT_VISIBLE
+    }
+    friction = dict(learned.friction)
+    with temporary_folder() as folder:
+        build_fmus(folder, {})
+        trial = Trial(folder, loop, friction, friction, v_cmd, datasheet=sheet)
+        benefit = benefit_of(trial, rotary=reading.recording.motion == "rotary")
+        written = replace(trial, compensator=friction_law().share(friction, benefit.share))
+        warnings = tuple(str(finding) for finding in inspect(written, errors))
+    return replace(learned, trial=SimulatedTrial(command, sheet, benefit, warnings))
+
+
+def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
+    """Return the loop of the log's controller, or one like the paper's for the learned axis.
+
+    Raises
+    ------
+    ControlError
+        When the mass is not known, or no loop is stable.
+    """
+    known, controller = estimation.known, reading.controller
+    if "m" not in known:
+        raise ControlError("the mass is not known")
+    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
+    T_s = estimation.recording.T_s
+    if controller.K_p and not (controller.P_x or controller.I_x):
+        gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
+        try:
+            loop = close_velocity_loop(axis, *gains)
+        except ControlError:
+            pass
+        else:
+            return Loops(loop, loop)
+    bandwidth = LOOP.bandwidth * LOOP.T_s / T_s
+    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, LOOP.phase_margin, T_s, T_s))
+    return Loops(loop, loop, known=False)
