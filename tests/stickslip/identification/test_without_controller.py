@@ -16,7 +16,8 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def told(recorded, candidates):
-    return watched(candidates, replace(recorded.learned.estimation.recording, velocity_command=None))
+    recording = recorded.learned.estimation.recording
+    return watched(candidates, replace(recording, velocity_command=None))
 
 
 @pytest.fixture(scope="module")
