@@ -5,14 +5,12 @@
         with staged(folder, {"name": "learn"}) as staging:
             atomic_write(staging / "learned.json", ...)
 
-``locking.py`` says who may write, ``ownership.py`` which files may be replaced,
-``publishing.py`` how a set takes the place of another,
-``manifest.py`` what belongs to it, ``verification.py`` whether it is still so.
+``locking.py`` tells who may write, ``manifest.py`` which files belong to the results,
+``publishing.py`` how a set takes the place of another, ``verification.py`` whether it is intact.
 """
 
 from stickslip.results.folder.locking import locked, writable
-from stickslip.results.folder.manifest import MANIFEST, Manifest
-from stickslip.results.folder.ownership import refuse_foreign
+from stickslip.results.folder.manifest import MANIFEST, Manifest, refuse_foreign
 from stickslip.results.folder.publishing import complete, remove_results, reserved, staged
 from stickslip.results.folder.verification import Verdict, verify
 

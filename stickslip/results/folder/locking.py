@@ -15,36 +15,33 @@ from typing import IO
 from stickslip.errors import UsageError
 from stickslip.fmi.files import is_at, lock, require_regular_file
 
-OURS = ".stickslip-"
-"""How the names begin of what is ours alone in a folder, and there only while it is written."""
-WRITING = f"{OURS}writing-"
-_LOCK = f"{OURS}lock"
+PREFIX = ".stickslip-"
+"""Of the names of temporary files and folders."""
+WRITING = f"{PREFIX}writing-"
+_LOCK = f"{PREFIX}lock"
 
 _held: ContextVar[Mapping[Path, IO[str]]] = ContextVar("_held")
 
 
 @contextmanager
 def locked(folder: Path | None) -> Iterator[None]:
-    """Make a folder and have it for this process alone; nested blocks of one process are one claim.
+    """Make a folder and lock it for this process; nested blocks of one process share the lock.
 
-    What killed processes left half-written is deleted. A folder that was made here and is still
-    empty at the end goes. None is no folder, and nothing is locked.
+    Staging folders of killed processes are deleted, and at the end a folder that was made here
+    and is empty. None locks nothing.
 
     Raises
     ------
     UsageError
-        When it cannot be made or written, or another process has it.
+        When it cannot be made or written, or another process has locked it.
     """
-    if folder is None:
+    if folder is None or is_locked(folder):
         yield
         return
-    place, held = folder.resolve(), _held.get({})
-    if place in held and is_at(held[place], place / _LOCK):
-        yield
-        return
+    place = folder.resolve()
     with writable(folder):
         file = _lock(folder, place / _LOCK)
-        token = _held.set({**held, place: file})
+        token = _held.set({**_held.get({}), place: file})
         try:
             for left in place.glob(f"{WRITING}*"):
                 shutil.rmtree(left, ignore_errors=True)
@@ -54,9 +51,16 @@ def locked(folder: Path | None) -> Iterator[None]:
             _release(file, place / _LOCK)
 
 
+def is_locked(folder: Path) -> bool:
+    """Return whether this process has locked a folder, which still is the same one."""
+    place = folder.resolve()
+    file = _held.get({}).get(place)
+    return file is not None and is_at(file, place / _LOCK)
+
+
 @contextmanager
 def writable(folder: Path) -> Iterator[None]:
-    """Make a folder and try to write there; what was made and is empty at the end goes.
+    """Make a folder and try to write there; what was made and is empty at the end is deleted.
 
     Raises
     ------
@@ -82,45 +86,33 @@ def writable(folder: Path) -> Iterator[None]:
 
 def _lock(folder: Path, path: Path) -> IO[str]:
     while True:
-        file = _open(path)
+        require_regular_file(path)
+        file = path.open("a+", encoding="utf-8")
         try:
-            _refuse_other(folder, file)
-            if is_at(file, path):  # else its owner has just ended and deleted it
-                file.truncate(0)
-                file.write(f"{os.getpid()}\n")
-                file.flush()
-                return file
-        except BaseException:
-            file.close()
-            raise
+            free = lock(file)
+        except OSError:
+            free = True  # a file system without locks
+        if not free:
+            with file:
+                file.seek(0)
+                owner = file.read(20).strip()
+            raise UsageError(
+                f"{folder}: process {owner if owner.isdigit() else 'unknown'} is writing there; "
+                "wait until it has ended, or choose another folder with --out"
+            )
+        if is_at(file, path):  # else its owner has just ended and deleted it
+            file.truncate(0)
+            file.write(f"{os.getpid()}\n")
+            file.flush()
+            return file
         file.close()
 
 
-def _open(path: Path) -> IO[str]:
-    """Open the file of the lock, which may be there from a process that was killed."""
-    require_regular_file(path)
-    return path.open("a+", encoding="utf-8")
-
-
-def _refuse_other(folder: Path, file: IO[str]) -> None:
-    try:
-        if lock(file):
-            return
-    except OSError:
-        return  # a file system without locks must do without
-    file.seek(0)
-    owner = file.read(20).strip()
-    raise UsageError(
-        f"{folder}: process {owner if owner.isdigit() else 'unknown'} is writing there; wait until "
-        "it has ended, or choose another folder with --out"
-    )
-
-
 def _release(file: IO[str], path: Path) -> None:
+    ours = is_at(file, path)  # else the folder was removed, and may be another process's now
     if sys.platform == "win32":
         file.close()  # there an open file cannot be deleted
-    elif not is_at(file, path):
-        path = path.with_name(f"{OURS}none")  # the folder was removed, and may be another's now
-    with suppress(OSError):
-        path.unlink()
+    if ours:
+        with suppress(OSError):
+            path.unlink()
     file.close()

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import ResultsError
+from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import MOST_TEXT, digest, parse_json, read_limited, require_regular_file
 
 MANIFEST = "manifest.json"
 
-Share = tuple[Mapping[str, Any], frozenset[str]]
-"""A command and the names of its files."""
+Command = Mapping[str, Any]
+"""Name and options of a command."""
 
-_PART = r"(?!\.{1,2}(?:/|$))[^/\\:]+"
-_NAME = re.compile(rf"{_PART}(?:/{_PART})*")
 _HASH = re.compile(r"[0-9a-f]{64}")
 
 
@@ -26,40 +27,28 @@ _HASH = re.compile(r"[0-9a-f]{64}")
 class Manifest:
     """The content of manifest.json.
 
-    Parameters
+    Attributes
     ----------
-    command : the one that wrote last: its name and options
+    command : the one that wrote last
     sha256 : of each file, by its name in the folder, with ``/`` between the parts
-    earlier : other commands whose files are still there: name -> (command, names of its files)
+    earlier : by the names of files that other commands wrote: the command
     """
 
-    command: Mapping[str, Any]
+    command: Command
     sha256: Mapping[str, str]
-    earlier: Mapping[str, Share] = field(default_factory=dict)
+    earlier: Mapping[str, Command] = field(default_factory=dict)
 
-    @property
-    def own(self) -> frozenset[str]:
-        """Names of the files that the last command wrote."""
-        return frozenset(self.sha256).difference(*(names for _, names in self.earlier.values()))
-
-    def followed_by(self, later: Manifest) -> Manifest:
+    def followed_by(self, later: Manifest, removed: Collection[str]) -> Manifest:
         """Return the manifest after another command has written its set into the folder.
 
-        The set that the same command wrote before goes; files of other commands stay.
+        The set that the same command wrote before goes; files of other commands stay, but for
+        those that are removed.
         """
-        others = {**self.earlier, _name(self.command): (self.command, self.own)}
-        others.pop(_name(later.command), None)
-        left = {name: (by, files - later.sha256.keys()) for name, (by, files) in others.items()}
-        earlier = {name: (by, files) for name, (by, files) in left.items() if files}
-        kept = frozenset[str]().union(*(files for _, files in earlier.values()))
+        left = sorted(self.sha256.keys() - later.sha256.keys() - set(removed))
+        by = {name: self.earlier.get(name, self.command) for name in left}
+        kept = {name: c for name, c in by.items() if _name(c) != _name(later.command)}
         hashes = {name: self.sha256[name] for name in kept} | dict(later.sha256)
-        return Manifest(later.command, hashes, earlier)
-
-    def without(self, names: frozenset[str]) -> Manifest:
-        """Return the manifest of a folder in which some files are not."""
-        hashes = {name: known for name, known in self.sha256.items() if name not in names}
-        earlier = {name: (by, files - names) for name, (by, files) in self.earlier.items()}
-        return Manifest(self.command, hashes, earlier)
+        return Manifest(later.command, hashes, kept)
 
     def text(self) -> str:
         """Return the content of manifest.json."""
@@ -67,10 +56,12 @@ class Manifest:
             "command": dict(self.command),
             "sha256": dict(sorted(self.sha256.items())),
         }
-        if self.earlier:
-            content["earlier"] = [
-                {"command": dict(by), "files": sorted(files)} for by, files in self.earlier.values()
-            ]
+        groups: dict[str, dict[str, Any]] = {}
+        for name, command in sorted(self.earlier.items()):
+            group = groups.setdefault(_name(command), {"command": dict(command), "files": []})
+            group["files"].append(name)
+        if groups:
+            content["earlier"] = list(groups.values())
         return json.dumps(content, indent=2) + "\n"
 
     @classmethod
@@ -85,33 +76,39 @@ class Manifest:
         path = folder / MANIFEST
         try:
             require_regular_file(path)
-            return cls._of(parse_json(read_limited(path, MOST_TEXT)))
+            content = parse_json(read_limited(path, MOST_TEXT))
+            hashes, others = content["sha256"], content.get("earlier", [])
+            earlier = {name: other["command"] for other in others for name in other["files"]}
+            manifest = cls(content.get("command", {}), hashes, earlier)
+            sound = (
+                all(isinstance(c, dict) for c in (manifest.command, *earlier.values()))
+                and all(_is_name(n) and _HASH.fullmatch(known) for n, known in hashes.items())
+                and earlier.keys() <= hashes.keys()
+            )
         except FileNotFoundError:
             raise ResultsError(
                 f"{path}: there is none; it is written by the commands that write results"
             ) from None
         except OSError as error:
             raise ResultsError(f"{path}: cannot be read ({error.strerror})") from None
-        except (ValueError, ResultsError) as error:
-            raise ResultsError(f"{path}: not a manifest of results ({error})") from None
+        except (ValueError, TypeError, AttributeError, KeyError):
+            sound = False
+        if not sound:
+            raise ResultsError(
+                f"{path}: not a manifest of results; expected 'command' and 'sha256', the hashes "
+                "by names of files in the folder"
+            )
+        return manifest
 
-    @classmethod
-    def _of(cls, content: object) -> Manifest:
-        if not isinstance(content, dict):
-            raise ResultsError("it does not contain an object")
-        command, hashes = content.get("command", {}), content.get("sha256")
-        if not isinstance(command, dict):
-            raise ResultsError("'command' is not an object")
-        if not isinstance(hashes, dict):
-            raise ResultsError("'sha256' is missing or not an object")
-        for name, known in hashes.items():
-            if not (_NAME.fullmatch(name) and name.isprintable()) or name == MANIFEST:
-                raise ResultsError(
-                    f"it names {name!r}, which is not the name of a file in the folder"
-                )
-            if not isinstance(known, str) or not _HASH.fullmatch(known):
-                raise ResultsError(f"the value of {name!r} is not a SHA-256 (64 hex digits)")
-        return cls(command, hashes, _earlier(content.get("earlier", []), hashes))
+
+def _is_name(name: str) -> bool:
+    """Return whether a name is that of a file below the folder, on any system."""
+    inside = all(part not in ("", ".", "..") for part in name.split("/"))
+    return inside and name.isprintable() and not set(name) & set("\\:") and name != MANIFEST
+
+
+def _name(command: Command) -> str:
+    return str(command.get("name", "reproduce"))  # manifests were written before they had names
 
 
 def hash_of(path: Path) -> str:
@@ -120,28 +117,69 @@ def hash_of(path: Path) -> str:
     Raises
     ------
     OSError
-        When it is not there, is a link or no file, or cannot be read.
+        When it is absent, is a link or not a file, or cannot be read.
     """
     require_regular_file(path)
     return digest(path)
 
 
-def _earlier(content: object, hashes: Mapping[str, str]) -> dict[str, Share]:
-    message = "'earlier' is not a list of commands, each with files that 'sha256' contains"
-    if not isinstance(content, list):
-        raise ResultsError(message)
-    earlier: dict[str, Share] = {}
-    for entry in content:
-        command, names = (
-            (entry.get("command"), entry.get("files")) if isinstance(entry, dict) else (None, None)
-        )
-        if not isinstance(command, dict) or not isinstance(names, list):
-            raise ResultsError(message)
-        if not all(isinstance(name, str) and name in hashes for name in names):
-            raise ResultsError(message)
-        earlier[_name(command)] = (command, frozenset(names))
-    return earlier
+def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
+    """Refuse to replace or delete files that the manifest does not list as they are.
+
+    Parameters
+    ----------
+    names : of the files, with ``/`` between the parts; they may be absent
+
+    Raises
+    ------
+    UsageError
+        When there is a file of another origin, or one that was changed; it names the first.
+    OSError
+        When a link, a folder or a device is in the way; it names it.
+    """
+    listed: Mapping[str, str] = {}
+    if os.path.lexists(folder / MANIFEST):
+        try:
+            listed = Manifest.read(folder).sha256
+        except ResultsError as error:
+            raise UsageError(
+                f"{error}; it is not overwritten: move it away, or choose another folder with --out"
+            ) from None
+    for name in sorted(names):
+        refuse_places(folder, name)
+        with suppress(FileNotFoundError, NotADirectoryError):
+            if hash_of(folder / name) != listed.get(name):
+                why = (
+                    "was changed after stickslip had written it"
+                    if name in listed
+                    else f"exists, and no {MANIFEST} lists it as a result of stickslip"
+                )
+                raise UsageError(
+                    f"{folder / name}: {why}; it is not overwritten: move it away, or choose "
+                    "another folder with --out"
+                )
 
 
-def _name(command: Mapping[str, Any]) -> str:
-    return str(command.get("name", "reproduce"))  # which wrote manifests before they had names
+def refuse_places(folder: Path, name: str) -> None:
+    """Refuse to put a file where a link, a folder or a file is in its way.
+
+    Raises
+    ------
+    OSError
+        When there is one; it names it.
+    """
+    for place in [folder / parent for parent in Path(name).parents[-2::-1]]:
+        if place.is_symlink() or (place.exists() and not place.is_dir()):
+            raise OSError(errno.ENOTDIR, "is in the way, expected a folder", str(place))
+    require_regular_file(folder / name)
+
+
+def unchanged(folder: Path, manifest: Manifest, names: Iterable[str]) -> list[Path]:
+    """Return those of the files that are as the manifest lists them."""
+    found = []
+    for name in names:
+        with suppress(OSError):
+            refuse_places(folder, name)
+            if hash_of(folder / name) == manifest.sha256[name]:
+                found.append(folder / name)
+    return found

@@ -10,15 +10,14 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from stickslip.errors import ResultsError
-from stickslip.results.folder.locking import OURS
-from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of
-from stickslip.results.folder.ownership import refuse_places
+from stickslip.results.folder.locking import PREFIX
+from stickslip.results.folder.manifest import MANIFEST, Manifest, hash_of, refuse_places
 from stickslip.results.folder.publishing import READY, complete, files_in
 
 NOTES = {
     "learning.checkpoint*.json": "of a learning that did not end; continue with --resume",
     "unfinished/*": "of a study that did not end; continue with --resume",
-    f"{OURS}*": "of a process that writes, or was killed; the next that writes deletes it",
+    f"{PREFIX}*": "of a process that writes or was killed; the next that writes deletes it",
 }
 """Files that may accompany results, by pattern."""
 
@@ -27,10 +26,10 @@ NOTES = {
 class Verdict:
     """What a folder holds.
 
-    Parameters
+    Attributes
     ----------
-    intact : files that are as they were written
-    faults : what is not, by the name of the file: missing, changed, additional, or why not read
+    intact : number of files that are as they were written
+    faults : by the names of the other files: missing, changed, additional, or why not read
     notes : remarks on files
     """
 
@@ -69,21 +68,23 @@ def verify(folder: Path, without: Sequence[str] = ()) -> Verdict:
 
 
 def _compare(folder: Path, manifest: Manifest, without: Sequence[str]) -> Verdict:
-    states = {name: _state(folder, name, digest) for name, digest in manifest.sha256.items()}
-    notes = {
-        name: "missing, as it may be"
-        for name, what in states.items()
-        if what == "missing" and any(fnmatchcase(name, pattern) for pattern in without)
+    states = {name: _state(folder, name, known) for name, known in manifest.sha256.items()}
+    intact = sum(not state for state in states.values())
+    additional = set(files_in(folder)) - states.keys() - {MANIFEST}
+    states |= dict.fromkeys(additional, "additional")
+    allowed = {
+        "missing": dict.fromkeys(without, "missing, as it may be"),
+        "additional": NOTES,
     }
-    for name in files_in(folder):
-        if name not in states and name != MANIFEST:
-            known = [note for pattern, note in NOTES.items() if fnmatchcase(name, pattern)]
-            if known:
-                notes[name] = known[0]
-            else:
-                states[name] = "additional"
-    faults = {name: what for name, what in states.items() if what and name not in notes}
-    return Verdict(sum(not what for what in states.values()), dict(sorted(faults.items())), notes)
+    faults, notes = {}, {}
+    for name, state in sorted(states.items()):
+        patterns = allowed.get(state, {})
+        known = [note for pattern, note in patterns.items() if fnmatchcase(name, pattern)]
+        if known:
+            notes[name] = known[0]
+        elif state:
+            faults[name] = state
+    return Verdict(intact, faults, notes)
 
 
 def _state(folder: Path, name: str, digest: str) -> str:

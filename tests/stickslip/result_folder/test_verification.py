@@ -62,38 +62,29 @@ def test_files_of_a_run_that_goes_on_are_told_and_no_fault(folder, capsys):
     assert sum("continue with --resume" in line for line in lines) == 2
 
 
+NO_NAMES = (
+    *("../a", "/etc/passwd", "sub/../../a", "", ".", "a//b", "a/", "c:/x", "a\\b"),
+    *("a\x00b", "a\nb", "a\ud800", "manifest.json"),
+)
+
+
 @pytest.mark.parametrize(
-    ("content", "said"),
+    "content",
     [
-        ("", "not a manifest of results"),
-        ("[" * 100_000, "not a manifest of results"),
-        ("[]", "does not contain an object"),
-        ('{"sha256": []}', "'sha256' is missing or not an object"),
-        ("{}", "'sha256' is missing or not an object"),
-        ('{"command": 1, "sha256": {}}', "'command' is not an object"),
-        (json.dumps({"sha256": {"a": "0"}}), "is not a SHA-256"),
-        (json.dumps({"sha256": {"a": HASH.upper().replace("0", "A")}}), "is not a SHA-256"),
-        (json.dumps({"sha256": {"a": 1}}), "is not a SHA-256"),
-        *(
-            (json.dumps({"sha256": {name: HASH}}), "not the name of a file in the folder")
-            for name in (
-                *("../a", "/etc/passwd", "sub/../../a", "", ".", "a//b", "a/", "c:/x", "a\\b"),
-                *("a\x00b", "a\nb", "a\ud800", "manifest.json"),
-            )
-        ),
-        ('{"sha256": {}, "earlier": 1}', "'earlier' is not a list"),
-        ('{"sha256": {}, "earlier": [1]}', "'earlier' is not a list"),
-        ('{"sha256": {}, "earlier": [{"command": {}, "files": ["x"]}]}', "'earlier' is not a list"),
-        (b"\xff\xfe{}", "not a manifest of results"),
+        *("", "[" * 100_000, "[]", '{"sha256": []}', "{}", b"\xff\xfe{}"),
+        '{"command": 1, "sha256": {}}',
+        *(json.dumps({"sha256": {"a": value}}) for value in ("0", "A" * 64, 1)),
+        *(json.dumps({"sha256": {name: HASH}}) for name in NO_NAMES),
+        *('{"sha256": {}, "earlier": 1}', '{"sha256": {}, "earlier": [1]}'),
+        '{"sha256": {}, "earlier": [{"command": {}, "files": ["x"]}]}',
     ],
 )
-def test_a_damaged_manifest_ends_in_one_line(folder, capsys, content, said):
+def test_a_damaged_manifest_ends_in_one_line(folder, capsys, content):
     path = folder / "manifest.json"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     status, lines, errors = verify(capsys, folder)
     assert (status, lines, len(errors)) == (1, [], 1)
-    assert said in errors[0]
-    assert str(path) in errors[0]
+    assert f"{path}: not a manifest of results" in errors[0]
 
 
 def test_a_folder_or_manifest_that_is_not_there_is_told(folder, capsys):
