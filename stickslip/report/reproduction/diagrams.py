@@ -178,7 +178,7 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
 
     for at in (branch, tap):
         sheet.node(at)
-    names = [symbol(name) for name in reproduction.learned.estimates]
+    names = [symbol(name) for name in reproduction.refinement.estimates]
     for at, label in (
         ((4.5, high + 3.0), r"$v_{cmd}$"),
         ((130, high + 3.0), r"$v_r$"),
