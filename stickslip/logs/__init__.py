@@ -1,10 +1,9 @@
 """Logs of drives: read, checked, put on an even grid."""
 
 from stickslip.logs.checks import check_recording
-from stickslip.logs.configuration import load_description
 from stickslip.logs.controller import Controller, Kind
 from stickslip.logs.delay import Delay, aligned, force_delay, samples_late, signal_delay
-from stickslip.logs.description import ROLES, Column, Description
+from stickslip.logs.description import ROLES, Column, Description, load_description
 from stickslip.logs.excitation import Excitation, TurnAround, excitation
 from stickslip.logs.finding import Finding, Severity
 from stickslip.logs.plausibility import check_units, implausible_mass

@@ -11,7 +11,6 @@ import pandas as pd
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.description import Description, quantity_key
 from stickslip.logs.finding import Finding
-from stickslip.logs.products import value_of
 from stickslip.logs.recording import Motion
 from stickslip.logs.roles import named_quantity, suffix_unit
 from stickslip.logs.table import LogTable
@@ -141,13 +140,11 @@ def signal_of(
         When the column holds no numbers, or larger ones than any drive shows.
     """
     column = description.column(role)
-    scale = value_of(
-        1.0 if column.scale is None else column.scale, table.scalars, f"scale of {role}"
-    )
-    offset = value_of(column.offset, table.scalars, f"offset of {role}")
+    scale = table.value(1.0 if column.scale is None else column.scale, f"scale of {role}")
+    offset = table.value(column.offset, f"offset of {role}")
     factor = scale * (unit.factor if unit else 1.0)
     if column.scale is None and unit and _counted(description, role, unit):
-        factor = value_of(description.encoder_step or 1.0, table.scalars, "encoder_step")
+        factor = table.value(description.encoder_step or 1.0, "encoder_step")
     if not (math.isfinite(factor) and factor != 0):
         raise UsageError(f"scale of {role} = {factor:g}: expected a number other than 0")
     if role == "time" and name in table.texts:

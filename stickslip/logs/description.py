@@ -1,17 +1,22 @@
-"""What a log's owner says of it."""
+"""The description of a log: given in Python, in a TOML file, or by options."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
-from stickslip.logs.controller import Kind, check_gains
-from stickslip.logs.products import Product
+from stickslip.logs.controller import GAINS, Kind, check_gains
 from stickslip.logs.recording import Motion
+
+Product = float | str
+"""A number, or factors joined by ``*``, each a number or the name of a scalar in the log's file."""
 
 ROLES = (
     "time",
@@ -25,7 +30,7 @@ ROLES = (
 )
 """What a column can be."""
 CONFIRMED = ("mass", "speed", "acceleration")
-"""What is asked about where no drive is expected to have it."""
+"""Figures that are errors where they are extreme, until they are confirmed."""
 
 
 def quantity_key(role: str) -> str:
@@ -54,7 +59,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Description:
-    """What columns mean, and what else is known; all of it can be left to guesses.
+    """What columns mean, and what else is known; what is left out is detected.
 
     Attributes
     ----------
@@ -68,12 +73,12 @@ class Description:
     span : begin and end of what is used, on the log's own time [s]
     tau_i : time constant of the amplifier's current loop [s]
     confirm : figures that are as extreme as they look: mass, speed, acceleration
-    delimiter, decimal : of a text file; None finds out
+    delimiter, decimal : of a text file; None detects it
 
     Raises
     ------
     UsageError
-        When a role or gain is unknown, or a number means nothing.
+        When a role or gain is unknown, or a number is out of range.
     """
 
     columns: Mapping[str, Column] = field(default_factory=dict)
@@ -113,3 +118,84 @@ class Description:
     def column(self, role: str) -> Column:
         """Return the description of a role's column, which may be empty."""
         return self.columns.get(role, Column())
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _list_of(value: object, is_element: Callable[[object], bool]) -> bool:
+    return isinstance(value, list) and all(map(is_element, value))
+
+
+_Kind = tuple[Callable[[Any], bool], str]
+_TEXT: _Kind = (lambda value: isinstance(value, str), "a text")
+_NUMBER: _Kind = (_is_number, "a number")
+_PRODUCT: _Kind = (lambda value: _is_number(value) or isinstance(value, str), "a number or product")
+_TABLE: _Kind = (lambda value: isinstance(value, dict), "a table")
+_KEYS: dict[str, _Kind] = {
+    **dict.fromkeys(("columns", "controller"), _TABLE),
+    **dict.fromkeys(("motion", "delimiter", "decimal"), _TEXT),
+    **dict.fromkeys(("encoder_step", "force_limit"), _PRODUCT),
+    **dict.fromkeys(("sample_period", "tau_i"), _NUMBER),
+    "span": (lambda value: _list_of(value, _is_number) and len(value) == 2, "[begin, end] in s"),
+    "confirm": (lambda value: _list_of(value, _TEXT[0]), "a list of texts"),
+}
+_COLUMN_KEYS: dict[str, _Kind] = {
+    **dict.fromkeys(("name", "unit"), _TEXT),
+    **dict.fromkeys(("scale", "offset"), _PRODUCT),
+    "index": (lambda value: type(value) is int and value > 0, "a number from 1"),
+}
+
+
+def load_description(path: Path) -> Description:
+    """Read a description.
+
+    The file holds the fields of ``Description`` by name; ``[columns.ROLE]`` the fields of
+    ``Column``, or in short ``columns.ROLE = "NAME"``, with ``index`` for a number from 1;
+    ``[controller]`` ``kind`` and the gains.
+
+    Raises
+    ------
+    UsageError
+        When it cannot be read, or a key or value is not valid.
+    """
+    try:
+        content = parse_toml(read_limited(path, MOST_TEXT))
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:  # not UTF-8, or not TOML
+        raise UsageError(f"{path}: not TOML ({' '.join(str(error).split())})") from None
+    try:
+        given = _checked(content, _KEYS)
+        columns = given.pop("columns", {}).items()
+        given["columns"] = {role: _column(role, column) for role, column in columns}
+        if "controller" in given:
+            kinds = {"kind": _TEXT, **dict.fromkeys(GAINS, _PRODUCT)}
+            given["gains"] = _checked({"kind": "", **given["controller"]}, kinds, "controller.")
+            given["controller"] = given["gains"].pop("kind")
+        return Description(**given)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+
+
+def _checked(table: Mapping[str, Any], kinds: Mapping[str, _Kind], place: str = "") -> Any:
+    for key, value in table.items():
+        if key not in kinds:
+            raise UsageError(f"no key '{place}{key}'{suggestion(key, kinds)}")
+        fits, expected = kinds[key]
+        if not fits(value):
+            raise UsageError(f"{place}{key} = {value!r}: expected {expected}")
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
+
+
+def _column(role: str, value: Any) -> Column:
+    if isinstance(value, str | int):
+        value = {"name" if isinstance(value, str) else "index": value}
+    given = _checked({role: value}, {role: _TABLE}, "columns.")[role]
+    given = _checked(given, _COLUMN_KEYS, f"columns.{role}.")
+    if "name" in given and "index" in given:
+        raise UsageError(f"columns.{role}: expected name or index, got both")
+    if "index" in given:
+        given["name"] = given.pop("index")
+    return Column(**given)

@@ -12,11 +12,10 @@ import numpy as np
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
 from stickslip.logs.controller import Controller, controller_of
-from stickslip.logs.description import ROLES, Description
+from stickslip.logs.description import ROLES, Description, Product
 from stickslip.logs.file import read_table
 from stickslip.logs.finding import Finding
 from stickslip.logs.grid import check_times, even_grid
-from stickslip.logs.products import Product, value_of
 from stickslip.logs.quantisation import step_of
 from stickslip.logs.recording import Recording
 from stickslip.logs.roles import assign_roles, named_quantity
@@ -136,9 +135,7 @@ def read_recording(
     recording = Recording(
         grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
     )
-    gains = {
-        name: value_of(value, table.scalars, f"gain {name}") for name, value in said.gains.items()
-    }
+    gains = {name: table.value(value, f"gain {name}") for name, value in said.gains.items()}
     return Reading(
         recording,
         controller_of(said.controller, gains),
@@ -247,7 +244,7 @@ def _unwrap(signals: dict[str, Array]) -> list[Finding]:
 def _positive(table: LogTable, given_as: Product | None, what: str) -> float | None:
     if given_as is None:
         return None
-    value = value_of(given_as, table.scalars, what)
+    value = table.value(given_as, what)
     if value <= 0:
         raise UsageError(f"{what} = {value:g}: expected more than 0")
     return value

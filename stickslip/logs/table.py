@@ -1,15 +1,17 @@
-"""The table that a log's file holds, before anybody knows what its columns are."""
+"""The table that a log's file holds, before its columns have roles."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import RecordingError
+from stickslip.errors import RecordingError, UsageError
 from stickslip.fmi.messages import suggestion
+from stickslip.logs.description import Product
 from stickslip.logs.finding import Finding
 from stickslip.servo.measurement import Array
 
@@ -48,7 +50,7 @@ class LogTable:
         return k + 1 if self.rows is None else int(self.rows[k])
 
     def find(self, key: str | int, role: str) -> str:
-        """Return the name of the column that an owner calls so, by name or number from 1.
+        """Return the name of the column with a name or a number from 1.
 
         Raises
         ------
@@ -69,6 +71,28 @@ class LogTable:
         if alike:
             raise RecordingError(f"{self.path}: {role}: which column, {' or '.join(alike)}?")
         raise RecordingError(f"{self.path}: {role}: no column '{key}'{suggestion(key, self.names)}")
+
+    def value(self, product: Product, what: str) -> float:
+        """Return the value of a product, whose factors may name scalars of the file.
+
+        Raises
+        ------
+        UsageError
+            When a factor is neither number nor name, or the value is not finite.
+        """
+        value = 1.0
+        for factor in str(product).split("*"):
+            name = factor.strip()
+            try:
+                value *= self.scalars[name] if name in self.scalars else float(name)
+            except ValueError:
+                raise UsageError(
+                    f"{what} = {product}: '{name}' is not a number and not a scalar of the file"
+                    f"{suggestion(name, self.scalars)}"
+                ) from None
+        if not math.isfinite(value):
+            raise UsageError(f"{what} = {product}: expected a finite number, got {value}")
+        return value
 
     def column(self, name: str) -> Array:
         """Return the numbers (n,) of a column.

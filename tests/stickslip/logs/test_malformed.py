@@ -10,8 +10,14 @@ from hypothesis import strategies as st
 
 from stickslip import models
 from stickslip.errors import RecordingError, StickslipError, UsageError
-from stickslip.logs import Column, Controller, Description, check_recording, read_recording
-from stickslip.logs.configuration import load_description
+from stickslip.logs import (
+    Column,
+    Controller,
+    Description,
+    check_recording,
+    load_description,
+    read_recording,
+)
 
 ROWS = [f"{k * 0.001:.3f},{np.sin(k / 50):.9f},{np.cos(k / 50):.9f}" for k in range(100)]
 
@@ -96,8 +102,8 @@ DESCRIPTIONS = {
     "unit": ({"columns": {"position": Column("x", "parsec")}}, "unit 'parsec' of position"),
     "quantity": ({"columns": {"position": Column("x", "N")}}, "position is in N"),
     "motion": ({"motion": "linear", "columns": {"position": Column("x", "deg")}}, "--scale"),
-    "scalar": ({"columns": {"force": Column("F", "V", "gtau")}}, "'gtau' is no number"),
-    "no product": ({"columns": {"force": Column("F", "V", "2+3")}}, "'2+3' is no number"),
+    "scalar": ({"columns": {"force": Column("F", "V", "gtau")}}, "'gtau' is not a number"),
+    "no product": ({"columns": {"force": Column("F", "V", "2+3")}}, "'2+3' is not a number"),
     "scale 0": ({"columns": {"force": Column("F", scale=0)}}, "other than 0"),
     "span": ({"span": (5.0, 6.0)}, "no samples there; the log has 0 to 0.099 s"),
     "step": ({"encoder_step": -1.0}, "encoder_step = -1"),
@@ -150,7 +156,7 @@ def test_a_description_that_means_nothing(given, said):
         ("[columns]\nposition = {name = 'x', index = 1}", "got both"),
         ("span = [1, 2, 3]", "[begin, end]"),
         ("encoder_step = true", "expected a number"),
-        ("[controller]\nK_p = 3", "controller.kind"),
+        ("[controller]\nK_p = 3", "controller '': expected one of P"),
         ("[controller]\nkind = 'P'\nK_p = [3]", "controller.K_p"),
     ],
 )
