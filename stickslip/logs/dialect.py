@@ -44,7 +44,7 @@ class Dialect:
         return [field.strip() for field in line.split(self.delimiter)]
 
     def number(self, field: str) -> float | None:
-        """Return the number that a field holds, None when it holds none."""
+        """Return the number that a field holds, None when it is not a number."""
         try:
             return float(field.replace(",", ".") if self.decimal == "," else field)
         except ValueError:
@@ -52,37 +52,24 @@ class Dialect:
 
 
 def find_dialect(lines: Sequence[str], delimiter: str | None, decimal: str | None) -> Dialect:
-    """Return the dialect in which the last lines hold most numbers, evenly many a line.
-
-    Parameters
-    ----------
-    lines : of the file
-    delimiter, decimal : where known
-    """
+    """Return the dialect in which the last lines hold most numbers, equally many per line."""
     longest = max(len(line) for line in lines[-_SAMPLE - 1 :])
     some = min(_SAMPLE, max(3, _SAMPLED // max(1, longest)))
     sample = lines[-some - 1 : -1] or lines
-    candidates = [
-        Dialect(mark, point)
-        for mark in ([delimiter] if delimiter else _DELIMITERS)
-        for point in ([decimal] if decimal else (".", ","))
-        if mark != point
-    ]
-    return max(candidates, key=lambda dialect: _score(dialect, sample))
 
+    def score(dialect: Dialect) -> int:
+        rows = [dialect.fields(line) for line in sample]
+        width = commonest(map(len, rows))
+        fields = [field for row in rows if len(row) == width for field in row]
+        return sum(dialect.number(field) is not None for field in fields)
 
-def _score(dialect: Dialect, sample: Sequence[str]) -> float:
-    """Return how many numbers a line has, among lines of the commonest number of fields."""
-    rows = [dialect.fields(line) for line in sample]
-    width = commonest(map(len, rows))
-    numbers = sum(
-        dialect.number(field) is not None for row in rows if len(row) == width for field in row
-    )
-    return numbers / len(sample)
+    marks = [delimiter] if delimiter else _DELIMITERS
+    points = [decimal] if decimal else [".", ","]
+    return max((Dialect(m, p) for m in marks for p in points if m != p), key=score)
 
 
 def commonest(counts: Iterable[int]) -> int:
-    """Return the commonest of some counts; 1 of none."""
+    """Return the most frequent count; 1 if there is none."""
     return max(Counter(counts).items(), key=lambda item: item[1], default=(1, 0))[0]
 
 
