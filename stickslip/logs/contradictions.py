@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal import correlate
@@ -60,16 +59,10 @@ def contradictions(reading: Reading) -> Iterator[Finding]:
             yield Finding("error", what, figure, advice)
 
 
-@dataclass(frozen=True)
-class _Image:
-    """How many times larger a signal is than another, and the size of their correlation."""
+def _image(a: Array, b: Array, late: float) -> tuple[float, float] | None:
+    """Return how many times larger b (n,) is than a (n,), and their correlation; None if unlike.
 
-    ratio: float
-    likeness: float
-
-
-def _image(a: Array, b: Array, late: float) -> _Image | None:
-    """Return b (n,) as image of a (n,), with a negative ratio if inverted; None if unlike.
+    The ratio is negative where one is inverted.
 
     The ratio of standard deviations is that of regression both ways, and needs no alignment; the
     correlation, at the best lag, tells whether one is the other's image. The farthest thousandths
@@ -84,30 +77,30 @@ def _image(a: Array, b: Array, late: float) -> _Image | None:
     reach = int(late * len(a))
     lags = lags[len(a) - 1 - reach : len(a) + reach]
     if lags.max() >= ALIKE:
-        return _Image(sizes[1] / sizes[0], float(lags.max()))
+        return sizes[1] / sizes[0], float(lags.max())
     if lags.min() <= -SAME and lags.max() < ALIKE / 2:
-        return _Image(-sizes[1] / sizes[0], -float(lags.min()))
+        return -sizes[1] / sizes[0], -float(lags.min())
     return None
 
 
 def _contradiction(
-    reading: Reading, a: str, b: str, image: _Image, most: float
+    reading: Reading, a: str, b: str, image: tuple[float, float], most: float
 ) -> Iterator[Finding]:
     """Yield the findings of two signals if b, an image of a, is not as large."""
-    ratio = image.ratio
+    ratio, likeness = image
     what = f"{a} and {b} contradict each other"
     leave = f"--column {b}=none leaves {b} out"
     if ratio < 0:
         figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
         yield Finding("error", what, figure, f"say {_scaled(reading, b, -1)}; {leave}")
     figure = f"{b} is {abs(ratio):.4g} times {a}"
-    factor = near_factor(abs(ratio))
-    if factor and (image.likeness > SAME or not 1 / SMALL < factor.value < SMALL):
-        ends = {b: 1 / factor.value, a: factor.value}
+    factor, name = near_factor(abs(ratio)) or (0.0, "")
+    if factor and (likeness > SAME or not 1 / SMALL < factor < SMALL):
+        ends = {b: 1 / factor, a: factor}
         if a == RATE:
-            ends = {b: 1 / factor.value, "position": factor.value, "time": 1 / factor.value}
+            ends = {b: 1 / factor, "position": factor, "time": 1 / factor}
         advice = _corrections(reading, ends)
-        yield Finding("error", what, f"{figure}, near {factor.name}", f"{advice}; {leave}")
+        yield Finding("error", what, f"{figure}, near {name}", f"{advice}; {leave}")
     elif not 1 / most <= abs(ratio) <= most:
         advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
         yield Finding("warning", f"{a} and {b} differ in scale", figure, f"{advice}; {leave}")
@@ -115,16 +108,16 @@ def _contradiction(
 
 def _corrections(reading: Reading, ends: dict[str, float]) -> str:
     """Return options that multiply one of several signals, by role, by its factor."""
-    units, said = reading.units, reading.description
+    units = reading.units
     options = []
     known = [role for role in ends if role in units]
     for role in sorted(known, key=lambda role: units[role] is not None):  # unstated ones first
-        if said.column(role).scale is not None:
+        if reading.description.column(role).scale is not None:
             options.append(_scaled(reading, role, ends[role]))
         elif unit := _unit_for(reading, role, ends[role]):
             options.append(f"--unit {role}={unit.name}")
     if not options:
-        names = " ".join(f"{role}=UNIT" for role in ends if role in units)
+        names = " ".join(f"{role}=UNIT" for role in known)
         return f"say their units with --unit {names}"
     return f"say {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip.identification.stages.estimate import covariance
-from stickslip.logs.motion import kinematics, rigid_columns, sliding, unexplained
+from stickslip.logs.motion import kinematics, rigid, unexplained
 from stickslip.logs.recording import Recording
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array
 
 CUTOFF = 50.0
 """Low-pass of what is compared [Hz]."""
@@ -43,25 +43,21 @@ class Delay:
 def force_delay(recording: Recording) -> Delay | None:
     """Return the delay of the force behind the motion that it causes, None if unknown.
 
-    While sliding, F(t + d) = m a + b v + F_c sign v + F_0. A delay left over shows as a part of F
-    in step with the derivative of its inertial and viscous part, which is fitted and taken away,
-    until none is left. Samples near reversals do not count: there bristles make the force late.
+    While sliding, F(t + d) = m a + b v + F_c sign v + F_0. A remaining delay appears as a part of F
+    proportional to the derivative of its inertial and viscous part, which is fitted and removed
+    iteratively. Samples near reversals are left out: there presliding delays the force.
     """
-    if recording.force is None:
-        return None
-    T_s = recording.T_s
     motion = kinematics(recording, CUTOFF)
-    used = sliding(motion, T_s)
-    if used.sum() < 50:
+    if (drive := rigid(recording, motion)) is None:
         return None
-    base = rigid_columns(motion, used)
-    force = smoothed(recording.force, T_s, motion.cutoff)
-
-    def slope(fit: Array) -> Array:
-        m, b = fit[:2]
-        return np.asarray(m * motion.jerk[used] + b * motion.a[used])
-
-    return _fitted(recording.t, force, used, base, slope)
+    jerk, a = motion.jerk[drive.used], motion.a[drive.used]
+    return _fitted(
+        recording.t,
+        drive.force,
+        drive.used,
+        drive.columns,
+        lambda fit: np.asarray(fit[0] * jerk + fit[1] * a),
+    )
 
 
 def signal_delay(t: Array, early: Array, late: Array) -> Delay | None:

@@ -1,4 +1,4 @@
-"""What a recording can show of a drive, before anything is learned from it."""
+"""How a recording excites a drive."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.logs.motion import Kinematics, kinematics, rigid_columns, sliding
+from stickslip.logs.motion import Kinematics, kinematics, rigid
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 
@@ -75,12 +75,7 @@ class Excitation:
 
 
 def excitation(recording: Recording) -> Excitation:
-    """Return what a recording holds of motion.
-
-    Parameters
-    ----------
-    recording : with a position or a velocity; the force's share needs a force, too
-    """
+    """Return the figures of a recording that has a position or a velocity."""
     motion = kinematics(recording)
     speed = np.abs(motion.v)
     top = float(speed.max())
@@ -111,8 +106,8 @@ def excitation(recording: Recording) -> Excitation:
 def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:
     """Return the samples (k,) at which the velocity reverses.
 
-    Those count between which it moves by three steps of the encoder or a ten-thousandth of its
-    range, so that noise at rest does not.
+    Between two of them the drive moves by at least three encoder steps and a ten-thousandth of its
+    range, so that noise at rest is not counted.
     """
     x = motion.x
     least = max(3 * recording.encoder_step, 1e-4 * float(np.ptp(x)))
@@ -133,16 +128,12 @@ def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:
 
 def _rigid(recording: Recording, motion: Kinematics) -> tuple[Array, float, float]:
     """Return F = m a + b v + F_c sign v + F_0 fitted while sliding, and the shares of m and b."""
-    if recording.force is None:
+    drive = rigid(recording, motion)
+    if drive is None or not np.all((scale := np.linalg.norm(drive.columns, axis=0)) > 0):
         return np.zeros(4), np.nan, np.nan
-    used = sliding(motion, recording.T_s)
-    columns = rigid_columns(motion, used)
-    scale = np.linalg.norm(columns, axis=0)
-    if len(columns) < 50 or not np.all(scale > 0):
-        return np.zeros(4), np.nan, np.nan
-    force = smoothed(recording.force, recording.T_s, motion.cutoff)
-    fit = np.linalg.lstsq(columns / scale, force[used], rcond=None)[0] / scale
-    whole = max(float(np.std(force[used])), 1e-300)
+    columns, force = drive.columns, drive.force[drive.used]
+    fit = np.linalg.lstsq(columns / scale, force, rcond=None)[0] / scale
+    whole = max(float(np.std(force)), 1e-300)
     speed = np.abs(columns[:, 1])  # its changes, not its sign, tell b from F_c
     inertial = abs(float(fit[0])) * float(np.std(columns[:, 0])) / whole
     return fit, inertial, abs(float(fit[1])) * float(np.std(speed)) / whole

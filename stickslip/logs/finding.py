@@ -1,4 +1,4 @@
-"""What a check of a recording found."""
+"""Findings of checks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Severity = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One remark on a recording; as text it is one line.
+    """One finding of a check of a recording; as text it is one line.
 
     Attributes
     ----------
@@ -18,8 +18,8 @@ class Finding:
     what : was found
     figure : the number behind it, with its unit
     advice : what to do; empty when nothing need be done
-    spoils : "intervals" where values learned from the recording may be off by more than these tell,
-        "values" where they are wrong
+    spoils : "intervals" where the learned intervals are too narrow, "values" where the learned
+        values are wrong
     """
 
     severity: Severity
@@ -27,6 +27,11 @@ class Finding:
     figure: str = ""
     advice: str = ""
     spoils: Literal["", "intervals", "values"] = ""
+
+    @classmethod
+    def either(cls, fine: bool, note: str, warning: str, figure: str, advice: str) -> Finding:
+        """Return a note without advice, or a warning."""
+        return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)
 
     def __str__(self) -> str:
         figure = f": {self.figure}" if self.figure else ""

@@ -12,6 +12,8 @@ from stickslip.servo.measurement import CUTOFF, Array, smoothed
 
 FASTEST = 0.1
 """Low-pass cutoff at most, in sampling frequencies."""
+FEWEST = 50
+"""Sliding samples to which a rigid drive is fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,22 +80,37 @@ def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bo
     return np.asarray(~near)
 
 
-def unexplained(recording: Recording) -> float:
-    """Return what a rigid drive leaves of the force while sliding, sum of squares [N^2].
+@dataclass(frozen=True, eq=False)
+class Rigid:
+    """F = m a + b v + F_c sign v + F_0 while sliding.
 
-    NaN where too little slides to tell.
+    Attributes
+    ----------
+    used : (n,) where the drive slides
+    columns : (k, 4) of m, b, F_c and F_0
+    force : (n,) through the low-pass of the motion [N]
     """
-    motion = kinematics(recording)
+
+    used: NDArray[np.bool_]
+    columns: Array
+    force: Array
+
+
+def rigid(recording: Recording, motion: Kinematics) -> Rigid | None:
+    """Return the equations of a rigid drive, None without a force or with few samples sliding."""
     used = sliding(motion, recording.T_s)
-    if recording.force is None or used.sum() < 50:
+    if recording.force is None or used.sum() < FEWEST:
+        return None
+    v = motion.v[used]
+    columns = np.column_stack([motion.a[used], v, np.sign(v), np.ones_like(v)])
+    return Rigid(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))
+
+
+def unexplained(recording: Recording) -> float:
+    """Return the sum of squares [N^2] of the force that a rigid drive leaves, NaN if unknown."""
+    if (drive := rigid(recording, kinematics(recording))) is None:
         return np.nan
-    basis = np.linalg.qr(rigid_columns(motion, used))[0]
-    force = smoothed(recording.force, recording.T_s, motion.cutoff)[used]
+    basis = np.linalg.qr(drive.columns)[0]
+    force = drive.force[drive.used]
     rest = force - basis @ (basis.T @ force)
     return float(rest @ rest)
-
-
-def rigid_columns(motion: Kinematics, used: NDArray[np.bool_]) -> Array:
-    """Return the columns (k, 4) of F = m a + b v + F_c sign v + F_0 where (n,) is used."""
-    v = motion.v[used]
-    return np.column_stack([motion.a[used], v, np.sign(v), np.ones_like(v)])

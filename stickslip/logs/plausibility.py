@@ -1,11 +1,10 @@
-"""Figures of a log that hardly any drive has, which an unstated or mistaken unit makes."""
+"""Figures of a log that hardly any drive has: units that are missing or wrong."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,48 +12,37 @@ from stickslip.logs.contradictions import contradictions
 from stickslip.logs.excitation import excitation
 from stickslip.logs.finding import Finding
 from stickslip.logs.motion import kinematics
+from stickslip.logs.reading import Reading
 from stickslip.logs.recording import Motion
-
-if TYPE_CHECKING:
-    from stickslip.logs.reading import Reading
 
 SHOWN = 0.05
 """Share of the force that inertia makes, from which the mass shows."""
 
 
-@dataclass(frozen=True)
-class _Limits:
-    """Beyond these a figure is asked about.
-
-    Attributes
-    ----------
-    mass : least and most [kg]
-    speed : [m/s]
-    acceleration : [m/s^2]
-    travel : of a position that states no unit [m]
-    """
-
-    mass: tuple[float, float]
-    speed: float
-    acceleration: float
-    travel: float
+class _Limits(NamedTuple):
+    least_mass: float  # kg
+    most_mass: float
+    speed: float  # m/s
+    acceleration: float  # m/s^2
+    travel: float  # of a position that states no unit [m]
 
 
 LIMITS: dict[Motion, _Limits] = {
-    "linear": _Limits((1e-3, 1e5), 100.0, 9806.65, 2.0),
-    "rotary": _Limits((1e-9, 1e6), 1e4, 1e6, math.inf),
+    "linear": _Limits(1e-3, 1e5, 100.0, 9806.65, 2.0),
+    "rotary": _Limits(1e-9, 1e6, 1e4, 1e6, math.inf),
 }
+"""Figures beyond these must be confirmed."""
 SLOWEST = 0.05
 """Sample period [s] beyond which a time that states no unit is asked about."""
 
 
 def check_units(reading: Reading) -> tuple[Finding, ...]:
-    """Return what units explain better than a drive: contradictions, and extreme figures."""
+    """Return signals that contradict each other by a factor of units, and extreme figures."""
     return (*contradictions(reading), *implausible(reading))
 
 
 def implausible(reading: Reading) -> Iterator[Finding]:
-    """Yield what is asked about, as errors until it is corrected or confirmed."""
+    """Yield extreme figures, as errors until they are corrected or confirmed."""
     recording, assumed = reading.recording, reading.assumed
     limits = LIMITS[recording.motion]
     if "time" in assumed and recording.T_s > SLOWEST:
@@ -77,24 +65,24 @@ def implausible(reading: Reading) -> Iterator[Finding]:
     ):
         if value > limit:
             figure = f"{value:.4g} {unit}{per}, more than {limit:.4g} {unit}{per}"
-            yield _asked(reading, name, figure)
+            yield _extreme(reading, name, figure)
     mass = shown.mass if shown.inertial > SHOWN and "force" in reading.units else np.nan
     if question := implausible_mass(reading, mass, mass):
         yield question
 
 
 def implausible_mass(reading: Reading, low: float, high: float) -> Finding | None:
-    """Return the question about a mass between two values [kg] that hardly any drive has."""
+    """Return the finding on a mass between two values [kg] that hardly any drive has."""
     unit = "kg m^2" if reading.recording.motion == "rotary" else "kg"
-    least, most = LIMITS[reading.recording.motion].mass
+    least, most, *_ = LIMITS[reading.recording.motion]
     if 0 < high < least:
-        return _asked(reading, "mass", f"{high:.3g} {unit}, less than {least:g} {unit}")
+        return _extreme(reading, "mass", f"{high:.3g} {unit}, less than {least:g} {unit}")
     if low > most:
-        return _asked(reading, "mass", f"{low:.3g} {unit}, more than {most:g} {unit}")
+        return _extreme(reading, "mass", f"{low:.3g} {unit}, more than {most:g} {unit}")
     return None
 
 
-def _asked(reading: Reading, name: str, figure: str) -> Finding:
+def _extreme(reading: Reading, name: str, figure: str) -> Finding:
     """Return a figure's error, or its note where it is confirmed."""
     if name in reading.description.confirm:
         return Finding("note", f"the {name} is extreme, and confirmed", figure)

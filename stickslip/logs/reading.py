@@ -215,9 +215,9 @@ def _encoder_step(
     if given is None:
         return shown
     factor = near_factor(shown / given) if shown else None
-    if factor and not 1 < factor.value < 1e3:  # a log may have fewer digits than the encoder
+    if factor and not 1 < factor[0] < 1e3:  # a log may have fewer digits than the encoder
         what = "the steps of the position and --encoder-step contradict each other"
-        figure = f"{shown:.4g} and {given:.4g}, a factor near {factor.name}"
+        figure = f"{shown:.4g} and {given:.4g}, a factor near {factor[1]}"
         advice = "correct --encoder-step or the unit of the position, --unit position=UNIT"
         findings.append(Finding("error", what, figure, advice))
     elif shown and abs(shown / given - max(1, round(shown / given))) > 0.05:

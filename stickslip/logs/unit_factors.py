@@ -1,9 +1,8 @@
-"""Ratios of values that are near a factor between units, which are then probably mistaken."""
+"""Ratios near a factor between units, which indicate a wrong unit."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from stickslip.logs.finding import Finding
 from stickslip.logs.units import sized_unit
@@ -20,27 +19,19 @@ EQUALS = 1.25
 """Ratio up to which two values that should be equal do not contradict each other."""
 
 
-@dataclass(frozen=True)
-class Factor:
-    """A factor between units, and how people write it."""
-
-    value: float
-    name: str
-
-
-def near_factor(ratio: float) -> Factor | None:
-    """Return the factor of units, or its inverse, that a ratio > 0 is near, None if it is none."""
+def near_factor(ratio: float) -> tuple[float, str] | None:
+    """Return the factor of units, or its inverse, that a ratio > 0 is near, and how to write it."""
     size = abs(math.log(ratio))
     name, value = min(FACTORS.items(), key=lambda item: abs(math.log(item[1]) - size))
     if abs(math.log(value) - size) > (ROUGHLY if value > 100 else NEAR):
         return None
-    return Factor(value, name) if ratio > 1 else Factor(1 / value, f"1/({name})")
+    return (value, name) if ratio > 1 else (1 / value, f"1/({name})")
 
 
 def described_ratio(ratio: float) -> str:
     """Return a ratio, and the factor of units that it is near."""
     factor = near_factor(ratio)
-    return f"{ratio:.4g}" + (f", near {factor.name}" if factor else "")
+    return f"{ratio:.4g}" + (f", near {factor[1]}" if factor else "")
 
 
 def contradicted_period(spacing: float, period: float) -> Finding | None:
@@ -52,6 +43,6 @@ def contradicted_period(spacing: float, period: float) -> Finding | None:
     figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {described_ratio(ratio)}"
     advice = f"--sample-period is in s, not a rate; say --sample-period {spacing:.6g}"
     factor = near_factor(ratio)
-    unit = sized_unit(["time"], 1 / factor.value) if factor else None
+    unit = sized_unit(["time"], 1 / factor[0]) if factor else None
     other = f", --unit time={unit.name} without --sample-period" if unit else ""
     return Finding("error", what, figure, f"{advice}{other}, or --column time=none")

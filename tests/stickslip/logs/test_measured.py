@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.logs import check_recording, load_description, read_recording
-from stickslip.logs.motion import kinematics, rigid_columns
+from stickslip.logs.motion import kinematics
 from stickslip.servo.measurement import smoothed
 
 LOGS = Path(__file__).resolve().parents[3] / "examples" / "logs"
@@ -33,9 +33,9 @@ def test_the_force_of_emps_is_that_of_its_publishers(emps):
     """M a + F_v v + F_c sign(v) + offset, from all samples as they did: units and scale hold."""
     recording = read_recording(emps, load_description(LOGS / "emps.toml")).recording
     motion = kinematics(recording, 50.0)
-    used = np.ones(len(recording.t), dtype=bool)
-    force = smoothed(recording.force, recording.T_s, motion.cutoff)[used]
-    fit = np.linalg.lstsq(rigid_columns(motion, used), force, rcond=None)[0]
+    force = smoothed(recording.force, recording.T_s, motion.cutoff)
+    columns = np.column_stack([motion.a, motion.v, np.sign(motion.v), np.ones(len(force))])
+    fit = np.linalg.lstsq(columns, force, rcond=None)[0]
     np.testing.assert_allclose(fit, [95.1089, 203.5034, 20.3935, -3.1648], rtol=0.01)
 
 
