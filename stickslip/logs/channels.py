@@ -18,24 +18,24 @@ from stickslip.logs.units import QUANTITIES, Unit, motion_of, unit_named, unit_n
 from stickslip.servo.measurement import Array
 
 LARGEST = 1e30
-"""Numbers beyond are taken for a file that was misread."""
+"""Larger numbers indicate a misread file."""
 FEW = 10
-"""Different values that whole numbers may have and still be no counts: commands in levels."""
+"""Distinct whole numbers up to which a column is a command in levels, and not counts."""
 
 
 def unit_of(table: LogTable, description: Description, role: str, name: str) -> Unit | None:
-    """Return the unit of a column: as its owner says, else as the header says, else None.
+    """Return the unit of a column: that of the description, else that of the header, else None.
 
     Raises
     ------
     UsageError
-        When the owner names a unit that does not exist.
+        When the unit of the description is unknown.
     """
-    said = description.column(role).unit
-    if said is not None:
-        if unit := unit_named(said):
+    given = description.column(role).unit
+    if given is not None:
+        if unit := unit_named(given):
             return unit
-        raise UsageError(f"unit '{said}' of {role} is unknown; expected {_expected(role)}")
+        raise UsageError(f"unit '{given}' of {role} is unknown; expected {_expected(role)}")
     if stated := table.units.get(name):
         return unit_named(stated)
     ending = suffix_unit(name)
@@ -53,10 +53,10 @@ def unit_fault(
     unit: Unit | None,
     motion: Motion,
 ) -> Finding | None:
-    """Return the error of a column whose unit is unknown, is not one of its role, or is missing.
+    """Return the error of a column whose unit is unknown, does not fit its role, or is missing.
 
-    A column needs a unit or a scale where its name says that it is something else, such as a
-    current, and where it holds whole numbers only, as counts and per mille do.
+    A column needs a unit or a scale if its name is that of another quantity, such as a current, and
+    if it holds whole numbers only, as counts and per mille do.
     """
     if description.column(role).scale is not None:
         return None
@@ -67,7 +67,7 @@ def unit_fault(
             return None
         base = unit.name if unit.factor == 1 else unit_names(unit.quantity)[0]
         one = "100 %" if unit.name in ("%", "‰") else f"one {base}"
-        what = f"{role} is in {unit.name}, which is no {expected} ({motion} motion)"
+        what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
         advice = f"give a unit such as {_expected(role, motion)}, or what {one} is in {SI}"
         return Finding("error", what, "", f"{advice} with --scale {role}=NUMBER")
     named = named_quantity(name)
@@ -104,17 +104,17 @@ def _whole(numbers: Array | None) -> bool:
 def motion_from(
     description: Description, roles: dict[str, str], units: dict[str, Unit | None]
 ) -> tuple[Motion, list[Finding]]:
-    """Return the motion: as its owner says, else as the first unit says, else linear.
+    """Return the motion: that of the description, else that of the units, else linear.
 
-    A position that states no unit and is an angle by its name makes it rotary, too.
+    A position without a unit whose name is that of an angle makes it rotary, too.
     """
     if description.motion:
         return description.motion, []
     for role, unit in units.items():
         motion = motion_of(unit) if unit and description.column(role).scale is None else None
         if motion:
-            said = unit.name if unit else ""
-            return motion, [Finding("note", f"motion is taken for {motion}", f"{role} in {said}")]
+            figure = f"{role} in {unit.name if unit else ''}"
+            return motion, [Finding("note", f"motion is taken for {motion}", figure)]
     if named_quantity(roles.get("position", "")) == "angle":
         figure = f"position is column '{roles['position']}'"
         return "rotary", [Finding("note", "motion is taken for rotary", figure)]
@@ -130,14 +130,14 @@ def signal_of(
 ) -> Array:
     """Return a column (n,) in SI units.
 
-    A unit that is none of the role counts by its scale; ``unit_fault`` finds those without one.
+    A unit that does not fit the role needs a scale, see ``unit_fault``.
 
     Raises
     ------
     UsageError
         When the scale is 0.
     RecordingError
-        When the column holds no numbers, or larger ones than any drive shows.
+        When the column holds no numbers, or larger ones than any drive has.
     """
     column = description.column(role)
     scale = table.value(1.0 if column.scale is None else column.scale, f"scale of {role}")
@@ -155,7 +155,7 @@ def signal_of(
     if absurd.size:
         row = table.row(int(absurd[0]))
         raise RecordingError(
-            f"{table.path}: column '{name}', row {row}: no drive shows {signal[absurd[0]]:.3g}; "
+            f"{table.path}: column '{name}', row {row}: {signal[absurd[0]]:.3g} is too large; "
             "check delimiter, decimal sign and scale"
         )
     return signal
@@ -167,30 +167,26 @@ _COUNTS = ("counts", "count", "cts", "inc", "increments", "1")
 def assumed_units(
     description: Description, units: dict[str, Unit | None], motion: Motion
 ) -> list[Finding]:
-    """Return the remark on columns whose unit nobody states."""
+    """Return the note on columns without a stated unit."""
     assumed = [
         f"{role} in {unit_names(_quantity(role, motion))[0]}"
         for role, unit in units.items()
         if unit is None and description.column(role).scale is None
     ]
-    if not assumed:
-        return []
-    advice = "--unit ROLE=UNIT says otherwise"
-    return [
-        Finding("note", "columns that state no unit", "taken for " + ", ".join(assumed), advice)
-    ]
+    figure, advice = "taken for " + ", ".join(assumed), "--unit ROLE=UNIT states another"
+    return [Finding("note", "columns that state no unit", figure, advice)] if assumed else []
 
 
 def _points_in_time(table: LogTable, name: str) -> Array:
     """Return seconds (n,) since the first of points in time such as 2026-01-31T10:00:00.125."""
     texts = table.texts[name]
     if not all(re.match(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", text) for text in texts[:1]):
-        table.column(name)  # says which row
+        table.column(name)  # raises and names the row
     try:
         times = pd.to_datetime(list(texts), format="ISO8601", utc=True)
     except (ValueError, OverflowError) as error:
-        said = " ".join(str(error).split())[:80]
-        raise RecordingError(f"{table.path}: column '{name}': no point in time ({said})") from None
+        reason = " ".join(str(error).split())[:80]
+        raise RecordingError(f"{table.path}: column '{name}': not a time ({reason})") from None
     return np.asarray((times - times[0]).total_seconds(), dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""Logged times made even: gaps filled or cut off, jitter taken out."""
+"""Resampling to an even grid: gaps filled or cut off, jitter removed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip.errors import RecordingError
-from stickslip.logs.finding import Finding
+from stickslip.logs.finding import Finding, Severity
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
 FILLED = 5
-"""Samples in a row that may be missing and are drawn in; where more are, the log is cut."""
+"""Consecutive missing samples that are interpolated; where more are missing, the log is cut."""
 EVEN = 0.01
-"""Deviation of times from an even grid that is taken for none, in sample periods."""
+"""Deviation of times from an even grid that is ignored, in sample periods."""
 SHORTEST = 20
 """Fewest samples of a recording."""
 MOST = 20_000
@@ -57,14 +57,10 @@ def check_times(table: LogTable, t: Array) -> None:
         raise RecordingError(f"{table.path}: row {row}: expected a time, got {t[wrong[0]]}")
     if (wrong := np.flatnonzero(np.diff(t) <= 0)).size:
         k = int(wrong[0])
-        if t[k + 1] == t[k]:
-            raise RecordingError(
-                f"{table.path}: row {table.row(k + 1)}: time {t[k]:.9g} s comes twice "
-                f"({wrong.size} such rows); if the clock is only coarse, give --sample-period"
-            )
         raise RecordingError(
-            f"{table.path}: row {table.row(k + 1)}: time goes back from {t[k]:.9g} to "
-            f"{t[k + 1]:.9g} s; expected it to rise; keep one run of the log"
+            f"{table.path}: row {table.row(k + 1)}: time goes from {t[k]:.9g} to {t[k + 1]:.9g} s "
+            f"({wrong.size} such rows); expected it to rise; keep one run of the log, or give "
+            "--sample-period if only the clock is coarse"
         )
 
 
@@ -88,7 +84,16 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
         raise RecordingError(f"{table.path}: {len(t)} samples; expected at least {SHORTEST}")
     usual = float(np.median(steps))
     usual = float(np.mean(steps[steps < 1.5 * usual]))
-    _check_steps(table, t, usual)
+    if not 1e-9 <= usual <= 1e4:
+        raise RecordingError(
+            f"{table.path}: a sample period of {usual:.3g} s; expected 1e-9 to 1e4 s, check the "
+            "unit of the time"
+        )
+    if (wrong := np.flatnonzero(steps < 1e-6 * usual)).size:
+        row, step = table.row(int(wrong[0]) + 1), steps[wrong[0]]
+        raise RecordingError(
+            f"{table.path}: row {row}: time moves by {step:.3g} s; expected about {usual:.3g} s"
+        )
     begin, end = _longest(table, t, signals, usual, findings)
     t = t[begin:end]
     count = round((t[-1] - t[0]) / usual)
@@ -97,7 +102,10 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
     off = np.abs((t - t[0]) / T_s - np.round((t - t[0]) / T_s))
     even = len(t) == len(grid) and float(np.max(off)) <= EVEN
     if not even and (jitter := float(np.sqrt(np.mean(off**2)))) > EVEN:
-        findings.append(_jitter(jitter, T_s))
+        figure = f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)"
+        advice = "if only the clock is coarse, give --sample-period"
+        severity: Severity = "warning" if jitter > 0.1 else "note"
+        findings.append(Finding(severity, "times are uneven", figure, advice))
     missing = len(grid) - len(t)
     result = {}
     methods: dict[str, list[str]] = {}
@@ -117,32 +125,11 @@ def even_grid(table: LogTable, t: Array, signals: Mapping[str, Array]) -> Grid:
     if methods:
         how = "; ".join(f"{', '.join(names)} {method}" for method, names in methods.items())
         findings.append(
-            Finding("note", "drawn between the logged samples", f"{missing} rows missing; {how}")
+            Finding(
+                "note", "interpolated between the logged samples", f"{missing} rows missing; {how}"
+            )
         )
     return Grid(np.arange(count + 1) * T_s, result, findings)
-
-
-def _check_steps(table: LogTable, t: Array, usual: float) -> None:
-    """Check that no step is out of all proportion."""
-    if not 1e-9 <= usual <= 1e4:
-        raise RecordingError(
-            f"{table.path}: a sample period of {usual:.3g} s; expected 1e-9 to 1e4 s, check the "
-            "unit of the time"
-        )
-    if (wrong := np.flatnonzero(np.diff(t) < 1e-6 * usual)).size:
-        row, step = table.row(int(wrong[0]) + 1), float(np.diff(t)[wrong[0]])
-        raise RecordingError(
-            f"{table.path}: row {row}: time moves by {step:.3g} s; expected about {usual:.3g} s"
-        )
-
-
-def _jitter(jitter: float, T_s: float) -> Finding:
-    return Finding(
-        "warning" if jitter > 0.1 else "note",
-        "times are uneven",
-        f"{jitter:.2g} of the sample period {T_s:.4g} s (rms)",
-        "if only the clock is coarse, give --sample-period",
-    )
 
 
 def _longest(
@@ -181,18 +168,11 @@ def _longest(
     if end - begin < len(t):
         figure = f"{t[begin]:.6g} to {t[end - 1]:.6g} s, {(end - begin) / len(t):.1%} of the rows"
         rows = f"rows {table.row(begin)} to {table.row(end - 1)}"
-        findings[:] = _shortened(findings)
-        findings.append(
-            Finding("warning", f"only {rows} are used, the longest whole stretch", figure)
-        )
+        if len(findings) > 5:
+            findings[4:] = [Finding("warning", f"{len(findings) - 4} more such gaps")]
+        what = f"only {rows} are used, the longest stretch without gaps"
+        findings.append(Finding("warning", what, figure))
     return begin, end
-
-
-def _shortened(findings: list[Finding]) -> list[Finding]:
-    """Return the first few findings, and how many more there are."""
-    if len(findings) <= 5:
-        return findings
-    return [*findings[:4], Finding("warning", f"{len(findings) - 4} more such gaps")]
 
 
 def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -27,16 +27,16 @@ from stickslip.servo.measurement import Array
 
 @dataclass(frozen=True)
 class Reading:
-    """A log as it was understood.
+    """A log, read and converted to SI units.
 
     Attributes
     ----------
     recording : its signals in SI units on an even grid
     controller : that was in use; kind none when it is not known
-    findings : what was guessed, filled, cut off; see ``check_recording`` for what it can show
+    findings : what was detected, filled in, cut off; ``check_recording`` adds what it can show
     force_limit : of motor or amplifier [N], None when it is not known
     tau_i : time constant of the amplifier's current loop [s], None when it is not known
-    units : of the columns by role, None where nobody states one; without those in error
+    units : of the columns by role, None where none is stated; without those in error
     description : by which it was read
     """
 
@@ -55,7 +55,7 @@ class Reading:
 
     @property
     def assumed(self) -> tuple[str, ...]:
-        """Roles whose numbers are taken for SI units, because nobody states unit or scale."""
+        """Roles whose numbers are assumed to be in SI units, because no unit or scale is stated."""
         scaled = self.description.columns
         return tuple(
             role
@@ -96,36 +96,36 @@ def read_recording(
     UsageError
         When the description does not suit it.
     """
-    said = description or Description()
-    table = read_table(Path(path), said.delimiter, said.decimal)
-    findings = list(table.findings)
-    roles, remarks = assign_roles(table, said)
-    _check_roles(table, roles, said)
-    findings += remarks
-    units = {r: unit_of(table, said, r, roles[r]) for r in ROLES if r in roles}
-    motion, remarks = motion_from(said, roles, units)
-    findings += remarks
-    if said.sample_period and "time" in units:
-        findings.append(_unused_time(table, said, roles["time"], units.pop("time")))
+    given = description or Description()
+    table = read_table(Path(path), given.delimiter, given.decimal)
+    roles, detected = assign_roles(table, given)
+    _check_roles(table, roles, given)
+    units = {r: unit_of(table, given, r, roles[r]) for r in ROLES if r in roles}
+    motion, reasons = motion_from(given, roles, units)
+    findings = [*table.findings, *detected, *reasons]
+    if given.sample_period and "time" in units:
+        findings.append(_unused_time(table, given, roles["time"], units.pop("time")))
     faults = {
         role: fault
         for role, unit in units.items()
-        if (fault := unit_fault(table, said, role, roles[role], unit, motion))
+        if (fault := unit_fault(table, given, role, roles[role], unit, motion))
     }
-    findings += faults.values()
-    signals: dict[str, Array] = {}
-    for role, unit in units.items():
-        signals[role] = signal_of(table, said, role, roles[role], unit)
-    findings += assumed_units(said, units, motion)
-    _check_lengths(table, roles, signals)
-    if "time" in signals:
-        t = signals.pop("time")
-    else:
-        n = len(next(iter(signals.values())))
-        t = np.asarray(np.arange(n) * (said.sample_period or 1.0))
-    t, signals, table = _cut(table, t, signals, said.span)
+    signals = {
+        role: signal_of(table, given, role, roles[role], unit) for role, unit in units.items()
+    }
+    findings += [*faults.values(), *assumed_units(given, units, motion)]
+    n = len(next(iter(signals.values())))
+    for role, signal in signals.items():  # the columns of a MAT file may differ
+        if len(signal) != n:
+            raise RecordingError(
+                f"{table.path}: '{roles[role]}' ({role}) has {len(signal)} values; expected {n}, "
+                f"as '{roles[next(iter(signals))]}' has"
+            )
+    t = signals.pop("time", np.asarray(np.arange(n) * (given.sample_period or 1.0)))
+    if given.span:
+        t, signals, table = _cut(table, t, signals, given.span)
     check_times(table, t)
-    step = _encoder_step(table, said.encoder_step, signals, findings)
+    step = _encoder_step(table, given.encoder_step, signals, findings)
     if motion == "rotary":
         findings += _unwrap(signals)
     grid = even_grid(table, t, signals)
@@ -135,64 +135,50 @@ def read_recording(
     recording = Recording(
         grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
     )
-    gains = {name: table.value(value, f"gain {name}") for name, value in said.gains.items()}
+    gains = {name: table.value(value, f"gain {name}") for name, value in given.gains.items()}
     return Reading(
         recording,
-        controller_of(said.controller, gains),
+        controller_of(given.controller, gains),
         tuple(findings),
-        _positive(table, said.force_limit, "force_limit"),
-        said.tau_i,
+        _positive(table, given.force_limit, "force_limit"),
+        given.tau_i,
         {role: unit for role, unit in units.items() if role not in faults},
-        said,
+        given,
     )
 
 
-def _check_roles(table: LogTable, roles: dict[str, str], said: Description) -> None:
+def _check_roles(table: LogTable, roles: dict[str, str], given: Description) -> None:
     """Check that there is a time and a motion."""
+    if "time" not in roles and not given.sample_period:
+        missing, advice = "time", "--column time=NAME or --sample-period"
+    elif not {"position", "velocity"} & set(roles):
+        missing, advice = "position or velocity", "--column position=NAME"
+    else:
+        return
     names = ", ".join(table.names[:12])
-    if "time" not in roles and not said.sample_period:
-        raise RecordingError(
-            f"{table.path}: no column of time; say --column time=NAME or --sample-period, the "
-            f"columns are {names}"
-        )
-    if not {"position", "velocity"} & set(roles):
-        raise RecordingError(
-            f"{table.path}: no column of position or velocity; say --column position=NAME, the "
-            f"columns are {names}"
-        )
+    raise RecordingError(
+        f"{table.path}: no column of {missing}; give {advice}, the columns are {names}"
+    )
 
 
-def _check_lengths(table: LogTable, roles: dict[str, str], signals: dict[str, Array]) -> None:
-    """Check that columns, which a MAT file keeps apart, are equally long."""
-    (first, n), *others = ((role, len(signal)) for role, signal in signals.items())
-    for role, length in others:
-        if length != n:
-            raise RecordingError(
-                f"{table.path}: '{roles[role]}' ({role}) has {length} values, '{roles[first]}' "
-                f"({first}) has {n}; expected equally many"
-            )
-
-
-def _unused_time(table: LogTable, said: Description, name: str, unit: Unit | None) -> Finding:
-    """Return the remark on a column of time beside a given sample period, which is used."""
-    period = said.sample_period or 1.0
+def _unused_time(table: LogTable, given: Description, name: str, unit: Unit | None) -> Finding:
+    """Return the finding on a column of time where the sample period is given."""
+    period = given.sample_period or 1.0
     counts = unit.quantity == "number" if unit else named_quantity(name) == "number"
     if name in table.numbers and name not in table.faults and not counts:
-        t = signal_of(table, said, "time", name, unit)
+        t = signal_of(table, given, "time", name, unit)
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
         if spacing and (fault := contradicted_period(spacing, period)):
             return fault
-    what = f"column '{name}' is not used, but the given sample period"
+    what = f"the sample period is used instead of column '{name}'"
     return Finding("note", what, f"{period:g} s")
 
 
 def _cut(
-    table: LogTable, t: Array, signals: dict[str, Array], span: tuple[float, float] | None
+    table: LogTable, t: Array, signals: dict[str, Array], span: tuple[float, float]
 ) -> tuple[Array, dict[str, Array], LogTable]:
-    """Keep what lies in a span of time [s]; the table's rows follow."""
-    if span is None:
-        return t, signals, table
+    """Return what lies in a span of time [s], and a table with the rows of it."""
     kept = np.flatnonzero((t >= span[0]) & (t <= span[1]))
     if not len(kept):
         finite = t[np.isfinite(t)]
