@@ -53,5 +53,5 @@ def visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         f"{counts} and {turn.samples:.0f} samples"
     )
     fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
-    words = "sigma_0 and sigma_1 may be", "sigma_0 and sigma_1 are poorly"
-    yield Finding.either(fine, *(f"{word} identifiable" for word in words), figure, advice)
+    words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"
+    yield Finding.either(fine, *words, figure, advice)
