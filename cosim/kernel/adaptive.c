@@ -3,6 +3,7 @@
  * The inputs of a step were extrapolated, or could have been. How far the extrapolation misses what
  * came out in the end measures the error that the coupling makes, whatever the method. Where it
  * misses by more than the tolerance, the FMUs go back and try a shorter step. */
+#include "calls.h"
 #include "coupling.h"
 #include <math.h>
 #include <string.h>
@@ -64,14 +65,10 @@ bool step_adaptively(Run *run, const double *inputs, double t, double h) {
         const double reached = last ? end : now + fmin(k->inner, (end - now) / 2.0);
         k->share = last ? 1.0 : (reached - t) / h;
         interpolate(run, before, inputs, k->share);
-        if (!attempt(run, now, reached - now)) {
-            return false;
-        }
+        TRY(attempt(run, now, reached - now));
         const double error = miss(run);
         if (error > 1.0 && k->h > 1.01 * k->min_step) {
-            if (!restore(run, 0, k->n_members)) {
-                return false;
-            }
+            TRY(restore(run, 0, k->n_members));
             k->rejected++;
             tried_again = true;
             k->inner = rescaled(k, error);

@@ -88,24 +88,29 @@ INLINE bool get(Run *run, const Component *c, int version, const uint32_t *refer
     return passed(run, c, "fmi3GetFloat64", (int)status);
 }
 
-INLINE bool do_step(Run *run, const Component *c, int version) {
-    const double t = run->t, h = run->h;
+/* final: no step begins before its end again. */
+INLINE bool do_step_over(Run *run, const Component *c, int version, double t, double h,
+                         bool final) {
     MARK_TIME(t);
     if (LIKELY(version == 2)) {
         MARK(c, "fmi2DoStep");
-        const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, fmi2True);
+        const fmi2Status status = c->call.fmi2.DoStep(c->instance, t, h, final);
         return passed(run, c, "fmi2DoStep", (int)status);
     }
     /* Event mode is not used, so the FMU handles its events itself, whatever it says here. */
     Answers *answers = &run->answers;
     MARK(c, "fmi3DoStep");
     const fmi3Status status =
-        c->call.fmi3.DoStep(c->instance, t, h, true, &answers->event_handling_needed,
+        c->call.fmi3.DoStep(c->instance, t, h, final, &answers->event_handling_needed,
                             &answers->terminate, &answers->early, &answers->last_successful_time);
     if (UNLIKELY(answers->terminate | answers->early) && (unsigned)status <= fmi3Warning) {
         return fail(run, c, "fmi3DoStep", answers->terminate ? TERMINATED : RETURNED_EARLY);
     }
     return passed(run, c, "fmi3DoStep", (int)status);
+}
+
+INLINE bool do_step(Run *run, const Component *c, int version) {
+    return do_step_over(run, c, version, run->t, run->h, true);
 }
 
 /* In place; rare, and kept out of the way of what is not. */

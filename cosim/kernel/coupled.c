@@ -5,6 +5,31 @@
 #include "record.h"
 #include <string.h>
 
+Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h) {
+    const Coupling *k = run->coupling;
+    const double f0 = k->past[column];
+    if (k->degree == 0) {
+        return (Polynomial){{fresh ? k->next[column] : f0}};
+    }
+    double s[MAX_DEGREE], slope[MAX_DEGREE] = {0.0}; /* from (0, f0) to the other points */
+    int64_t n = 0;
+    if (fresh) {
+        s[0] = h;
+        slope[n++] = (k->next[column] - f0) / h;
+    }
+    for (int64_t i = 1; n < k->degree && i < k->n_past; i++, n++) {
+        s[n] = k->times[i] - t;
+        slope[n] = (k->past[i * run->width + column] - f0) / s[n];
+    }
+    const double a2 = n < 2 ? 0.0 : (slope[0] - slope[1]) / (s[0] - s[1]);
+    const double a1 = n < 2 ? slope[0] : slope[0] - a2 * s[0];
+    return (Polynomial){{f0, a1, a2}};
+}
+
+double value_at(Polynomial p, double s) { return p.a[0] + s * (p.a[1] + s * p.a[2]); }
+
+double mean_over(Polynomial p, double h) { return p.a[0] + h * (p.a[1] / 2.0 + h * p.a[2] / 3.0); }
+
 /* The share of a step in which inputs of FMUs that do not interpolate are at their end already, so
  * that outputs show it. */
 static const double END = 0.125;
@@ -62,15 +87,7 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
     if (c->maps) {
         map_inputs(c, m->values);
     }
-    if (c->version == 3) {
-        MARK(c, "fmi3SetFloat64");
-        const fmi3Status status =
-            c->call.fmi3.SetFloat64(c->instance, c->input_references, n, m->values, n);
-        return passed(run, c, "fmi3SetFloat64", (int)status);
-    }
-    MARK(c, "fmi2SetReal");
-    const fmi2Status status = c->call.fmi2.SetReal(c->instance, c->input_references, n, m->values);
-    TRY(passed(run, c, "fmi2SetReal", (int)status));
+    TRY(plain(set(run, c, c->version, c->input_references, n, m->values)));
     if (!m->interpolates) {
         return true;
     }
@@ -81,32 +98,17 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
                                           m->derivatives));
 }
 
-/* final: no step begins before t again. */
-static bool do_step_of(Run *run, const Component *c, double t, double h, bool final) {
-    MARK_TIME(t);
-    if (c->version == 2) {
-        MARK(c, "fmi2DoStep");
-        return passed(run, c, "fmi2DoStep", (int)c->call.fmi2.DoStep(c->instance, t, h, final));
-    }
-    fmi3Boolean event = false, terminate = false, early = false;
-    fmi3Float64 reached = t + h;
-    MARK(c, "fmi3DoStep");
-    const fmi3Status status =
-        c->call.fmi3.DoStep(c->instance, t, h, final, &event, &terminate, &early, &reached);
-    if ((terminate || early) && (unsigned)status <= fmi3Warning) {
-        return fail(run, c, "fmi3DoStep", terminate ? TERMINATED : RETURNED_EARLY);
-    }
-    return passed(run, c, "fmi3DoStep", (int)status);
-}
-
 static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
     const Component *c = &run->components[i];
     if (!run->coupling->members[i].splits) {
-        return set_held_inputs(run, i, t, h, WHOLE) && do_step_of(run, c, t, h, final);
+        return set_held_inputs(run, i, t, h, WHOLE) &&
+               do_step_over(run, c, c->version, t, h, final);
     }
     const double late = t + (1.0 - END) * h;
-    return set_held_inputs(run, i, t, h, BEGINNING) && do_step_of(run, c, t, late - t, final) &&
-           set_held_inputs(run, i, t, h, ENDING) && do_step_of(run, c, late, t + h - late, final);
+    return set_held_inputs(run, i, t, h, BEGINNING) &&
+           do_step_over(run, c, c->version, t, late - t, final) &&
+           set_held_inputs(run, i, t, h, ENDING) &&
+           do_step_over(run, c, c->version, late, t + h - late, final);
 }
 
 /* Change the outputs of a component at the end of the step that is tried. Polynomials follow a
@@ -136,10 +138,8 @@ static bool sweep(Run *run, Loop *loop) {
     for (int64_t i = loop->first; i < loop->end; i++) {
         const Component *c = &run->components[i];
         const double h = (double)k->members[i].every * k->h;
-        if (!(step_member(run, i, k->t, h, !loop->rollback) &&
-              get_outputs(run, c, c->n_outputs, k->next))) {
-            return false;
-        }
+        TRY(step_member(run, i, k->t, h, !loop->rollback) &&
+            get_outputs(run, c, c->n_outputs, k->next));
         if (run->disturbed) {
             memcpy(k->given + run->width + c->column, k->next + c->column,
                    c->n_outputs * sizeof *k->next);
@@ -262,9 +262,7 @@ bool couple_until(Run *run, int64_t end) {
         const double t_next = run->start + (double)next * run->step;
         run->t = t;
         run->h = run->constant_step ? run->step : t_next - t;
-        if (!step_coupled(run, row_of(run, next), t, run->h)) {
-            return false;
-        }
+        TRY(step_coupled(run, row_of(run, next), t, run->h));
         run->done = next;
         add_squares(run, next, row_of(run, next));
     }

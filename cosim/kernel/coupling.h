@@ -77,7 +77,8 @@ typedef struct Coupling {
                            before each point in time; others than there where they jump */
 } Coupling;
 
-/* hold.c: a0 + a1 s + a2 s^2, s seconds after the begin of the step */
+/* What an input does between communication points: a0 + a1 s + a2 s^2, s seconds after the begin of
+ * the step */
 typedef struct {
     double a[MAX_DEGREE + 1];
 } Polynomial;
@@ -94,10 +95,6 @@ EXPORT void forget(Run *run); /* free what was saved */
 typedef bool Sweep(Run *run, Loop *loop);
 bool solve(Run *run, Loop *loop, double *values, Sweep *sweep);
 
-/* broyden.c: numbers only */
-bool invert(int64_t n, double *matrix, double *inverse);
-void update_inverse(int64_t n, double *inverse, const double *dw, const double *dr, double *work);
-
 /* coupled.c */
 bool begin_coupled(Run *run);
 bool couple_until(Run *run, int64_t end);         /* as many steps as lead there */
@@ -107,8 +104,5 @@ void keep(Run *run, const double *row, double t); /* as the latest of the past *
 /* adaptive.c: from t over h, in steps of its own, to Coupling.next; inputs from outside end there
  */
 bool step_adaptively(Run *run, const double *inputs, double t, double h);
-
-/* initial.c: outputs and inputs that agree, before the first step */
-bool solve_initial(Run *run);
 
 #endif

@@ -33,6 +33,48 @@ static fmi2Status set_time(GeneralComponent *f, double t) {
     return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
 
+/* How many of the times are not after t. */
+static size_t passed_by(const Course *c, double t) {
+    size_t low = 0, high = c->n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (c->t[middle] <= t) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* Both know of the jumps up to time passed that they were made, and of all others that they were
+ * not: at its time a jump has two values. */
+static double value_of(const Course *c, double t, double passed) {
+    size_t i = passed_by(c, c->held ? passed : fmax(t, passed));
+    if (i == 0) {
+        return c->values[0];
+    }
+    i--;
+    const bool before_jump = !c->held && c->t[i] > passed && i > 0 && c->t[i] == c->t[i - 1];
+    while (before_jump && i > 0 && c->t[i] == c->t[i - 1]) {
+        i--;
+    }
+    if (c->held || before_jump || i + 1 == c->n) {
+        return c->values[i];
+    }
+    const double share = (c->t[i + 1] - t) / (c->t[i + 1] - c->t[i]); /* as cosim.Table has it */
+    return share * c->values[i] + (1.0 - share) * c->values[i + 1];
+}
+
+static double next_jump(const Course *c, double passed) {
+    for (size_t i = passed_by(c, passed); i < c->n; i++) {
+        if (i > 0 && (c->t[i] == c->t[i - 1] || (c->held && c->values[i] != c->values[i - 1]))) {
+            return c->t[i];
+        }
+    }
+    return INFINITY;
+}
+
 /* A continuous input at time t of the step: on its course, on the polynomial that the coupling
  * gave, on a straight line where both ends of the step are known, else held from the begin of the
  * step. */

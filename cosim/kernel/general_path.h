@@ -7,7 +7,6 @@
 #define COSIM_GENERAL_PATH_H
 
 #include "arithmetic.h"
-#include "course.h"
 #include "kernel.h"
 #include "mark.h"
 #include <float.h>
@@ -88,6 +87,13 @@ typedef struct {
     Group *groups;
 } Groups;
 
+/* How an exposed input of Model Exchange runs over time: a table that is known as a whole. */
+typedef struct {
+    size_t n;                 /* 0 where only the values at the communication points are known */
+    const double *t, *values; /* n; s, never falling */
+    int64_t held;             /* each value until the next time, else straight lines */
+} Course;
+
 /* A column of the kernel's rows: one element of one group. */
 typedef struct {
     int64_t group;
@@ -167,6 +173,8 @@ fmi2Status answered(GeneralComponent *f, const char *call, int status); /* likew
 fmi2Status blamed(GeneralComponent *f, enum Call place, int reason);    /* a Reason */
 fmi2Status step_once(GeneralComponent *f, double t,
                      double h); /* DoStep; its answers are in answers */
+fmi2Status get_state(GeneralComponent *f, void **state);
+fmi2Status set_state(GeneralComponent *f, void *state);
 fmi2Status transfer(GeneralComponent *f, const Group *group);
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups);
 fmi2Status handle_event(GeneralComponent *f, bool with_inputs);

@@ -1,14 +1,68 @@
 #include "calls.h"
 #include "coupling.h"
-#include "disturbed.h"
+#include "disturbance.h"
 #include "record.h"
 #include "steps.h"
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
+/* For calls that the kernel does not make. */
+EXPORT void begin_plain_arithmetic(Arithmetic *before);
+void begin_plain_arithmetic(Arithmetic *before) { *before = begin_plain(); }
+EXPORT void end_plain_arithmetic(const Arithmetic *before);
+void end_plain_arithmetic(const Arithmetic *before) { end_plain(before); }
+
+#ifdef MARKED
+static Mark nowhere;
+Mark *mark = &nowhere;
+EXPORT void mark_in(Mark *place);
+void mark_in(Mark *place) { mark = place; }
+#endif
+
 #define FOR_EACH_COMPONENT(c)                                                                      \
     for (Component *c = run->components, *end = c + run->n_components; c != end; c++)
+
+/* For both couplings: where all inputs are from row now, the order is free. */
+static inline bool step_disturbed(Run *run, const double *now, double *next) {
+    const Component *end = run->components + run->n_components;
+    for (const Component *c = run->components; c != end; c++) {
+        TRY(set_inputs(run, c, now) && do_step(run, c, c->version) &&
+            get_outputs(run, c, c->n_outputs, next));
+        if (run->within) {
+            disturb_within(c, next, run->done);
+        } else {
+            disturb(run, c, next, run->done + 1);
+        }
+    }
+    return true;
+}
+
+__attribute__((noinline)) static bool walk_disturbed(Run *run, int64_t end) {
+    return walk(run, end, step_disturbed, add_squares, run->width, run->constant_step);
+}
+
+/* Outputs that depend on inputs that depend on outputs, in initialisation mode: set and get until
+ * all agree. Rows 0 and 1 are the same point in time. */
+static bool sweep(Run *run, Loop *loop) {
+    double *next = run->rows + run->width;
+    for (int64_t j = 0; j < loop->n; j++) {
+        next[loop->columns[j]] = run->rows[loop->columns[j]];
+    }
+    for (int64_t i = loop->first; i < loop->end; i++) {
+        const Component *c = &run->components[i];
+        double *values = run->rows + c->column;
+        TRY(set_inputs(run, c, run->rows) && get_outputs(run, c, c->n_linked, run->rows));
+        disturb(run, c, run->rows, 0);
+        memcpy(values + run->width, values, c->n_linked * sizeof *values);
+    }
+    return true;
+}
+
+static bool solve_initial(Run *run) {
+    run->initial->known = false;
+    return solve(run, run->initial, run->rows, sweep);
+}
 
 /* Before the first step rows 0 and 1 are the same point in time: a fresh input reads the latter. */
 static bool get_initial(Run *run, const Component *c) {
@@ -82,9 +136,7 @@ static bool trace_back(Run *run, int64_t first) {
         return false;
     }
     for (int64_t n = first; n <= last; n++) {
-        if (!finite(run, n, run->components + run->n_components)) {
-            return false;
-        }
+        TRY(finite(run, n, run->components + run->n_components));
     }
     if (!run->jacobi) {
         finite(run, last + 1, failed);

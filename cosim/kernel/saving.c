@@ -14,8 +14,13 @@ typedef struct {
 static size_t inputs_size(const GeneralComponent *f) { return f->n_inputs * sizeof(double); }
 static size_t clocks_size(const GeneralComponent *f) { return f->n_clocks * sizeof(Clock); }
 
-static fmi2Status call_on(GeneralComponent *f, enum Call place, void **state) {
-    return noted(f, place, ((StateCall *)calling(f, place))(f->instance, state));
+fmi2Status get_state(GeneralComponent *f, void **state) {
+    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, state)));
+    return *state ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
+}
+
+fmi2Status set_state(GeneralComponent *f, void *state) {
+    return noted(f, SET_STATE, ((RestoreCall *)calling(f, SET_STATE))(f->instance, state));
 }
 
 /* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
@@ -35,8 +40,7 @@ fmi2Status general_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     memcpy(saved->clocks, f->clocks, clocks_size(f));
     memcpy(saved->inputs, f->before, inputs_size(f));
     memcpy(saved->inputs + f->n_inputs, f->after, inputs_size(f));
-    TRY_STATUS(call_on(f, GET_STATE, &saved->state));
-    return saved->state ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
+    return get_state(f, &saved->state);
 }
 
 fmi2Status general_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
@@ -48,8 +52,7 @@ fmi2Status general_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     memcpy(f->clocks, saved->clocks, clocks_size(f));
     memcpy(f->before, saved->inputs, inputs_size(f));
     memcpy(f->after, saved->inputs + f->n_inputs, inputs_size(f));
-    AnyCall *call = calling(f, SET_STATE);
-    TRY_STATUS(noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, saved->state)));
+    TRY_STATUS(set_state(f, saved->state));
     return general_go_on(f);
 }
 
@@ -68,7 +71,10 @@ fmi2Status general_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Saved *saved = *state;
     fmi2Status status = fmi2OK;
     if (saved) {
-        status = saved->state && f->instance ? call_on(f, FREE_STATE, &saved->state) : fmi2OK;
+        if (saved->state && f->instance) {
+            StateCall *call = (StateCall *)calling(f, FREE_STATE);
+            status = noted(f, FREE_STATE, call(f->instance, &saved->state));
+        }
         free(saved);
     }
     *state = NULL;

@@ -16,26 +16,16 @@ static int do_step(GeneralComponent *f, double t, double h) {
                                          &answers->early, &answers->last_successful_time);
 }
 
-static fmi2Status begin(GeneralComponent *f) {
-    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, &f->begun)));
-    return f->begun ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
-}
-
-static fmi2Status go_back(GeneralComponent *f) {
-    AnyCall *call = calling(f, SET_STATE);
-    return noted(f, SET_STATE, ((int (*)(void *, void *))call)(f->instance, f->begun));
-}
-
 fmi2Status step_once(GeneralComponent *f, double t, double h) {
     if (!f->retries_steps) {
         return noted(f, DO_STEP, do_step(f, t, h));
     }
     for (int done = 0, parts = 1; done < parts;) {
         const double from = t + h * done / parts, to = t + h * (done + 1) / parts;
-        TRY_STATUS(begin(f));
+        TRY_STATUS(get_state(f, &f->begun));
         const int status = do_step(f, from, parts == 1 ? h : to - from);
         if (status == fmi2Discard && parts < MOST_PARTS) {
-            TRY_STATUS(go_back(f));
+            TRY_STATUS(set_state(f, f->begun));
             parts *= 2;
             done *= 2;
             continue;

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_HEADERS = ("kernel", "course", "general_path", "coupling", "cvode", "arithmetic", "mark")
+_HEADERS = ("kernel", "general_path", "coupling", "cvode", "arithmetic", "mark")
 _TEXT = re.sub(
     r"/\*.*?\*/",
     "",
@@ -108,7 +108,7 @@ def _mirror(*added: tuple[str, Any]) -> Callable[[type[Structure]], Any]:
 
 
 def doubles(values: NDArray[np.float64]) -> Any:
-    """Return a pointer to an array, which it keeps."""
+    """Return a pointer to an array, which the caller must keep."""
     return values.ctypes.data_as(POINTER(c_double))
 
 

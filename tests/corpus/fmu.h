@@ -127,12 +127,17 @@ fmi3Status fmi3DoStep(fmi3Instance m, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
 }
 
 #ifdef SAVES
+#ifndef RESTORED /* after a state was restored */
+#define RESTORED (void)0
+#endif
 #define SAVED(fmi, State, Deserialize, Byte)                                                       \
     fmi##Status fmi##Get##State(void *m, void **s) {                                               \
         *s = *s ? *s : malloc(sizeof(Model));                                                      \
         return *s ? memcpy(*s, m, sizeof(Model)), fmi##OK : fmi##Error;                            \
     }                                                                                              \
-    fmi##Status fmi##Set##State(void *m, void *s) { return memcpy(m, s, sizeof(Model)), fmi##OK; } \
+    fmi##Status fmi##Set##State(void *m, void *s) {                                                \
+        return memcpy(m, s, sizeof(Model)), RESTORED, fmi##OK;                                     \
+    }                                                                                              \
     fmi##Status fmi##Free##State(void *m, void **s) { return free(*s), *s = NULL, fmi##OK; }       \
     fmi##Status fmi##Serialized##State##Size(void *m, void *s, size_t *size) {                     \
         return *size = sizeof(Model), fmi##OK;                                                     \

@@ -9,7 +9,7 @@ import pytest
 
 from stickslip import cosim
 
-GIVE_NAN, TERMINATE, RETURN_EARLY, FAIL_TO_INITIALISE = 10, 11, 12, 13
+GIVE_NAN, TERMINATE, RETURN_EARLY = 10, 11, 12
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -101,15 +101,6 @@ def test_a_run_that_an_fmu_ends_keeps_what_was_recorded(make, record):
     assert result.stopped == "a: asked to terminate the simulation at t = 0.6 s"
     np.testing.assert_array_equal(result.time, expected.time[:7])
     np.testing.assert_array_equal(result.values, expected.values[:7])
-
-
-def test_failure_during_initialisation(simulation, version):
-    with pytest.raises(cosim.SimulationError) as error:
-        simulation.run({"gain.fault": FAIL_TO_INITIALISE})
-    assert f"fmi{version}EnterInitializationMode returned error during initialisation" in str(
-        error.value
-    )
-    simulation.run()
 
 
 def test_a_run_that_never_starts_leaves_the_last_settings(simulation):

@@ -54,11 +54,6 @@ def test_an_exposed_input_has_one_unit_and_feeds_targets_in_theirs(make):
     assert end(other) == pytest.approx(7000.0)  # the start value of the target, through its unit
 
 
-def test_units_of_different_kinds_are_refused_with_both_ends(make):
-    with pytest.raises(cosim.ConnectionFault, match=r"a\.y is in 'm', b\.u in 'N'"):
-        two_gains(make, "m", "N")
-
-
 def test_a_scaling_comes_after_the_units_or_in_their_place(make):
     line = Scaling(factor=10.0, offset=1.0)
     assert end(two_gains(make, "mN", "N", Link(line)), x=3.0) == pytest.approx(0.06 + 1)

@@ -15,16 +15,17 @@ def flags(version):
     return f'canGetAndSet{WORD[version]}="true" canSerialize{WORD[version]}="true"'
 
 
-def halves(system, path, inputs=None, parameters=None, **how):
-    """Return a whole run and the rest of one that was saved halfway and resumed elsewhere."""
+def halves(system, path, inputs=None, parameters=None, until=1.0, **how):
+    """Return the end of a whole run, and the same of one that was saved and resumed elsewhere."""
     spec = {"step": 0.1, "stop": 2.0, **how}
     with system.prepare(**spec) as simulation:
         whole = simulation.run(parameters, inputs)
-        first = simulation.run(parameters, inputs, until=1.0)
-        np.testing.assert_array_equal(first.values, whole.values[:11])
+        first = simulation.run(parameters, inputs, until=until)
+        np.testing.assert_array_equal(first.values, whole.values[: len(first.time)])
         simulation.save(path)
     with system.prepare(**spec) as another:
-        return whole.values[10:], another.resume(path, inputs).values
+        rest = another.resume(path, inputs)
+    return whole.frame()[-len(rest.time) :], rest.frame()
 
 
 @pytest.mark.parametrize("model", ["ball", "stair"])
@@ -73,9 +74,9 @@ def test_the_solver_of_model_exchange_starts_anew(export, tmp_path, version, mod
         system.expose("x", "a.force")
         inputs = {"x": np.sin}
     whole, rest = halves(system, tmp_path / "a.state", inputs, tolerance=1e-8)
-    np.testing.assert_array_equal(rest[0], whole[0])
+    np.testing.assert_array_equal(rest.values[0], whole.values[0])
     np.testing.assert_allclose(rest, whole, rtol=1e-5, atol=1e-6)
-    assert np.ptp(rest, axis=0).max() > 0.1
+    assert np.ptp(rest.values, axis=0).max() > 0.1
 
 
 def test_a_state_by_another_interface_is_refused(export, tmp_path):
@@ -104,18 +105,11 @@ JUMPS = {
 def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, until, coupling):
     """Model Exchange, saved before, at and after jumps on a point and between two."""
     system = one(export("oscillator", version, "ME", flags(version)), u="force")
-    spec = {"step": 0.1, "stop": 2.0, "tolerance": 1e-9, "coupling": coupling}
-    inputs = {"u": JUMPS[table]}
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run(inputs=inputs)
-        simulation.run(inputs=inputs, until=until)
-        path = simulation.save(tmp_path / "a.state")
-    with system.prepare(**spec) as another:
-        rest = another.resume(path, inputs)
-    n = len(rest.time)
-    np.testing.assert_array_equal(rest.values[0], whole.values[-n])
-    np.testing.assert_allclose(rest.values, whole.values[-n:], atol=1e-6)
-    np.testing.assert_array_equal(rest["a.gain"], whole["a.gain"][-n:])  # 2 force
+    how = {"tolerance": 1e-9, "coupling": coupling, "until": until}
+    whole, rest = halves(system, tmp_path / "a.state", {"u": JUMPS[table]}, **how)
+    np.testing.assert_array_equal(rest.values[0], whole.values[0])
+    np.testing.assert_allclose(rest, whole, atol=1e-6)
+    np.testing.assert_array_equal(rest["a.gain"], whole["a.gain"])  # 2 force
 
 
 @pytest.mark.parametrize("interfaces", ["CS events", "ME"])
@@ -123,15 +117,9 @@ def test_jumps_of_a_table_are_not_made_again(export, tmp_path, version, table, u
 def test_ticks_of_clocks_are_not_made_again(export, tmp_path, interfaces, until):
     """Saved before, at and after ticks; 0.475 has one that asks for another at the same time."""
     system = one(export("clocked", 3, interfaces, flags(3)))
-    spec = {"step": 0.025, "stop": 2.0}
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run()
-        simulation.run(until=until)
-        path = simulation.save(tmp_path / "a.state")
-    with system.prepare(**spec) as another:
-        rest = another.resume(path)
-    np.testing.assert_array_equal(rest.values, whole.values[-len(rest.time) :])
-    assert rest["a.every_ticks"][-1] == 8
+    whole, rest = halves(system, tmp_path / "a.state", until=until, step=0.025)
+    np.testing.assert_array_equal(rest, whole)
+    assert rest["a.every_ticks"].iloc[-1] == 8
 
 
 @pytest.mark.parametrize("interfaces", ["CS events", "ME"])

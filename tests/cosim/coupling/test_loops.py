@@ -72,6 +72,19 @@ def test_iteration_names_who_cannot_go_back(linear, two_masses):
         system.prepare(step=0.1, stop=1.0, coupling="iterative")
 
 
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("off", "noticed"), [(1e-8, False), (1e-4, True)])
+def test_a_state_that_comes_back_a_little_off_is_noticed(two_masses, linear, version, off, noticed):
+    flags = (f"-DRESTORED=(((Model*)m)->x[0]+={off})",)
+    system = two_masses.system(linear, version, flags=flags)
+    with system.prepare(step=0.1, stop=1.0, coupling="iterative") as simulation:
+        if noticed:
+            with pytest.raises(cosim.SimulationError, match="did not bring back the state"):
+                simulation.run()
+        else:
+            simulation.run()
+
+
 def test_a_loop_without_solution_is_named_with_its_worst_variable(gains):
     with (
         gains(1.0, 1.0).prepare(step=0.1, stop=1.0) as simulation,

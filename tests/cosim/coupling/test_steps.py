@@ -59,23 +59,6 @@ def test_a_step_is_kept_just_when_its_prediction_holds(linear):
     assert (effort[1.01]["rejected"], effort[1.01]["steps"]) == (0, 10)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("interpolates", [True, False])
-@pytest.mark.parametrize("method", ["jacobi", "gauss_seidel", "iterative"])
-def test_the_error_falls_with_the_tolerance(two_masses, linear, method, interpolates):
-    found = [
-        errors(
-            two_masses,
-            linear,
-            0.1,
-            cosim.Coupling(method, degree=1, adaptive=cosim.Adaptive(tolerance)),
-            interpolates=interpolates,
-        )[0]
-        for tolerance in (1e-2, 1e-3)
-    ]
-    assert found[1] < found[0] / 4
-
-
 def test_an_adaptive_step_names_who_cannot_go_back(two_masses, linear):
     system = two_masses.system(linear, restores=False)
     coupling = cosim.Coupling("jacobi", adaptive=cosim.Adaptive())
