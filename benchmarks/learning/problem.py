@@ -12,7 +12,7 @@ from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
 from stickslip.cosim import SineSweep
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.systems import build_fmus, paper_loop
-from stickslip.tuning.learning import CONSTRAINT, VelocityCost
+from stickslip.tuning.learning import VelocityCost
 
 COARSENESS = dict(zip(LUGRE, (0.3, 0.1, 0.8, 0.3, 0.5), strict=True))
 """Standard deviation of what was identified, as a logarithm."""
@@ -47,4 +47,4 @@ def problem(seed: int) -> ga.Problem:
     }
     start["F_s"] = max(start["F_s"], start["F_c"])
     genes = [ga.Gene(n, 0.1 * value, 100 * value, value, UNITS[n]) for n, value in start.items()]
-    return ga.Problem(genes, CONSTRAINT)
+    return ga.Problem(genes, ga.AtLeast("F_s", "F_c"))

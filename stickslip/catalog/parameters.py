@@ -80,6 +80,23 @@ def estimated(law: Law) -> tuple[str, ...]:
     return tuple(name for name, parameter in law.parameters.items() if parameter.shown_by)
 
 
+def tabulated(law: Law) -> tuple[str, ...]:
+    """Return the names of a table of identified parameters: m, b and those of the law."""
+    return ("m", "b", *estimated(law))
+
+
+def presliding(law: Law) -> tuple[str, ...]:
+    """Return the names of a law's parameters that moves below break-away show."""
+    moves = ("presliding moves", "quick presliding moves")
+    return tuple(name for name, one in law.parameters.items() if one.shown_by in moves)
+
+
+def scaled_start(one: LawParameter, F_c: float, deflection: float) -> float:
+    """Return a start value for a drive with this friction [N] and presliding deflection [m]."""
+    force, length = F_c / PAPER["F_c"], deflection / (PAPER["F_c"] / PAPER["sigma_0"])
+    return float(one.start[0] * force**one.force * length**one.length)
+
+
 @cache
 def parameter(name: str) -> LawParameter:
     """Return a parameter of a drive or of any friction law.
@@ -118,7 +135,7 @@ def force_and_length_of(name: str) -> tuple[int, int]:
 
 
 LUGRE = estimated(friction_law())
-"""The parameters that the paper's genetic algorithm learns."""
+"""The parameters of the paper's compensator."""
 
 UNITS = {name: unit_of(name) for name in PAPER}
 """Units of Table 2."""

@@ -1,4 +1,4 @@
-"""``--set NAME=VALUE``, ``--coarse NAME=FACTOR`` and ``--source`` on the command line."""
+"""``--set``, ``--coarse``, ``--source`` and ``--law`` on the command line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import math
 from argparse import ArgumentParser
 from collections.abc import Collection, Iterable, Sequence
 
-from stickslip.catalog.parameters import LUGRE
+from stickslip import models
+from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.commands import SEVERAL, add_old_spelling, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
@@ -32,20 +33,31 @@ def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
     add_old_spelling(parser, "--feed", action)
 
 
-def coarse_factors(texts: Iterable[str]) -> dict[str, float]:
+def add_law_option(parser: ArgumentParser) -> None:
+    """Declare ``--law``, the friction law of the compensator."""
+    parser.add_argument(
+        "--law",
+        choices=models.law_names(),
+        default="lugre",
+        help="friction law of the compensator (default lugre)",
+    )
+
+
+def coarse_factors(texts: Iterable[str], law: str = "lugre") -> dict[str, float]:
     """Return factors on identified parameters by name.
 
     Raises
     ------
     UsageError
-        When a name is not one of LuGre's five, or a factor is not a positive finite number.
+        When a name is not one of the law's, or a factor is not a positive finite number.
     """
+    names = estimated(friction_law(law))
     factors: dict[str, float] = {}
     for name, value in split_assignments(texts, "--coarse").items():
         factor = _number("--coarse", name, value)
-        if name not in LUGRE or not 0.0 < factor < math.inf:
+        if name not in names or not 0.0 < factor < math.inf:
             raise UsageError(
-                f"--coarse {name}={value}: expected one of {', '.join(LUGRE)} and a positive number"
+                f"--coarse {name}={value}: expected one of {', '.join(names)} and a positive number"
             )
         factors[name] = factor
     return factors

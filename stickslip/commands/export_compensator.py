@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from stickslip import models
-from stickslip.catalog.parameters import friction_law
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
@@ -53,10 +52,10 @@ def run(options: argparse.Namespace) -> None:
     learned = LearnedFile(options.parameters)
     start = learned.compensator
     try:
-        models.load_model("compensator").with_start(start)
+        models.load_model("compensator", learned.law.name).with_start(start)
         share = _guarded_share(learned, start, force=options.force)
-        start = friction_law().share(start, share)
-        paths = _write(options, start)
+        start = learned.law.share(start, share)
+        paths = _write(options, learned.law.name, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
@@ -88,13 +87,20 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
         )
     v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with temporary_folder() as folder:
-        build_fmus(folder, {})
+        build_fmus(folder, {"law": learned.law.name}, learned.law.name)
         trial = Trial(
-            folder, loop, learned.friction, compensator, v_cmd, learned.feed, learned.datasheet
+            folder,
+            loop,
+            learned.friction,
+            compensator,
+            v_cmd,
+            learned.feed,
+            learned.datasheet,
+            learned.law,
         )
         benefit = benefit_of(trial, rotary=learned.rotary)
         written = replace(
-            trial, compensator=friction_law().share(compensator, 1.0 if force else benefit.share)
+            trial, compensator=learned.law.share(compensator, 1.0 if force else benefit.share)
         )
         for finding in inspect(written, learned.standard_errors):
             _warn(str(finding))
@@ -113,7 +119,9 @@ def _warn(message: str) -> None:
     print(f"stickslip: warning: {message}", file=sys.stderr)
 
 
-def _write(options: argparse.Namespace, start: dict[str, float]) -> list[Path]:
+def _write(options: argparse.Namespace, law: str, start: dict[str, float]) -> list[Path]:
     if options.form != "fmu":
-        return write_compensator(options.out, options.form, start=start)
-    return [models.build_fmu("compensator", options.out, start=start, **fmu_options(options))]
+        return write_compensator(options.out, options.form, start=start, law=law)
+    return [
+        models.build_fmu("compensator", options.out, start=start, law=law, **fmu_options(options))
+    ]

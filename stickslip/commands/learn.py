@@ -11,6 +11,7 @@ from pathlib import Path
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.commands import FLAG, add_old_spelling, add_options, at_least
+from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import (
     add_algorithm_option,
     add_execution_options,
@@ -65,6 +66,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_algorithm_option(parser)
     add_execution_options(parser)
     add_log_options(parser)
+    add_law_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -88,6 +90,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         learned = learn(
             options.log,
             description,
+            law=options.law,
             criterion=CRITERIA[options.criterion],
             seed=options.seed,
             seeds=options.seeds,
@@ -136,7 +139,10 @@ def print_estimation(estimation: Estimation) -> None:
         interval = f"[{known.low:.5g}, {known.high:.5g}]"
         unit = unit_of(name, rotary=rotary)
         print(f"{name:8} {known.value:12.6g} {unit:9} {interval:26} {known.sentence}")
-    print(f"{'delta':8} {estimation.delta:12.6g} {'1':9} exponent of the Stribeck curve, 1 or 2")
+    for name, value in estimation.chosen.items():
+        one = estimation.law.parameters[name]
+        meant = "exponent of the Stribeck curve, 1 or 2" if name == "delta" else one.description
+        print(f"{name:8} {value:12.6g} {one.unit:9} {meant}")
     force = unit_of("F_c", rotary=rotary)
     print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
     print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")

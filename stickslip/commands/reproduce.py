@@ -10,6 +10,7 @@ from pathlib import Path
 
 from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.assignments import (
+    add_law_option,
     add_set_option,
     add_source_option,
     coarse_factors,
@@ -75,6 +76,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_execution_options(parser)
     add_source_option(parser, FEEDS)
     add_set_option(parser)
+    add_law_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -93,6 +95,8 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
+    for warning in reproduction.identification.warnings:
+        print(f"stickslip: warning: {warning}", file=sys.stderr)
     print_table4(reproduction.table4())
     if reproduction.refinement.skipped:
         print(f"no search was made: {reproduction.refinement.skipped}")
@@ -148,6 +152,11 @@ def run(options: argparse.Namespace) -> None:
             "--coarse begins learning on the drive; leave out --mode record, which identifies "
             "nothing to multiply"
         )
+    if options.law != "lugre" and (options.as_published or options.complete):
+        raise UsageError(
+            f"--law {options.law}: the paper's learning as published has the law lugre; leave out "
+            "--as-published and --complete"
+        )
     if options.complete and mode != "drive":
         raise UsageError(
             "--complete takes all steps on the drive, the learning as published and from one "
@@ -155,14 +164,15 @@ def run(options: argparse.Namespace) -> None:
         )
     chosen = Options(
         truth=drive_changes(options.set),
+        law=options.law,
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
         published_seeds=options.published_seeds,
         complete=options.complete,
-        coarse=coarse_factors(options.coarse),
+        coarse=coarse_factors(options.coarse, options.law),
     )
-    drive_truth(chosen.truth)  # before anything is done
+    drive_truth(chosen.truth, chosen.law)  # before anything is done
     compute, files, usual = MODES[mode]
     out = options.out or Path(usual)
     with (

@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip import cosim
-from stickslip.catalog.parameters import LUGRE
+from stickslip import cosim, models
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -78,11 +77,13 @@ def second_opinion(
         how the compensator is timed, FMPy sets as well.
     commands : by name (n,) [m/s], one value a sample
     """
+    ports = models.load_model("compensator").ports
+    timed = ports.axis if ports else {}
     timing = {
         variable: value
         for key, value in system.parameters.items()
         for component, _, variable in [key.partition(".")]
-        if component == "compensator" and variable not in LUGRE
+        if component == "compensator" and variable in timed
     }
     comparisons = {}
     for name, v_cmd in commands.items():

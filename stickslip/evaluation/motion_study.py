@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
 from stickslip.evaluation.sensitivity import sensitivity
 from stickslip.servo.rig import Rig
@@ -50,7 +49,7 @@ def study_motions(
     rig: Rig,
     entries: Mapping[str, Entry],
     loop: VelocityLoop,
-    truth: Mapping[str, float],
+    exact: Mapping[str, float],
     feed: Feed = "nominal",
 ) -> MotionStudy:
     """Run all motions.
@@ -61,9 +60,8 @@ def study_motions(
     ----------
     entries : what is compared, ``UNCOMPENSATED`` and ``LEARNED`` among them
     loop : in which the sensitivity is found, and of which the weak one is made
-    truth : the drive's parameters by name, of which the exact compensator takes its five
+    exact : the parameters of the exact compensator by name
     """
-    exact = {name: truth[name] for name in LUGRE}
     weak = weakened(loop)
     weak_entries = dict(zip(WEAK_ENTRIES, (Entry(weak), Entry(weak, exact)), strict=True))
     evaluation = evaluate(rig, {**entries, **weak_entries}, feed)

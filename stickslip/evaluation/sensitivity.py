@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from stickslip.catalog.parameters import LUGRE
+from stickslip.catalog.parameters import parameter
 from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.evaluation.motions import MOTIONS, Motion
 from stickslip.servo.rig import Rig
@@ -23,8 +23,12 @@ SEEN = 0.10
 
 def wrong_values(exact: Mapping[str, float]) -> dict[tuple[str, str], dict[str, float]]:
     """Return compensators with one parameter wrong, by name and change; last ``CONTROL``."""
-    wrong = {("F_s", "= F_c"): {**exact, "F_s": exact["F_c"]}}
-    for name in LUGRE:
+    wrong = {
+        (name, f"= {bound}"): {**exact, name: exact[bound]}
+        for name in exact
+        if (bound := parameter(name).at_least)
+    }
+    for name in exact:
         for factor in FACTORS.get(name, (0.5, 2.0)):
             change = f"x {factor:g}" if factor >= 1.0 else f"/ {1 / factor:g}"
             wrong[name, change] = {**exact, name: factor * exact[name]}
@@ -46,7 +50,7 @@ def sensitivity(
 
     Parameters
     ----------
-    exact : the drive's true LuGre parameters by name
+    exact : the drive's true parameters by name
     """
     wrong = wrong_values(exact)
     entries = {"without": Entry(loop), "exact": Entry(loop, exact)}
@@ -54,11 +58,11 @@ def sensitivity(
     table = evaluate(rig, entries, feed, motions).table()
     table = table[(table["velocity"] == "true") & (table["metric"] != "E_max")]
     frames = []
-    for parameter, change in wrong:
+    for name, change in wrong:
         frame = table[["motion", "region", "metric", "unit", "without", "exact"]].copy()
-        frame.insert(0, "parameter", parameter)
+        frame.insert(0, "parameter", name)
         frame.insert(1, "change", change)
-        frame["wrong"] = table[f"{parameter} {change}"]
+        frame["wrong"] = table[f"{name} {change}"]
         frames.append(frame)
     shown = pd.concat(frames, ignore_index=True)
     shown["lost"] = (shown["wrong"] - shown["exact"]) / shown["without"]

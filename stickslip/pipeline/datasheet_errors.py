@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.validation import Validation, run_command, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
@@ -40,6 +39,7 @@ def vary_datasheet(
     feed: Feed,
     workers: int = 1,
     factors: Mapping[str, tuple[float, ...]] = FACTORS,
+    law: str = "lugre",
 ) -> pd.DataFrame:
     """Return a row for the data sheet as it is, and one for each number in it that is wrong.
 
@@ -52,6 +52,7 @@ def vary_datasheet(
     ----------
     fmus : folder of drive.fmu and the FMUs of the loop
     workers : rows computed side by side
+    law : friction law of the compensator
     """
     sheet = Datasheet()
     cases = [("", 1.0, sheet)]
@@ -62,7 +63,7 @@ def vary_datasheet(
     def row(case: tuple[str, float, Datasheet]) -> dict[str, object]:
         quantity, factor, assumed = case
         value = getattr(assumed, quantity) if quantity else None
-        rig = Rig(fmus, assumed, LOOP.T_s)
+        rig = Rig(fmus, assumed, LOOP.T_s, law)
         return {"quantity": quantity, "factor": factor, "value": value, **_outcome(rig, feed)}
 
     with Threads(workers) as threads:
@@ -76,7 +77,7 @@ def _outcome(rig: Rig, feed: Feed) -> dict[str, object]:
         identification = identify(rig, LOOP)
         values = {name: e.value for name, e in identification.estimates.items()}
         found |= {name: values[name] for name in FOUND}
-        compensator = {name: values[name] for name in LUGRE}
+        compensator = {name: one.value for name, one in identification.tuned.items()}
         plain = identification.loop
         validation = validate(rig, plain, compensator, VALIDATION, feed)
         for (region, metric), reduction in _reductions(validation, "measured").items():

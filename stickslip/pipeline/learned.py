@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from stickslip import ga
-from stickslip.catalog.parameters import LUGRE, friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.guards import Benefit, Trial, benefit_of, inspect
 from stickslip.fmi.process import temporary_folder
@@ -125,7 +124,7 @@ class LearnedFromRecording(Learned):
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
         share = self.trial.benefit.share if self.trial else 1.0
-        return friction_law().share(self.friction, share)
+        return self.estimation.law.share(self.friction, share)
 
     def with_whole_force(self) -> LearnedFromRecording:
         """Return the same with the compensator at its whole force, whatever that does."""
@@ -151,7 +150,7 @@ class LearnedFromRecording(Learned):
             f"{name} is not visible in this log; the compensator takes {known.value:.4g}: "
             f"{known.sentence}"
             for name, known in self.estimation.known.items()
-            if name in LUGRE and known.visible == NOT_VISIBLE
+            if name in self.estimation.law.parameters and known.visible == NOT_VISIBLE
         ]
         if self.trial is None:
             return (*guesses, "no velocity loop can be closed, so the compensator is not tried")
@@ -170,6 +169,7 @@ def learn_recording(
     design: Callable[[Estimation], Loops],
     findings: tuple[Finding, ...],
     *,
+    law: str = "lugre",
     criterion: CriterionName = "auto",
     seed: int = 0,
     seeds: int = 1,
@@ -184,7 +184,7 @@ def learn_recording(
     gains : of the controller FMU by name; None when the controller is not known
     design : gives the loops, or raises ControlError
     findings : of reading and checking the recording
-    criterion, seed, seeds, search : see ``estimation.Task``
+    law, criterion, seed, seeds, search : see ``estimation.Task``
 
     Raises
     ------
@@ -192,7 +192,7 @@ def learn_recording(
         When the recording does not show a drive that slides.
     """
     faults = tuple(finding for finding in findings if finding.spoils)
-    with candidate_fmus() as fmus:
+    with candidate_fmus(law) as fmus:
         task = Task(
             fmus,
             recording,
@@ -201,7 +201,8 @@ def learn_recording(
             search or Search(),
             seed,
             seeds,
-            faults=faults,
+            law,
+            faults,
         )
         estimation = estimate(task, on_stage, on_generation)
     try:
@@ -234,15 +235,15 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
     )
     errors = {
         name: estimation.known[name].standard_error
-        for name in LUGRE
+        for name in estimation.fit.space.friction
         if estimation.known[name].visible != NOT_VISIBLE
     }
-    friction = dict(learned.friction)
+    friction, law = dict(learned.friction), estimation.law
     with temporary_folder() as folder:
-        build_fmus(folder, {})
-        trial = Trial(folder, loop, friction, friction, v_cmd, datasheet=sheet)
+        build_fmus(folder, {"law": law.name}, law.name)
+        trial = Trial(folder, loop, friction, friction, v_cmd, datasheet=sheet, law=law)
         benefit = benefit_of(trial, rotary=reading.recording.motion == "rotary")
-        written = replace(trial, compensator=friction_law().share(friction, benefit.share))
+        written = replace(trial, compensator=law.share(friction, benefit.share))
         warnings = tuple(str(finding) for finding in inspect(written, errors))
     return replace(learned, trial=SimulatedTrial(command, sheet, benefit, warnings))
 

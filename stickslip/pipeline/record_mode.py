@@ -103,6 +103,7 @@ def learn_from_recording(
         gains_of(commissioning_loop(rig.datasheet)),
         partial(loops_of_drive, rig.datasheet),
         check_recording(recording),
+        law=rig.law.name,
         seed=seed,
         search=search,
         on_stage=on_stage,

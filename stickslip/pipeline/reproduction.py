@@ -15,7 +15,7 @@ from typing import Protocol
 import pandas as pd
 
 from stickslip import cosim, ga, models
-from stickslip.catalog.parameters import LUGRE
+from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
@@ -28,7 +28,7 @@ from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
 from stickslip.tuning.coarse_start import coarsened
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn, parameters
+from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.published import WholeStudy
 from stickslip.tuning.refinement import Refinement, refine, without_search
 
@@ -41,6 +41,7 @@ class Options:
     ----------
     truth : parameters of the drive FMU that differ from Table 2, in the units of its model.toml,
         and its friction law as ``law``
+    law : friction law of the compensator
     preset : how to learn, a name in ``ga.ALGORITHMS``
     feed : what drives the compensator
     published_seeds : how many seeds learn as published
@@ -50,6 +51,7 @@ class Options:
     """
 
     truth: Changes = field(default_factory=dict)
+    law: str = "lugre"
     seed: int = 0
     preset: str = "default"
     feed: Feed = "nominal"
@@ -120,7 +122,7 @@ class Reproduction(Reproduced):
 
     Attributes
     ----------
-    start : the five parameters that learning began with
+    start : the tuned parameters that learning began with
     algorithm : what searched; where that was skipped it has done its first generation alone
     refinement : what was known in the end
     cost_without : of the training run without compensation [m^2/s^2]
@@ -143,6 +145,13 @@ class Reproduction(Reproduced):
     published: WholeStudy | None = None
 
     @property
+    def exact(self) -> Mapping[str, float]:
+        """The drive's own friction; the learned one where the drive's law is another one."""
+        if drive_law(self.options.truth)[1] != self.options.law:
+            return self.learned.friction
+        return {name: self.truth[name] for name in self.start}
+
+    @property
     def cost_of_identified(self) -> float:
         """Cost of the training run with the parameters that learning began with [m^2/s^2].
 
@@ -160,8 +169,8 @@ class Reproduction(Reproduced):
         return with_steps(table, self.motions.evaluation.table()) if self.motions else table
 
 
-def drive_truth(changes: Changes) -> dict[str, float]:
-    """Return every parameter of the drive FMU; those of LuGre that its law lacks are NaN.
+def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
+    """Return every parameter of the drive FMU, and NaN for those of ``law`` that it lacks.
 
     Raises
     ------
@@ -170,17 +179,17 @@ def drive_truth(changes: Changes) -> dict[str, float]:
     models.UnknownLaw
         When there is no such friction law.
     """
-    start, law = drive_law(changes)
-    model = models.load_model("drive", law).with_start(start)
+    start, own = drive_law(changes)
+    model = models.load_model("drive", own).with_start(start)
     known = {v.name: v.start for v in model.variables if v.role == "parameter"}
-    return dict.fromkeys(LUGRE, math.nan) | known
+    return dict.fromkeys(estimated(friction_law(law)), math.nan) | known
 
 
 def build_rig(options: Options, fmus: Path, progress: Progress) -> Rig:
     """Build the drive and the FMUs of the loop into a folder, which must stay."""
     progress.stage("building the FMUs")
-    build_fmus(fmus, options.truth)
-    return Rig(fmus, Datasheet(), LOOP.T_s)
+    build_fmus(fmus, options.truth, options.law)
+    return Rig(fmus, Datasheet(), LOOP.T_s, options.law)
 
 
 def validated(options: Options, rig: Rig, learned: Learned, progress: Progress) -> Reproduced:
@@ -195,7 +204,7 @@ def validated(options: Options, rig: Rig, learned: Learned, progress: Progress) 
     progress.stage("validating")
     validation = validate(rig, loop, learned.friction, VALIDATION, options.feed, plain)
     system = paper_loop(rig.fmus, loop, learned.friction, options.feed)
-    return Reproduced(options, drive_truth(options.truth), learned, validation, system)
+    return Reproduced(options, drive_truth(options.truth, options.law), learned, validation, system)
 
 
 def reproduce(
@@ -211,9 +220,9 @@ def reproduce(
     """
     rig = build_rig(options, fmus, progress)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
-    start = {name: identification.estimates[name] for name in LUGRE}
+    start = identification.tuned
     if options.coarse:
-        start = coarsened(identification.estimates, options.coarse)
+        start = coarsened(start, options.coarse, rig.law)
     study = Study(
         rig,
         identification.loop,
@@ -230,7 +239,7 @@ def reproduce(
     algorithm = learn(study, progress.generation, execution, limits)
     if refinement is None:
         progress.stage("refining")
-        refinement = refine(study, parameters(algorithm.best.values), fitted=options.refined)
+        refinement = refine(study, study.parameters(algorithm.best.values), fitted=options.refined)
     loop = identification.loop
     result = validated(options, rig, Learned(refinement.values, Loops(loop, loop)), progress)
     return Reproduction(

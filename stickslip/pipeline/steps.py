@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.comparison import Entry
 from stickslip.evaluation.motion_study import IDENTIFIED, LEARNED, UNCOMPENSATED
 from stickslip.evaluation.motions import MOTIONS
@@ -46,7 +45,7 @@ def steps(
     recorded : from one recording
     """
     loop = identification.loop
-    identified = {name: identification.estimates[name].value for name in LUGRE}
+    identified = {name: one.value for name, one in identification.tuned.items()}
     found = {
         UNCOMPENSATED: Entry(loop),
         "tuned_pi": Entry(tuned_pi(loop)),

@@ -23,7 +23,7 @@ from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn, parameters
+from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.published import study_as_published
 from stickslip.tuning.published.study import OnGeneration, side_by_side
 from stickslip.tuning.refinement import refine, without_search
@@ -51,8 +51,8 @@ def with_studies(
     own = replace(execution, checkpoint=None, resume=False)
     extras = reproduce_with_extras(options, fmus / "extras", progress, own)
     progress.stage("varying what is known beforehand")
-    beforehand = vary_datasheet(fmus, options.feed, execution.workers)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    beforehand = vary_datasheet(fmus, options.feed, execution.workers, law=options.law)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
     study = recorded = None
     coarse: list[dict[str, float]] = []
     if options.complete:
@@ -89,8 +89,8 @@ def with_motions(
     found, options = reproduction.identification, reproduction.options
     published = reproduction.published.published if reproduction.published else None
     entries = steps(found, reproduction.learned, published, coarse, recorded)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
-    motions = study_motions(rig, entries, found.loop, reproduction.truth, options.feed)
+    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
+    motions = study_motions(rig, entries, found.loop, reproduction.exact, options.feed)
     return replace(reproduction, motions=motions)
 
 
@@ -113,7 +113,7 @@ def _from_coarse_starts(
         result = without_search(study)
         if result is None:
             best = learn(study, on_generation).best
-            result = refine(study, parameters(best.values))
+            result = refine(study, study.parameters(best.values))
         return result.values  # noqa: PD011 - parameters by name
 
     return side_by_side(learned, some, execution.workers)
@@ -151,7 +151,8 @@ def step_by_step(
     found: Reproduction, fmus: Path, progress: Progress, execution: Execution
 ) -> pd.DataFrame:
     """Return Table 4 of a reproduction with a column for each step but coarse starts."""
-    rig, options = Rig(fmus, Datasheet(), LOOP.T_s), found.options
+    options = found.options
+    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
     recorded = _recorded(rig, options, progress, execution) if options.complete else None
     entries = steps(found.identification, found.learned, recorded=recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from stickslip.catalog.parameters import LUGRE, PAPER, UNITS
+from stickslip.catalog.parameters import PAPER, tabulated, unit_of
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.stages import Estimate, Identification
 from stickslip.tuning.refinement import Refinement
@@ -26,8 +26,7 @@ def table2(
     are not learned.
     """
     rows = []
-    for name in UNITS:
-        before = identification.estimates[name]
+    for name, before in identification.estimates.items():
         after = learned.estimates.get(name)
         rows.append(
             {
@@ -46,12 +45,12 @@ def table2(
 def table2_of_recording(estimation: Estimation, truth: Mapping[str, float]) -> pd.DataFrame:
     """Return Table 2 with what one recording gave, in SI units.
 
-    ``identified`` is what a straight line through the recorded force gives, which shows none of
-    F_s, v_s, sigma_0 and sigma_1. ``spread`` is the standard error of what was learned.
+    ``identified`` is what a straight line through the recorded force gives, which shows
+    nothing of friction but F_c. ``spread`` is the standard error of what was learned.
     """
     line = estimation.start.line
     rows = []
-    for name in UNITS:
+    for name in tabulated(estimation.law):
         known = estimation.known[name]
         rows.append(
             {
@@ -68,7 +67,7 @@ def table2_of_recording(estimation: Estimation, truth: Mapping[str, float]) -> p
 
 
 def _head(name: str, truth: Mapping[str, float]) -> dict[str, Any]:
-    return {"parameter": name, "unit": UNITS[name], "paper": PAPER[name], "drive": truth[name]}
+    return {"parameter": name, "unit": unit_of(name), "paper": PAPER.get(name), "drive": truth[name]}
 
 
 def _remark(
@@ -79,7 +78,7 @@ def _remark(
     truth: float,
 ) -> str:
     """Say how well a parameter is known, and whether learning took it away from the truth."""
-    if name not in LUGRE:
+    if name not in start:
         return "identified only, not learned"
     before, after = identification.estimates[name], learned.estimates[name]
     prior = start[name].standard_error / start[name].value

@@ -67,7 +67,7 @@ def number(value: float, digits: int = 4) -> str:
 
 def percent(share: float, digits: int = 1) -> str:
     """Return a share as per cent, e.g. ``95.7 %``."""
-    return f"{_fixed(100.0 * share, digits)}{SPACE}%"
+    return f"{_fixed(100.0 * share, digits)}{SPACE}%" if math.isfinite(share) else "–"
 
 
 def percentage(share: float) -> str:

@@ -6,7 +6,8 @@
     "datasheet": {"encoder_step": {"value": 4e-7, "unit": "m"}, ...}
 
 Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and
-the gains L_x L_v L_d of a velocity filter. Only ``parameters`` is needed to read a file.
+the gains L_x L_v L_d of a velocity filter. ``law`` names the friction law where it is not LuGre.
+Only ``parameters`` is needed to read a file.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from stickslip.catalog.parameters import LUGRE, UNITS, friction_law, unit_of
+from stickslip.catalog.parameters import estimated, friction_law, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
+from stickslip.models import Law, UnknownLaw
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis, ControlError
@@ -63,13 +65,13 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "parameters": {
             name: {
                 "value": estimate.value,
-                "unit": UNITS[name],
+                "unit": unit_of(name),
                 "standard_error": estimate.standard_error,
             }
             for name, estimate in learned.estimates.items()
         },
         "start": {
-            name: {"value": known.value, "unit": UNITS[name]}
+            name: {"value": known.value, "unit": unit_of(name)}
             for name, known in reproduction.start.items()
         },
         "coarse": dict(options.coarse),
@@ -87,8 +89,14 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "loop": loop_document(reproduction.identification.loop),
         "validation": validation_document(VALIDATION),
         "second_opinion": _opinion_document(reproduction.opinion),
+        **_law_entry(reproduction.identification.law),
         "versions": versions(),
     }
+
+
+def _law_entry(law: Law) -> dict[str, str]:
+    """Return the name of the compensator's friction law; a file without it has LuGre's."""
+    return {} if law.name == "lugre" else {"law": law.name}
 
 
 def _opinion_document(opinion: SecondOpinion | None) -> dict[str, Any] | None:
@@ -123,7 +131,10 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "parameters": parameters,
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
-        "delta": {"value": estimation.delta, "unit": "1"},
+        **{
+            name: {"value": value, "unit": unit_of(name, rotary=rotary)}
+            for name, value in estimation.chosen.items()
+        },
         "log": estimation.recording.source,
         "motion": estimation.recording.motion,
         "judge": estimation.criterion,
@@ -141,7 +152,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "loop": loop_document(loop),
             "validation": validation_document(VALIDATION),
         }
-    return document | {"versions": versions()}
+    return document | _law_entry(estimation.law) | {"versions": versions()}
 
 
 def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -214,18 +225,27 @@ class LearnedFile:
             document = parse_json(read_limited(path, MOST_TEXT))
         except ValueError as error:
             raise UsageError(f"{path}: not a learned.json: {error}") from None
-        if not isinstance(document, dict):
+        self._document: dict[str, Any] = document if isinstance(document, dict) else {}
+        if document is not self._document:
             raise self._invalid("it has another structure")
-        self._document: dict[str, Any] = document
+
+    @cached_property
+    def law(self) -> Law:
+        """The friction law of the compensator; LuGre by default."""
+        name = self._document.get("law", "lugre")
+        try:
+            return friction_law(str(name))
+        except UnknownLaw as error:
+            raise UsageError(f"{self.path}: law: {error}") from None
 
     @cached_property
     def friction(self) -> dict[str, float]:
-        """The learned friction by name, in SI units: LuGre's five, and ``delta`` if it is there."""
-        document = self._document
+        """The learned friction by name, in SI units, and what else of the law is in the file."""
+        document, tuned = self._document, estimated(self.law)
+        chosen = [name for name in self.law.parameters if name in document and name not in tuned]
         try:
-            values = {name: float(document["parameters"][name]["value"]) for name in LUGRE}
-            if "delta" in document:
-                values["delta"] = float(document["delta"]["value"])
+            values = {name: float(document["parameters"][name]["value"]) for name in tuned}
+            values |= {name: float(document[name]["value"]) for name in chosen}
         except KeyError as error:
             raise self._invalid(f"{error} is missing") from None
         except TypeError:
@@ -246,13 +266,13 @@ class LearnedFile:
             raise UsageError(
                 f"{self.path}: share: expected a value above 0 and up to 1; got {entry!r:.80}"
             )
-        return friction_law().share(friction, share)
+        return self.law.share(friction, share)
 
     @property
     def standard_errors(self) -> dict[str, float]:
         """Standard errors by parameter in SI units, where the file has them."""
         _ = self.friction  # checks the structure
-        entries = {name: self._document["parameters"][name] for name in LUGRE}
+        entries = {name: self._document["parameters"][name] for name in estimated(self.law)}
         found = {name: entry.get("standard_error") for name, entry in entries.items()}
         return {
             name: float(value)
@@ -340,9 +360,10 @@ class LearnedFile:
         return values
 
     def _invalid(self, reason: str) -> UsageError:
+        names = ", ".join(estimated(self.law))
         return UsageError(
-            f"{self.path}: not a learned.json: {reason}; expected parameters {', '.join(LUGRE)}, "
-            "each with a value"
+            f"{self.path}: not a learned.json: {reason}; expected parameters {names}, each with a "
+            "value"
         )
 
 

@@ -56,5 +56,6 @@ def write_compensator(
     """
     write_json(document, staging / "learned.json")
     if export:
-        models.build_fmu("compensator", staging, start=learned.compensator)
+        law = learned.estimation.law.name
+        models.build_fmu("compensator", staging, start=learned.compensator, law=law)
     write_estimation_report(learned.estimation, learned.findings, staging, further)

@@ -57,7 +57,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
             write_table(reproduction.motions.evaluation.table(), staging / "motions.csv")
             write_table(reproduction.motions.sensitivity, staging / "sensitivity.csv")
         write_table(reproduction.algorithm.convergence(), staging / "fitness.csv")
-        fmu = models.build_fmu("compensator", staging, start=reproduction.refinement.values)
+        learned, law = reproduction.refinement, reproduction.options.law
+        fmu = models.build_fmu("compensator", staging, start=learned.values, law=law)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")
@@ -84,6 +85,7 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
         "preset": options.preset,
         "feed": options.feed,
         "coarse": dict(options.coarse),
+        **({} if options.law == "lugre" else {"law": options.law}),
         **more,
     }
 

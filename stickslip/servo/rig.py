@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim
-from stickslip.catalog.parameters import LUGRE
+from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.fmi.process import temporary_folder
 from stickslip.ga import SimulatedCost
 from stickslip.servo.datasheet import LOOP, Datasheet
@@ -48,12 +48,14 @@ class Rig:
     fmus : folder with drive.fmu and the FMUs of the loop
     datasheet : what is known of it
     T_s : sample period of commands and logs [s]
+    law : friction law of the compensator, with which the FMUs were built
     """
 
-    def __init__(self, fmus: Path, datasheet: Datasheet, T_s: float) -> None:
+    def __init__(self, fmus: Path, datasheet: Datasheet, T_s: float, law: str = "lugre") -> None:
         self.fmus = fmus
         self.datasheet = datasheet
         self.T_s = T_s
+        self.law = friction_law(law)
 
     def push(self, force: Array) -> Log:
         """Command a force (n,) [N], one value a sample, without any loop."""
@@ -91,7 +93,7 @@ class Rig:
             stop=(len(v_cmd) - 1) * self.T_s,
             record=("drive.x_enc", "nominal.v_r"),
         )
-        names = [f"compensator.{name}" for name in LUGRE]
+        names = [f"compensator.{name}" for name in estimated(self.law)]
         return SimulatedCost(specification, names, cost, loop.commands(v_cmd))
 
     def samples(self, duration: float) -> Array:
@@ -106,8 +108,11 @@ class Rig:
 
 
 @contextmanager
-def rig_of(truth: Changes) -> Iterator[Rig]:
-    """Build a drive with these parameters on its test bench; its files go with the block."""
+def rig_of(truth: Changes, law: str = "lugre") -> Iterator[Rig]:
+    """Build a drive with these parameters on its test bench; its files go with the block.
+
+    ``law`` is the friction law of the compensator.
+    """
     with temporary_folder() as fmus:
-        build_fmus(fmus, truth)
-        yield Rig(fmus, Datasheet(), LOOP.T_s)
+        build_fmus(fmus, truth, law)
+        yield Rig(fmus, Datasheet(), LOOP.T_s, law)

@@ -41,20 +41,27 @@ Changes = Mapping[str, float | str]
 """Start values of the drive FMU by name, and ``law``, the name of its friction law."""
 
 
-def drive_law(changes: Changes) -> tuple[dict[str, float], str | None]:
-    """Return the start values of the drive, and its friction law, None for LuGre."""
+def drive_law(changes: Changes) -> tuple[dict[str, float], str]:
+    """Return the start values of the drive, and its friction law."""
     values = {name: float(value) for name, value in changes.items() if name != "law"}
-    return values, str(changes["law"]) if "law" in changes else None
+    return values, str(changes.get("law", "lugre"))
 
 
-def build_fmus(folder: Path, truth: Changes) -> None:
-    """Build the FMUs of the loop into a folder; ``truth`` goes into the drive."""
-    start, law = drive_law(truth)
+def build_fmus(folder: Path, truth: Changes, law: str = "lugre") -> None:
+    """Build the FMUs of the loop into a folder.
+
+    Parameters
+    ----------
+    truth : goes into the drive
+    law : friction law of the compensator, and of the stage that the identification simulates
+    """
+    start, own = drive_law(truth)
     for name in models.model_names():
         if name == "drive":
-            models.build_fmu(name, folder, start=start, law=law)
+            models.build_fmu(name, folder, start=start, law=own)
         else:
-            models.build_fmu(name, folder)
+            of_law = law if name in ("compensator", "stage") else None
+            models.build_fmu(name, folder, law=of_law)
 
 
 def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:

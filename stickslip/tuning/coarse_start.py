@@ -11,10 +11,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.catalog.parameters import LUGRE, friction_law
+from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
+from stickslip.models import Law
 
-SPREAD = {name: one.spread for name, one in friction_law().parameters.items() if one.spread}
+
+def spread_of(law: Law) -> dict[str, float]:
+    """Return the standard deviations by name of the logarithms of factors for a law."""
+    return {name: law.parameters[name].spread or 0.0 for name in estimated(law)}
+
+
+SPREAD = spread_of(friction_law())
 """Standard deviation of the natural logarithm of each factor, from law.toml: "coarsely".
 
 Forces to 20 %, as single slow runs show them; the two presliding parameters to a factor of 1.4;
@@ -25,14 +33,14 @@ the Stribeck velocity, which no single experiment isolates, to a factor of 2.
 def draw_factors(seed: int, width: float = 1.0) -> dict[str, float]:
     """Draw log-normal factors by name, as accurate as ``SPREAD`` times ``width``."""
     rng = np.random.Generator(np.random.PCG64(seed))
-    logs = rng.standard_normal(len(LUGRE)) * [width * SPREAD[name] for name in LUGRE]
-    return dict(zip(LUGRE, np.exp(logs).tolist(), strict=True))
+    logs = rng.standard_normal(len(SPREAD)) * [width * one for one in SPREAD.values()]
+    return dict(zip(SPREAD, np.exp(logs).tolist(), strict=True))
 
 
 def coarsened(
-    estimates: Mapping[str, Estimate], factors: Mapping[str, float]
+    estimates: Mapping[str, Estimate], factors: Mapping[str, float], law: Law | None = None
 ) -> dict[str, Estimate]:
-    """Return the five estimates times factors, with standard errors of ``SPREAD``.
+    """Return the estimates of a law's parameters times factors, with standard errors of ``SPREAD``.
 
     Static friction below Coulomb friction, which no experiment would report, is exchanged with it.
 
@@ -40,7 +48,9 @@ def coarsened(
     ----------
     factors : by name; a missing one is 1
     """
-    values = {name: estimates[name].value * factors.get(name, 1.0) for name in LUGRE}
-    low, high = sorted((values["F_c"], values["F_s"]))
-    values |= {"F_c": low, "F_s": high}
-    return {name: Estimate(value, SPREAD[name] * value) for name, value in values.items()}
+    law = law or friction_law()
+    spread = spread_of(law)
+    values = {name: estimates[name].value * factors.get(name, 1.0) for name in spread}
+    for name, bound in ParameterSpace.of(law).bounded.items():
+        values[bound], values[name] = sorted((values[bound], values[name]))
+    return {name: Estimate(value, spread[name] * value) for name, value in values.items()}

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.catalog.parameters import LUGRE, UNITS, friction_law
+from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
 from stickslip.servo.measurement import CUTOFF, Array, smoothed
@@ -22,7 +23,6 @@ from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.execution import Execution
 
 BOUNDS = (0.1, 100.0)  # times the identified value, as in the paper
-CONSTRAINT = ga.AtLeast(*next(iter(ParameterSpace.of(friction_law()).bounded.items())))
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,8 @@ class Study:
     Attributes
     ----------
     loop : the velocity loop of the drive, and its nominal loop
-    start : the five parameters by name, with the standard errors of their identification, SI units
+    start : the compensator's tuned parameters by name, in the order of law.toml, with the standard
+        errors of their identification, SI units
     v_cmd : (n,) training command [m/s], one value a sample
     algorithm : one of ``ga.ALGORITHMS``
     settings : of the genetic algorithm, instead of those that ``algorithm`` names
@@ -72,6 +73,15 @@ class Study:
     settings: ga.Settings | None = None
     seed: int = 0
 
+    @cached_property
+    def space(self) -> ParameterSpace:
+        """The coordinates of the compensator's parameters."""
+        return ParameterSpace.of(self.rig.law)
+
+    def parameters(self, values: Array) -> dict[str, float]:
+        """Return the genes' values (k,) by name."""
+        return dict(zip(self.start, values.tolist(), strict=True))
+
     def cost(self) -> ga.SimulatedCost:
         """Return the cost function of one candidate on the drive."""
         criterion = VelocityCost(self.rig.T_s)
@@ -80,7 +90,7 @@ class Study:
     def cost_without(self) -> float:
         """Return the cost of the training run without compensation [m^2/s^2]."""
         criterion = VelocityCost(self.rig.T_s)
-        any_values = np.array([self.start[name].value for name in LUGRE])
+        any_values = np.array([one.value for one in self.start.values()])
         with self.rig.cost_of(
             self.v_cmd, self.loop, criterion, self.feed, compensated=False
         ) as cost:
@@ -120,9 +130,9 @@ def learn(
 
 
 def optimiser(study: Study, limits: ga.Limits | None = None) -> ga.Optimiser:
-    """Return what searches the five genes."""
+    """Return what searches the genes."""
     settings = study.settings or ga.PRESETS.get(study.algorithm)
-    problem = ga.Problem(genes(study.start), repair(settings))
+    problem = ga.Problem(genes(study.start), repair(study.space, settings))
     if study.settings is not None:
         return ga.GeneticAlgorithm(
             problem.genes, study.settings, study.seed, problem.repair, limits
@@ -131,20 +141,16 @@ def optimiser(study: Study, limits: ga.Limits | None = None) -> ga.Optimiser:
 
 
 def genes(start: Mapping[str, Estimate]) -> list[ga.Gene]:
-    """Return the five genes: identified values to start from, and the bounds of the paper."""
+    """Return the genes: identified values to start from, and the bounds of the paper."""
     low, high = BOUNDS
-    values = {name: start[name].value for name in LUGRE}
     return [
-        ga.Gene(name, low * value, high * value, value, UNITS[name])
-        for name, value in values.items()
+        ga.Gene(name, low * one.value, high * one.value, one.value, unit_of(name))
+        for name, one in start.items()
     ]
 
 
-def repair(settings: ga.Settings | None) -> ga.AtLeast | None:
+def repair(space: ParameterSpace, settings: ga.Settings | None) -> ga.AtLeast | None:
     """Return F_s >= F_c; the paper, whose genes are linear, does not ask for it."""
-    return None if settings is not None and settings.encoding == "linear" else CONSTRAINT
-
-
-def parameters(values: Array) -> dict[str, float]:
-    """Return the genes' values (5,) by name."""
-    return dict(zip(LUGRE, values.tolist(), strict=True))
+    if settings is not None and settings.encoding == "linear":
+        return None
+    return next((ga.AtLeast(*pair) for pair in space.bounded.items()), None)

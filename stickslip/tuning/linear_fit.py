@@ -17,24 +17,17 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
-from stickslip.catalog.parameters import LUGRE, friction_law
-from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages.estimate import correlation_length
 from stickslip.servo.datasheet import SLOW
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.systems import feedforward
-from stickslip.tuning.learning import BOUNDS, Study, VelocityCost, parameters
+from stickslip.tuning.learning import BOUNDS, Study, VelocityCost
 
 FLOOR = 0.01
 """Least relative error granted to identification: its models are not exact either."""
 REPEATS = 5
 JITTER = 1e-4
 """Relative change of the parameters between repeated runs."""
-
-# The variables of the fit are the coordinates of the law's parameters, all of them logarithms.
-_SPACE = ParameterSpace.of(friction_law())
-_TO_LOGS = np.array([_SPACE.direction(name)[: len(LUGRE)] for name in LUGRE])
-_RATIOS = [_SPACE.index(name) for name in _SPACE.bounded]
 
 
 @dataclass(frozen=True)
@@ -89,8 +82,8 @@ class Bench:
         with cost.specification.prepare() as simulation:
             for _ in range(REPEATS):
                 self.runs += 1
-                change = np.exp(JITTER * self._rng.standard_normal(len(LUGRE)))
-                changed = np.array([values[name] for name in LUGRE]) * change
+                change = np.exp(JITTER * self._rng.standard_normal(len(study.start)))
+                changed = np.array([values[name] for name in study.start]) * change
                 tried = dict(zip(cost.names, changed.tolist(), strict=True))
                 gaps.append(criterion.gap(simulation.run(tried, cost.inputs)))
         return np.array(gaps)
@@ -115,12 +108,16 @@ class Fit:
 
 
 def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
-    """Fit the five parameters to runs and, with ``prior``, to the study's start.
+    """Fit the parameters to runs and, with ``prior``, to the study's start.
 
     The start enters with its standard errors, as further equations.
     """
-    expected = np.log([study.start[name].value for name in LUGRE])
-    doubt = np.array([_relative_error(study, name) for name in LUGRE])
+    names, space = tuple(study.start), study.space
+    # The variables of the fit are the coordinates of the law's parameters, all of them logarithms.
+    to_logs = np.array([space.direction(name)[: len(names)] for name in names])
+    ratios = [space.index(name) for name in space.bounded]
+    expected = np.log([study.start[name].value for name in names])
+    doubt = np.array([_relative_error(study, name) for name in names])
     power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.gap]
     scale = np.sqrt(np.mean(power))
     numerator, denominator = _transfer(study)
@@ -130,28 +127,28 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
 
         def force(logs: Array) -> Array:
             """Return the compensator's force (2, n) [N] for each command."""
-            values = {f"compensator.{n}": v for n, v in parameters(np.exp(logs)).items()}
+            values = {f"compensator.{n}": v for n, v in study.parameters(np.exp(logs)).items()}
             commands = (study.v_cmd, -study.v_cmd)
             results = [simulation.run(values, study.loop.commands(v_cmd)) for v_cmd in commands]
             return np.array([result["compensator.F_mean"] for result in results])
 
-        begin = np.log([runs.values[name] for name in LUGRE])
+        begin = np.log([runs.values[name] for name in names])
         applied = force(begin)
 
         def gap(q: Array) -> Array:
             # The force of row n + 1 acts from t[n] on.
-            change = np.pad((force(_TO_LOGS @ q) - applied)[:, 1:], ((0, 0), (0, 1)))
+            change = np.pad((force(to_logs @ q) - applied)[:, 1:], ((0, 0), (0, 1)))
             moved = [smoothed(lfilter(numerator, denominator, c), study.rig.T_s) for c in change]
             return np.asarray(runs.gap + np.array(moved))
 
         def residual(q: Array) -> Array:
-            known = (_TO_LOGS @ q - expected) / doubt
+            known = (to_logs @ q - expected) / doubt
             return np.concatenate([gap(q).ravel() / scale, known if prior else []])
 
         low, high = np.log(BOUNDS)
         low_q, high_q = expected + low, expected + high
-        low_q[_RATIOS], high_q[_RATIOS] = 0.0, high - low
-        q = np.clip(np.linalg.solve(_TO_LOGS, begin), low_q + 1e-9, high_q - 1e-9)
+        low_q[ratios], high_q[ratios] = 0.0, high - low
+        q = np.clip(np.linalg.solve(to_logs, begin), low_q + 1e-9, high_q - 1e-9)
         found = least_squares(
             residual,
             q,
@@ -162,12 +159,12 @@ def fit(study: Study, runs: Runs, *, prior: bool = True) -> Fit:
             xtol=1e-5,
         )
         left = gap(found.x)
-    jacobian = found.jac @ np.linalg.inv(_TO_LOGS)
+    jacobian = found.jac @ np.linalg.inv(to_logs)
     commands, n = left.shape
     return Fit(
-        values=parameters(np.exp(_TO_LOGS @ found.x)),
-        errors=_errors(jacobian),
-        alone=_errors(jacobian[: commands * n]),
+        values=study.parameters(np.exp(to_logs @ found.x)),
+        errors=study.parameters(_errors(jacobian)),
+        alone=study.parameters(_errors(jacobian[: commands * n])),
         cost=runs.cost + float(((left**2).sum() - (runs.gap**2).sum()) / commands),
     )
 
@@ -177,10 +174,10 @@ def _relative_error(study: Study, name: str) -> float:
     return max(known.standard_error / known.value, FLOOR)
 
 
-def _errors(jacobian: Array) -> dict[str, float]:
-    """Return relative standard errors from a Jacobian in logarithms, residuals in deviations."""
-    information = jacobian.T @ jacobian + 1e-12 * np.eye(len(LUGRE))
-    return parameters(np.sqrt(np.diag(np.linalg.inv(information))))
+def _errors(jacobian: Array) -> Array:
+    """Return relative standard errors (k,) from the Jacobian of residuals by logarithms."""
+    information = jacobian.T @ jacobian + 1e-12 * np.eye(jacobian.shape[1])
+    return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
 
 
 def _transfer(study: Study) -> tuple[Array, Array]:

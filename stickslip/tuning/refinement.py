@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from stickslip.catalog.parameters import LUGRE
 from stickslip.identification.stages.estimate import Estimate
 from stickslip.tuning.learning import Study
 from stickslip.tuning.linear_fit import REPEATS, Bench, Fit, Runs, fit
@@ -20,6 +19,7 @@ from stickslip.tuning.linear_fit import REPEATS, Bench, Fit, Runs, fit
 SEARCH_BELOW = 0.5
 """Share of its cost below which the start must come, in a fit, for a search to be useful."""
 ROUNDS = 2
+COUNTS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight")
 MARGIN = 0.1
 """By how much a fit may cost more than the cheapest: the scatter of repeated runs."""
 
@@ -32,7 +32,7 @@ class Refinement:
 
     Attributes
     ----------
-    estimates : the five parameters with standard errors, in SI units
+    estimates : the tuned parameters with standard errors, in SI units
     alone : relative standard error that the training runs alone would leave, by name
     cost : of a typical training run on the drive [m^2/s^2]
     chosen : the fit's parameters, the winner of the search, or what the search began with
@@ -83,8 +83,8 @@ def without_search(study: Study) -> Refinement | None:
         f"with the parameters it would begin at, {2 * REPEATS} runs of the training command and "
         f"its mirror image cost {runs.cost:.3g} m2/s2 in the mean, and no parameters would bring "
         f"that below {best.cost:.3g} m2/s2 ({100.0 * best.cost / runs.cost:.0f} %), as a "
-        "least-squares fit of the five to these runs shows; a search is made for less than "
-        f"{100.0 * SEARCH_BELOW:.0f} %"
+        f"least-squares fit of the {COUNTS[len(best.values)]} to these runs shows; a search is "
+        f"made for less than {100.0 * SEARCH_BELOW:.0f} %"
     )
     return _refinement(study, runs, best, "start", bench, reason)
 
@@ -126,12 +126,12 @@ def _refinement(
     study: Study, runs: Runs, final: Fit, chosen: Chosen, bench: Bench, skipped: str = ""
 ) -> Refinement:
     if chosen == "start":
-        estimates = {name: study.start[name] for name in LUGRE}
+        estimates = dict(study.start)
     else:
         errors = final.errors if chosen == "refined" else final.alone
-        estimates = {n: Estimate(runs.values[n], runs.values[n] * errors[n]) for n in LUGRE}
+        estimates = {n: Estimate(runs.values[n], runs.values[n] * errors[n]) for n in study.start}
     return Refinement(estimates, final.alone, runs.training_cost, chosen, bench.runs, skipped)
 
 
 def _start(study: Study) -> dict[str, float]:
-    return {name: study.start[name].value for name in LUGRE}
+    return {name: one.value for name, one in study.start.items()}

@@ -229,7 +229,9 @@ def test_a_bound_is_two_standard_errors_away():
         tried.append(compensator["F_s"])
         return 0.5
 
-    run = SimpleNamespace(trial=SimpleNamespace(compensator=friction), error=error)
+    run = SimpleNamespace(
+        trial=SimpleNamespace(law=friction_law(), compensator=friction), error=error
+    )
     _at_bounds(run, 1.0, {"F_s": 0.1})
     draws = np.random.default_rng(0).normal(9.0, 0.1, 100_000)
     assert np.mean((draws > min(tried)) & (draws < max(tried))) == pytest.approx(0.95, abs=0.003)

@@ -14,7 +14,7 @@ from stickslip.errors import UsageError
 from stickslip.identification.stages import identify
 from stickslip.servo.datasheet import LOOP, TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import Study, learn, parameters
+from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.refinement import refine
 
 pytestmark = pytest.mark.slow
@@ -39,7 +39,7 @@ def values_of(study):
 def learned(study):
     """Return what the default learns, in a third of its generations."""
     short = replace(study, settings=replace(ga.DEFAULT, generations=35))
-    return refine(short, parameters(learn(short).best.values))
+    return refine(short, short.parameters(learn(short).best.values))
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,9 @@ def identification():
     return Identification(
         Inertia(estimate("m"), estimate("b"), estimate("F_c"), a, 5.5 * a),
         friction,
-        Presliding(estimate("sigma_0"), estimate("sigma_1"), log, 2e-6 * force),
+        Presliding(
+            {name: estimate(name) for name in ("sigma_0", "sigma_1")}, 4e5, log, 2e-6 * force
+        ),
         design_velocity_loop(Datasheet().axis(PAPER["m"], PAPER["b"]), LOOP),
     )
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.guards.trial import Trial
 
 WORSE = 1.02
@@ -54,8 +54,8 @@ class Benefit:
     Attributes
     ----------
     share : of the compensator's force; the largest of ``SHARES`` that is harmless, or 1
-    rows : (12,) at that share
-    full : (12,) at the whole force
+    rows : at that share, one for each speed and drive
+    full : the same at the whole force
     unit : of a thousandth of a speed, for people
     """
 
@@ -98,7 +98,7 @@ def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
         runs = [stack.enter_context(cell.runs(compensated=True)) for _, _, cell in cells]
 
         def tried(share: float) -> tuple[Tried, ...]:
-            compensator = friction_law().share(trial.compensator, share)
+            compensator = trial.law.share(trial.compensator, share)
             return tuple(
                 Tried(speed, name, error, run.error(compensator))
                 for (speed, name, _), error, run in zip(cells, without, runs, strict=True)
@@ -115,16 +115,19 @@ def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
 def _cells(trial: Trial) -> Iterator[tuple[float, str, Trial]]:
     top = float(np.abs(trial.v_cmd).max())
     for speed in SPEEDS:
-        for name, friction in _drives(trial.friction).items():
+        for name, friction in _drives(trial).items():
             yield speed * top, name, replace(trial, friction=friction, v_cmd=speed * trial.v_cmd)
 
 
-def _drives(friction: Mapping[str, float]) -> dict[str, Mapping[str, float]]:
+def _drives(trial: Trial) -> dict[str, Mapping[str, float]]:
+    friction, law = trial.friction, trial.law
+    bounded = ParameterSpace.of(law).bounded.items()
+    level = {f"{name} = {bound}": {**friction, name: friction[bound]} for name, bound in bounded}
     return {
         "friction as fitted": friction,
-        "F_s = F_c": {**friction, "F_s": friction["F_c"]},
-        "friction x 0.5": friction_law().share(friction, 0.5),
-        "friction x 1.5": friction_law().share(friction, 1.5),
+        **level,
+        "friction x 0.5": law.share(friction, 0.5),
+        "friction x 1.5": law.share(friction, 1.5),
     }
 
 

@@ -1,14 +1,18 @@
 """Friction that falls with speed: a loop with too little damping runs away from its command.
 
-About a steady speed v the bristle of (2) to (4) is linear, with g' = dg/dv < 0:
+About a steady speed v the force F of a contact approaches the curve g(v), with g' = dg/dv < 0:
 
-    dz' = -a dz + (v g' / g) dv,   dF_f = sigma_0 dz + sigma_1 dz',   a = sigma_0 v / g
+    dF' = -a dF + a g' dv,   dF_f = dF + (sigma_1 / sigma_0) dF'
+
+For the bristles of (2) to (4), a = sigma_0 v / g; for the elements of GMS, a = C / g.
 
 Closed around the loop's compliance its fastest pole tells how a deviation grows at that speed. That
 speeds are passed where it grows does not matter; that the command dwells there does.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import control
 import numpy as np
@@ -25,6 +29,8 @@ _SPEEDS = 60
 
 def stribeck(trial: Trial) -> list[Finding]:
     """Return a finding when deviations grow too much while the command is at low speeds."""
+    if trial.law.steady == "coulomb":
+        return []
     speed = np.abs(trial.v_cmd)
     top = max(float(speed.max()), 1e-9)
     grid = np.geomspace(min(1e-3 * trial.friction["v_s"], 0.1 * top), top, _SPEEDS)
@@ -48,17 +54,27 @@ def growth_rate(trial: Trial, v: float) -> float:
     """Return the rate [1/s] at which a small deviation from a steady speed [m/s] grows."""
     p, loop = trial.friction, trial.loop.compliance
     g = float(level(p, v))
-    a, c = p["sigma_0"] * v / g, v * float(slope(p, v)) / g
-    bristle = control.sample_system(
-        control.ss(-a, c, p["sigma_0"] - p["sigma_1"] * a, p["sigma_1"] * c), trial.loop.T_s
-    )
+    a, c = _approach(p, v, g), float(slope(p, v))
+    stretch = p["sigma_1"] / p["sigma_0"] if "sigma_1" in p else 0.0
+    if a == np.inf:
+        contact = control.ss([], [], [], c, trial.loop.T_s)
+    else:
+        continuous = control.ss(-a, a * c, 1.0 - stretch * a, stretch * a * c)
+        contact = control.sample_system(continuous, trial.loop.T_s)
     A = np.block(
         [
-            [loop.A - loop.B @ bristle.D @ loop.C, -loop.B @ bristle.C],
-            [bristle.B @ loop.C, bristle.A],
+            [loop.A - loop.B @ contact.D @ loop.C, -loop.B @ contact.C],
+            [contact.B @ loop.C, contact.A],
         ]
     )
     return float(np.log(np.abs(np.linalg.eigvals(A)).max()) / trial.loop.T_s)
+
+
+def _approach(p: Mapping[str, float], v: float, g: float) -> float:
+    """Return the rate [1/s] at which the force approaches g(v); infinite without presliding."""
+    if "C" in p:
+        return p["C"] / g
+    return p["sigma_0"] * v / g if "sigma_0" in p else np.inf
 
 
 def _longest(growth: Array) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.guards.finding import Finding
 from stickslip.evaluation.guards.trial import Run, Trial
 
@@ -29,7 +30,7 @@ def tolerance(trial: Trial, standard_errors: Mapping[str, float]) -> list[Findin
 
 
 def tolerated(run: Run, without: float) -> float:
-    """Return the share by which F_s and F_c may be too large before the error is that of none."""
+    """Return the share by which friction may be too large before the error is that of none."""
     low, high = 0.0, MOST
     if run.error() >= without:
         return 0.0
@@ -42,8 +43,9 @@ def tolerated(run: Run, without: float) -> float:
 
 
 def _scaled(run: Run, share: float) -> float:
-    p = run.trial.compensator
-    return run.error({name: (1.0 + share) * p[name] for name in ("F_s", "F_c")})
+    p, law = run.trial.compensator, run.trial.law
+    levels = [name for name, one in law.parameters.items() if one.unit == "N"]
+    return run.error({name: (1.0 + share) * p[name] for name in levels})
 
 
 def _too_large(run: Run, without: float) -> list[Finding]:
@@ -60,13 +62,14 @@ def _too_large(run: Run, without: float) -> list[Finding]:
 
 
 def _at_bounds(run: Run, without: float, errors: Mapping[str, float]) -> list[Finding]:
-    p = run.trial.compensator
+    p, bounded = run.trial.compensator, ParameterSpace.of(run.trial.law).bounded
     worst, case = 0.0, ""
     for name, error in errors.items():
         for sign in (1.0, -1.0):
             value = max(p[name] + sign * _BOUND * error, 1e-3 * p[name])
             changed = {**p, name: value}
-            changed["F_s"] = max(changed["F_s"], changed["F_c"])
+            for one, bound in bounded.items():
+                changed[one] = max(changed[one], changed[bound])
             found = run.error(changed)
             if found > worst:
                 worst, case = found, f"{name} = {value:.4g}"

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim
+from stickslip.catalog.parameters import friction_law
+from stickslip.models import Law
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Feed, paper_loop
@@ -24,9 +26,10 @@ class Trial:
     ----------
     fmus : folder of the FMUs, as ``build_fmus`` leaves it
     loop : the velocity loop
-    friction : of the axis, F_s F_c v_s sigma_0 sigma_1
+    friction : of the axis, parameters of ``law`` by name
     compensator : its parameters by name
     v_cmd : command (n,) [m/s], one value a sample of the loop
+    law : friction law of axis and compensator
     """
 
     fmus: Path
@@ -36,6 +39,7 @@ class Trial:
     v_cmd: Array
     feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
+    law: Law = field(default_factory=friction_law)
 
     @contextmanager
     def runs(self, *, compensated: bool) -> Iterator[Run]:

@@ -20,6 +20,7 @@ from stickslip.identification.fitting.identifiability import Certainty
 from stickslip.identification.fitting.search import Search
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
+from stickslip.models import Law
 
 CriterionName = Literal["auto", "output error", "inverse model"]
 
@@ -109,9 +110,14 @@ class Estimation:
         return self.parameters["F_0"]
 
     @property
-    def delta(self) -> float:
-        """Exponent of the Stribeck curve."""
-        return self.parameters["delta"]
+    def law(self) -> Law:
+        """The friction law of the drive that was fitted."""
+        return self.fit.space.law
+
+    @property
+    def chosen(self) -> dict[str, float]:
+        """The parameters of the law that are selected or constant, such as an exponent."""
+        return {name: self.parameters[name] for name in self.fit.space.constants}
 
     @property
     def compensator(self) -> dict[str, float]:

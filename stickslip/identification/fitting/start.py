@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import PAPER
+from stickslip.catalog.parameters import scaled_start
 from stickslip.catalog.space import ParameterSpace
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
@@ -69,7 +69,10 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         "sigma_1": 2.0 * float(np.sqrt(sigma_0 * mass)) if m > 0.0 else 1e-3 * sigma_0,
     }
     line = {
-        **{name: guesses.get(name, _scaled(name, space, F_c, deflection)) for name in space.names},
+        **{
+            one.name: guesses.get(one.name, scaled_start(one, F_c, deflection))
+            for one in space.parameters
+        },
         "m": mass,
         "b": max(b, 0.0),
         "F_0": F_0,
@@ -77,13 +80,6 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         **space.constants,
     }
     return Start(line, _around(line, space, top, model))
-
-
-def _scaled(name: str, space: ParameterSpace, F_c: float, deflection: float) -> float:
-    """Return the law's start value, for a drive with this friction [N] and presliding [m]."""
-    one = space.parameters[space.index(name)]
-    force, length = F_c / PAPER["F_c"], deflection / (PAPER["F_c"] / PAPER["sigma_0"])
-    return float(one.start[0] * force**one.force * length**one.length)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

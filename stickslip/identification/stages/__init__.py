@@ -6,12 +6,14 @@ They see a drive through its commands and measurements only (``stickslip/servo/r
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from stickslip.identification.stages.estimate import Estimate
+from stickslip.catalog.parameters import estimated, friction_law, scaled_start, tabulated
+from stickslip.identification.stages.estimate import Estimate, unseen
 from stickslip.identification.stages.friction_map import FrictionMap, measure_friction
 from stickslip.identification.stages.inertia import Inertia, measure_inertia
 from stickslip.identification.stages.presliding import Presliding, measure_presliding
+from stickslip.models import Law
 from stickslip.servo.rig import Rig
 from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 
@@ -20,25 +22,37 @@ __all__ = ["Estimate", "FrictionMap", "Identification", "Inertia", "Presliding",
 
 @dataclass(frozen=True)
 class Identification:
-    """What the three stages found, and the velocity loop designed on it."""
+    """What the three stages found, the velocity loop designed on it, and the compensator's law."""
 
     inertia: Inertia
     friction: FrictionMap
     presliding: Presliding
     loop: VelocityLoop
+    law: Law = field(default_factory=friction_law)
 
     @property
     def estimates(self) -> dict[str, Estimate]:
-        """The parameters of Table 2 by name, in SI units."""
-        return {
-            "m": self.inertia.m,
-            "b": self.friction.b,
-            "F_s": self.friction.F_s,
-            "F_c": self.friction.F_c,
-            "v_s": self.friction.v_s,
-            "sigma_0": self.presliding.sigma_0,
-            "sigma_1": self.presliding.sigma_1,
+        """m, b and the parameters of the law by name, in SI units."""
+        friction, law = self.friction, self.law
+        found = {"F_s": friction.F_s, "F_c": friction.F_c, "v_s": friction.v_s}
+        found |= self.presliding.estimates
+        deflection = friction.F_c.value / self.presliding.stiffness
+        return {"m": self.inertia.m, "b": friction.b} | {
+            name: found.get(name)
+            or unseen(scaled_start(law.parameters[name], friction.F_c.value, deflection))
+            for name in estimated(law)
         }
+
+    @property
+    def tuned(self) -> dict[str, Estimate]:
+        """The parameters of the compensator by name: those of its friction law."""
+        return {name: self.estimates[name] for name in estimated(self.law)}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the drive did not show, a line each."""
+        shown = self.friction.warning if "v_s" in self.law.parameters else ""
+        return tuple(filter(None, (shown, self.presliding.warning)))
 
 
 def identify(
@@ -68,6 +82,8 @@ def identify(
     on_stage("presliding")
     mean = 0.5 * sum(friction.breakaway)
     weaker = min(friction.breakaway) / mean
-    presliding = measure_presliding(rig, known, weaker * min(mean, 1.2 * known["F_c"]))
+    force = weaker * min(mean, 1.2 * known["F_c"])
+    known = {n: one for n, one in known.items() if n in tabulated(rig.law)}
+    presliding = measure_presliding(rig, known, force)
     loop = design_velocity_loop(rig.datasheet.axis(known["m"], known["b"]), specification)
-    return Identification(inertia, friction, presliding, loop)
+    return Identification(inertia, friction, presliding, loop, rig.law)

@@ -17,6 +17,15 @@ class Estimate:
     standard_error: float
 
 
+UNKNOWN = 3.0
+"""Relative standard error of a value that no experiment showed: a factor of e^3."""
+
+
+def unseen(value: float) -> Estimate:
+    """Return a start value that no experiment showed."""
+    return Estimate(value, UNKNOWN * value)
+
+
 def correlation_length(residual: Array) -> float:
     """Return how many neighbouring samples say the same: 1 for white noise.
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from stickslip.errors import IdentificationError
-from stickslip.identification.stages.estimate import Estimate, covariance
+from stickslip.identification.stages.estimate import Estimate, covariance, unseen
 from stickslip.identification.stages.sliding import measure_sliding
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.rig import Rig
@@ -17,6 +17,7 @@ from stickslip.servo.velocity_loop import VelocityLoop
 CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep break away earlier
 RAMP = 4.0  # duration of a break-away ramp [s]
 HIGHER = 1.2  # each ramp ends this much higher, so that a stage that slides does not go far
+LEAST_RISE = 0.02  # (F_s - F_c) / F_c below which v_s does not show
 SLIDING = 2e-3  # velocity that counts as break-away: no bristle creeps as fast [m/s]
 CERTAIN = 20  # samples to the end of the ramp that are all faster
 
@@ -38,6 +39,7 @@ class FrictionMap:
     breakaway : force at which the stage broke away, forward and back [N]
     place : friction where it broke away, relative to the mean of the guide
     ramp_rate : of the force that led there, at most [N/s]; a faster ramp breaks away later
+    warning : why v_s is not known, or empty
     """
 
     b: Estimate
@@ -51,6 +53,7 @@ class FrictionMap:
     breakaway: tuple[float, float]
     place: float
     ramp_rate: float
+    warning: str = ""
 
     def curve(self, v: Array) -> Array:
         """Return the fitted friction (n,) [N] at velocities (n,) [m/s]."""
@@ -111,6 +114,13 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
         Estimate(float(value), float(error))
         for value, error in zip(values, np.sqrt(np.diag(spread)[:4]), strict=True)
     )
+    warning = ""
+    if F_s.value - F_c.value < LEAST_RISE * F_c.value:
+        v_s = unseen(v_s.value)
+        warning = (
+            f"friction does not rise towards rest: F_s = {F_s.value:.4g} N and F_c = "
+            f"{F_c.value:.4g} N, so v_s = {v_s.value:.3g} m/s is a start value"
+        )
     return FrictionMap(
         b,
         F_c,
@@ -123,6 +133,7 @@ def measure_friction(rig: Rig, loop: VelocityLoop, coarse_F_c: float) -> Frictio
         breakaway=breakaway,
         place=place,
         ramp_rate=max(rate for _, rate in broke),
+        warning=warning,
     )
 
 

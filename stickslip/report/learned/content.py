@@ -54,7 +54,7 @@ def _what(estimation: Estimation) -> Html:
     return paragraph(
         f"One recording, {recording.source}, of {number(duration, 4)} s ({number(n, 6)} samples at "
         f"{number(1.0 / recording.T_s, 4)} Hz) of a {recording.motion} drive, was searched for the "
-        f"parameters of the {estimation.fit.space.law.title} model of friction"
+        f"parameters of the {estimation.law.title} model of friction"
         + ("." if measures_friction(estimation) else ", inertia and viscous friction.")
     )
 
@@ -131,10 +131,11 @@ def _rest(estimation: Estimation) -> Html:
 
 def _exponent(estimation: Estimation) -> str:
     """Return how friction falls with speed, where that shows."""
-    if "v_s" not in estimation.known or estimation.known["v_s"].visible == NOT_VISIBLE:
+    delta = estimation.chosen.get("delta")
+    if delta is None or estimation.known["v_s"].visible == NOT_VISIBLE:
         return ""
-    ratio, other = "|$v$| / $v_s$", number(3.0 - estimation.delta, 1)
-    power = f"({ratio})²" if estimation.delta == 2.0 else ratio
+    ratio, other = "|$v$| / $v_s$", number(3.0 - delta, 1)
+    power = f"({ratio})²" if delta == 2.0 else ratio
     return f" Friction falls with speed by exp(−{power}), rather than with the exponent {other}."
 
 

@@ -66,7 +66,8 @@ def sliding(estimation: Estimation, signals: Parts) -> NDArray[np.bool_]:
     turns = np.append(True, np.sign(v[1:]) != np.sign(v[:-1]))
     since = path - np.maximum.accumulate(np.where(turns, path, 0.0))
     p = estimation.parameters
-    return np.asarray(since > FULLY_BENT * max(p["F_s"], p["F_c"]) / p["sigma_0"])
+    stiffness = p.get("sigma_0", np.inf)
+    return np.asarray(since > FULLY_BENT * max(p.get("F_s", 0.0), p["F_c"]) / stiffness)
 
 
 def measures_friction(estimation: Estimation) -> bool:

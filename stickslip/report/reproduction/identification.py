@@ -77,6 +77,7 @@ def identification_section(reproduction: Reproduction) -> Section:
             "begins at these values and searches from 0.1 to 100 times each."
         ),
         figures,
+        *(paragraph(f"{warning[:1].upper()}{warning[1:]}.") for warning in identification.warnings),
         table(
             ("", "", "Identified", "Standard error", "Simulated drive", "Unit"),
             rows,

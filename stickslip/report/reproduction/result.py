@@ -69,7 +69,7 @@ def _drive(reproduction: Reproduction) -> Html:
         + f" (instead of {number(float(variables[name].start), 6)})"
         for name, value in start.items()
     ]
-    if model.law is not None and law is not None:
+    if model.law is not None and law != "lugre":
         changes.insert(0, f"friction law = {model.law.title} (instead of LuGre)")
     text = f"changed for this run: {', '.join(changes)}" if changes else "the paper’s, Table 2"
     switches = {name: v for name, v in variables.items() if v.type == "boolean"}

@@ -13,11 +13,13 @@ import numpy as np
 import pandas as pd
 
 from stickslip import ga
+from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.motions import regions_after, windows
 from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.tuning.learning import CONSTRAINT
+from stickslip.tuning.learning import repair
 from stickslip.tuning.published.study import PAPER_COST, Method, Published
 
 Velocity = Callable[[Run], Array]
@@ -94,7 +96,7 @@ READINGS = (
         "Step 1, limits of the genes",
         "F_s below F_c is allowed",
         "F_s below F_c is exchanged with it",
-        Method(repair=CONSTRAINT),
+        Method(repair=repair(ParameterSpace.of(friction_law()), None)),
     ),
     LearningReading(
         "Step 2, “real number strings”",

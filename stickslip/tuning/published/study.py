@@ -25,7 +25,7 @@ from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.learning import VelocityCost, genes, parameters
+from stickslip.tuning.learning import VelocityCost, genes
 
 Result = TypeVar("Result")
 OnGeneration = Callable[[ga.Optimiser], object]
@@ -176,8 +176,9 @@ def learn_as_published(
             algorithm = ga.GeneticAlgorithm(genes(start), method.settings, seed, method.repair)
             once = _Once(cost)
             ga.learn(algorithm, once, on_generation=still_wanted)
-            values = {name: start[name].value for name in LUGRE}
-            learned = parameters(algorithm.best.values)
+            values = {name: one.value for name, one in start.items()}
+            best = algorithm.best.values.tolist()  # noqa: PD011 - parameters by name
+            learned = dict(zip(start, best, strict=True))
             runs = validated(values), validated(learned)
             return SeedRun(seed, values, learned, algorithm, len(once.costs), *runs)
 
