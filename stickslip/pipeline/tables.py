@@ -67,7 +67,8 @@ def table2_of_recording(estimation: Estimation, truth: Mapping[str, float]) -> p
 
 
 def _head(name: str, truth: Mapping[str, float]) -> dict[str, Any]:
-    return {"parameter": name, "unit": unit_of(name), "paper": PAPER.get(name), "drive": truth[name]}
+    known = {"paper": PAPER.get(name), "drive": truth[name]}
+    return {"parameter": name, "unit": unit_of(name), **known}
 
 
 def _remark(
