@@ -29,7 +29,6 @@ ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
 motor force, force of the compensator before this one in a chain."""
 AXIS = {"T_s", "m", "b", "tau_i"}
 """Sample period of the loop; mass, viscous friction and current-loop lag of its axis."""
-MODELS = Path(__file__).parents[1]
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
@@ -156,9 +155,6 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
         When the file is not well formed.
     """
     content = read_toml(folder / "model.toml")
-    if "include" in content:  # variables that several models have, before the model's own
-        for section, tables in read_toml(MODELS / content["include"]).items():
-            content[section] = tables | content.get(section, {})
     content.setdefault("parameters", {})
     if law is not None:
         merge(content, law)

@@ -13,6 +13,7 @@ from stickslip.models.export.units import READ_IN, force_and_length
 
 Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]
+MODELS = Path(__file__).parents[1]
 _KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by", "requires", "choices")
 
 
@@ -92,7 +93,7 @@ class Law:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file.
+    """Return the content of a TOML file, with the tables of the one in models/ that it includes.
 
     Raises
     ------
@@ -100,9 +101,15 @@ def read_toml(path: Path) -> dict[str, Any]:
         When the file is not well formed.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
         raise DescriptionError(f"{path}: {error}") from None
+    if "include" in content:
+        for section, shared in read_toml(MODELS / content["include"]).items():
+            own = content.get(section, {})
+            content[section] = {name: table for name, table in shared.items() if name not in own}
+            content[section] |= {name: shared.get(name, {}) | table for name, table in own.items()}
+    return content
 
 
 def read_law(folder: Path) -> Law:
@@ -115,7 +122,10 @@ def read_law(folder: Path) -> Law:
     """
     content = read_toml(folder / "law.toml")
     try:
-        tables = content["parameters"]
+        tables = {
+            name: {"variability": "tunable", **table}
+            for name, table in content["parameters"].items()
+        }
         law = Law(
             name=folder.name,
             title=content["title"],

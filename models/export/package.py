@@ -18,9 +18,9 @@ from stickslip.fmi.toolchain import (
     standard_functions,
 )
 from stickslip.models.errors import UnknownLaw, UnknownModel
-from stickslip.models.export.description import MODELS, Model, read_model
+from stickslip.models.export.description import Model, read_model
 from stickslip.models.export.headers import table_header
-from stickslip.models.export.law import Law, read_law, read_toml
+from stickslip.models.export.law import MODELS, Law, read_law, read_toml
 from stickslip.models.export.model_description import model_description
 from stickslip.models.export.presentation import index, png, svg, terminals_and_icons
 from stickslip.models.export.reference import cross_check, layered_standard, reference_file

@@ -11,8 +11,9 @@ from xml.etree import ElementTree as ET
 
 from stickslip import fmi
 from stickslip.models.export import xml
-from stickslip.models.export.description import MODELS, Model
+from stickslip.models.export.description import Model
 from stickslip.models.export.headers import table_source, variables_header
+from stickslip.models.export.law import MODELS
 
 FmiVersion = Literal[2, 3]
 

@@ -1,10 +1,13 @@
-"""What is half-written goes when its process is gone, and odd places are refused."""
+"""Files appear whole or not at all; what a killed process left goes; odd places are refused."""
 
 from __future__ import annotations
 
 import os
+import stat
 import subprocess
 import sys
+import threading
+from pathlib import Path
 
 import pytest
 
@@ -76,12 +79,59 @@ def test_file_and_folder_are_on_the_disk_before_it_returns(tmp_path, monkeypatch
     assert synced == [path.stat().st_ino, tmp_path.stat().st_ino]
 
 
-def test_errors_name_the_file_that_was_to_be_written(tmp_path, monkeypatch):
-    def full(_):
+def test_bytes_and_text_arrive(tmp_path):
+    assert atomic_write(tmp_path / "a" / "b", b"\0\r\n").read_bytes() == b"\0\r\n"
+    assert atomic_write(tmp_path / "a" / "b", "π\n").read_bytes() == b"\xcf\x80\n"
+
+
+@pytest.mark.parametrize("failing", ["fsync", "replace"])
+def test_a_failing_write_leaves_the_old_content_and_nothing_else(monkeypatch, tmp_path, failing):
+    path = atomic_write(tmp_path / "file", "old")
+
+    def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, failing, fail)
     with pytest.raises(OSError, match="No space left") as told:
-        atomic_write(tmp_path / "a", "x")
-    assert told.value.filename == str(tmp_path / "a")
-    assert not list(tmp_path.iterdir())
+        atomic_write(path, "new")
+    assert told.value.filename == str(path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_reader_never_sees_a_part(tmp_path):
+    """While one thread writes, every read finds one of the two contents, whole."""
+    contents = [bytes([n]) * 200_000 for n in (1, 2)]
+    path = atomic_write(tmp_path / "file", contents[0])
+    seen = set()
+    stop = threading.Event()
+
+    def read() -> None:
+        while not stop.is_set():
+            seen.add(path.read_bytes())
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    for n in range(40):
+        atomic_write(path, contents[n % 2])
+    stop.set()
+    reader.join()
+    assert seen <= set(contents)
+    assert seen
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions")
+def test_permissions_follow_the_umask(tmp_path):
+    before = os.umask(0o027)
+    try:
+        path = atomic_write(tmp_path / "file", "x")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+def test_a_folder_that_cannot_be_made_is_an_os_error(tmp_path):
+    obstacle = tmp_path / "file"
+    obstacle.write_text("x")
+    with pytest.raises(OSError, match="file"):
+        atomic_write(Path(obstacle, "below"), "y")

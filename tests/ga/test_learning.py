@@ -7,9 +7,10 @@ import friction_sweep
 import numpy as np
 import pytest
 from problems import GENES, TARGET, always_fails, breaks, quadratic, sometimes_fails
-from scipy.optimize import differential_evolution
 
+from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
+from stickslip.ga.problem.encoding import Encoding
 
 SHORT = replace(ga.DEFAULT, generations=12)
 
@@ -125,41 +126,16 @@ def _learn(seed, settings=ga.DEFAULT):
     return best
 
 
-def _repaired(values, genes):
-    bounds = np.array([(gene.lower, gene.upper) for gene in genes]).T
-    return np.clip(friction_sweep.REPAIR(np.clip(values[np.newaxis], *bounds), genes)[0], *bounds)
-
-
 def _evolve(seed):
     """Run scipy's differential evolution, given the same genes, start, repair and budget."""
-    genes, cost, costs = friction_sweep.genes(seed), friction_sweep.ForceError(), []
-
-    def judge(logs):
-        if len(costs) < BUDGET:
-            costs.append(cost(_repaired(np.exp(logs), genes)))
-        return costs[-1]
-
-    differential_evolution(
-        judge,
-        [(np.log(gene.lower), np.log(gene.upper)) for gene in genes],
-        x0=[np.log(gene.start) for gene in genes],
-        popsize=2,  # times five genes: ten, scipy's best here
-        maxiter=BUDGET // 10,
-        tol=0,
-        polish=False,
-        rng=seed,
-    )
-    return min(costs)
+    problem = ga.Problem(friction_sweep.genes(seed), friction_sweep.REPAIR)
+    return race_one(scipy_de(2), friction_sweep.ForceError(), problem, seed, BUDGET).best
 
 
 def _draw(seed, encoding):
     """Search at random from the same start, in the same encoding."""
-    genes, cost = friction_sweep.genes(seed), friction_sweep.ForceError()
-    bounds = np.array([(gene.lower, gene.upper) for gene in genes])
-    rng = np.random.default_rng(seed)
-    if encoding == "log":
-        draws = np.exp(rng.uniform(*np.log(bounds).T, (BUDGET, 5)))
-    else:
-        draws = rng.uniform(*bounds.T, (BUDGET, 5))
-    draws[0] = [gene.start for gene in genes]
-    return min(cost(_repaired(values, genes)) for values in draws)
+    problem = ga.Problem(friction_sweep.genes(seed), friction_sweep.REPAIR)
+    strings = np.random.default_rng(seed).random((BUDGET, 5))
+    draws = Encoding(problem.genes, encoding, None).decode(strings)
+    draws[0] = problem.start
+    return min(map(friction_sweep.ForceError(), problem.repaired(draws)))

@@ -2,26 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import differential_evolution
 
+from benchmarks.learning.functions import ackley, ellipsoid, rastrigin
+from benchmarks.learning.racers import race_one, scipy_de
 from stickslip import ga
 
 pytestmark = pytest.mark.slow
 
 BUDGET, SEEDS, GENES = 600, 7, 5
-
-
-def rastrigin(z):
-    return float(np.sum(z**2 + 10 * (1 - np.cos(2 * np.pi * z))))
-
-
-def ackley(z):
-    wide = 20 * np.exp(-0.2 * np.sqrt(np.mean(z**2)))
-    return float(20 + np.e - wide - np.exp(np.mean(np.cos(2 * np.pi * z))))
-
-
-def ellipsoid(z):
-    return float(np.logspace(0, 6, len(z)) @ z**2)
 
 
 def median(found):
@@ -39,23 +27,13 @@ def lowest_costs(cost, seeds, *, rotated=False, genes=GENES, budget=BUDGET):
         def shifted(x, turn=turn, bottom=bottom):
             return max(0.0, cost(turn @ (x - bottom)))
 
-        names = [ga.Gene(f"x{i}", -5, 5, float(x), linear=True) for i, x in enumerate(start)]
-        limits = ga.Limits(evaluations=budget)
-        search = ga.optimiser("default", ga.Problem(names), limits, seed)
+        problem = ga.Problem(
+            [ga.Gene(f"x{i}", -5, 5, float(x), linear=True) for i, x in enumerate(start)]
+        )
+        search = ga.optimiser("default", problem, ga.Limits(evaluations=budget), seed)
         ours.append(ga.learn(search, shifted).best.cost)
         assert search.evaluations <= budget
-        evaluated = []
-        differential_evolution(
-            lambda x, f=shifted, e=evaluated: e.append(f(x)) or e[-1],
-            [(-5, 5)] * genes,
-            x0=start,
-            popsize=2,
-            maxiter=budget,
-            tol=0,
-            polish=False,
-            rng=seed,
-        )
-        theirs.append(min(evaluated[:budget]))
+        theirs.append(race_one(scipy_de(2), shifted, problem, seed, budget).best)
     return ours, theirs
 
 

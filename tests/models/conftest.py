@@ -14,9 +14,9 @@ from stickslip import cosim, models
 from stickslip.fmi import toolchain
 from stickslip.models.export.headers import variables_header
 from stickslip.models.export.sources import shared_files
+from tests.models.contacts import TABLE_2
 
 MODELS = Path(models.__file__).parent
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 
 
 @pytest.fixture(scope="session")
@@ -193,9 +193,3 @@ def training_force(fmus: Path) -> np.ndarray:
     training = cosim.SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
     with system.prepare(step=5e-4, stop=10.0) as simulation:
         return simulation.run(inputs={"v_cmd": training})["velocity_controller.u"][:-1].copy()
-
-
-@pytest.fixture
-def table_2() -> dict[str, float]:
-    """Give the contact of Table 2 of the paper."""
-    return dict(TABLE_2)

@@ -11,13 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+from tests.models.contacts import TABLE_2, contacts
+
 EVERYWHERE = settings(derandomize=True, deadline=None, max_examples=200, database=None)
 
-factor = st.floats(-1.0, 2.0).map(lambda e: 10.0**e)  # 0.1 x .. 100 x
-contacts = st.fixed_dictionaries(dict.fromkeys(TABLE_2, factor)).map(
-    lambda factors: {name: factors[name] * value for name, value in TABLE_2.items()}
-)
 velocities = st.floats(-6.0, 0.0).flatmap(lambda e: st.sampled_from([10.0**e, -(10.0**e)]))
 steps = st.floats(-5.0, -2.0).map(lambda e: 10.0**e)  # 1e-5 .. 1e-2 s
 
@@ -106,15 +103,6 @@ def test_steps_compose(lugre, p, v, parts, h):
     whole, mean = lugre(h, v, 0.0, p)
     assert z == pytest.approx(whole, rel=1e-12)
     assert np.mean(forces) == pytest.approx(mean, rel=1e-10)
-
-
-@pytest.mark.parametrize("v", [1e-4, -1e-4, 1e-2, -4e-2])
-def test_steady_sliding_gives_the_stribeck_force(lugre, v):
-    """dz/dt = 0: F_f = g(v) sign v."""
-    z = 0.0
-    for _ in range(4000):
-        z, force = lugre(5e-3, v, z, TABLE_2)
-    assert force == pytest.approx(math.copysign(equation_4(v, TABLE_2), v), rel=1e-12)
 
 
 def test_standing_still_keeps_the_deflection(lugre):

@@ -8,13 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip import cosim
+from tests.models.contacts import contacts
 
 STEP = 5e-4  # s
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
-factor = st.floats(-1.0, 2.0).map(lambda e: 10.0**e)  # 0.1 x .. 100 x
-contacts = st.fixed_dictionaries(dict.fromkeys(TABLE_2, factor)).map(
-    lambda factors: {name: factors[name] * value for name, value in TABLE_2.items()}
-)
 RECORD = ("compensator.F_f", "compensator.F_mean", "compensator.z")
 
 
@@ -22,42 +18,6 @@ def velocity(n: int) -> np.ndarray:
     """Return a velocity [m/s] that crosses zero, creeps and runs fast."""
     t = np.arange(n) * STEP
     return 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t)
-
-
-def closed_form(v: np.ndarray, h: float, p: dict[str, float]) -> tuple[np.ndarray, ...]:
-    """Return z and the mean force over each step, for a velocity (n,) held over steps of h."""
-    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
-    a = p["sigma_0"] * abs(v) / g
-    z, mean = np.zeros(len(v) + 1), np.zeros(len(v))
-    for n in range(len(v)):
-        if a[n] == 0.0:
-            z[n + 1], mean[n] = z[n], p["sigma_0"] * z[n]
-            continue
-        end = v[n] / a[n]
-        gone = -np.expm1(-a[n] * h)
-        z[n + 1] = z[n] + (end - z[n]) * gone
-        mean_z = end + (z[n] - end) * gone / (a[n] * h)
-        mean[n] = p["sigma_0"] * mean_z + p["sigma_1"] * (z[n + 1] - z[n]) / h
-    return z, mean
-
-
-def test_closed_form(alone):
-    v = velocity(2001)
-    with alone("compensator", RECORD, step=STEP, stop=1.0) as simulation:
-        result = simulation.run(inputs={"v": v})
-    z, mean = closed_form(v[:-1], STEP, TABLE_2)
-    np.testing.assert_allclose(result["compensator.z"], z, rtol=0, atol=1e-17)
-    np.testing.assert_allclose(result["compensator.F_mean"][1:], mean, rtol=0, atol=1e-10)
-
-
-def test_held_velocity_needs_no_sub_steps(alone):
-    """With `hold`, twenty steps under one velocity end where one step twenty times as long ends."""
-    ends = []
-    for pieces in (1, 20):
-        with alone("compensator", RECORD, step=0.01 / pieces, stop=0.5) as simulation:
-            v = np.append(np.repeat(velocity(50), pieces), 0.0)
-            ends.append(simulation.run(inputs={"v": v})["compensator.z"][::pieces])
-    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-11, atol=1e-18)
 
 
 def test_without_hold_the_velocity_of_a_step_is_the_mean_of_its_ends(alone):
@@ -104,25 +64,6 @@ def test_viscous_term_of_equation_5(alone):
         result = simulation.run(inputs={"v": v}, parameters={"compensator.b": 30.0})
     extra = result["compensator.F_mean"] - without["compensator.F_mean"]
     np.testing.assert_allclose(extra[1:], 30.0 * v[:-1], atol=1e-12)
-
-
-def test_steady_sliding_gives_the_coulomb_force(alone):
-    with alone("compensator", step=STEP, stop=0.5) as simulation:
-        for F_c in (2.0, 5.0):
-            result = simulation.run(inputs={"v": 0.05}, parameters={"compensator.F_c": F_c})
-            assert result["compensator.F_f"][-1] == pytest.approx(F_c, rel=1e-9)
-            assert result["compensator.F_mean"][-1] == pytest.approx(F_c, rel=1e-9)
-
-
-def test_friction_now_is_equation_3_for_the_velocity_now(alone, table_2):
-    p = table_2
-    v = velocity(401)
-    with alone("compensator", RECORD, step=STEP, stop=0.2) as simulation:
-        result = simulation.run(inputs={"v": v})
-    z = result["compensator.z"][1:]
-    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v[:-1]) / p["v_s"])
-    force = p["sigma_0"] * z + p["sigma_1"] * (v[:-1] - p["sigma_0"] * abs(v[:-1]) / g * z)
-    np.testing.assert_allclose(result["compensator.F_f"][1:], force, rtol=0, atol=1e-9)
 
 
 @settings(derandomize=True, deadline=None, max_examples=60, database=None)

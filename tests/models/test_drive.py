@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 STEP = 5e-4  # s
 IDEAL = {"drive.current_loop": False, "drive.dac": False, "drive.encoder": False}
 RECORD = ("drive.x_enc", "drive.F_m", "drive.F_f", "drive.x", "drive.v", "drive.z")
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 
 
 def force(t: np.ndarray) -> np.ndarray:
@@ -38,32 +36,6 @@ def test_without_its_extras_it_is_the_stage(alone, training_force):
         np.testing.assert_array_equal(drive[f"drive.{name}"], stage[f"stage.{name}"])
     np.testing.assert_array_equal(drive["drive.x_enc"], drive["drive.x"])
     np.testing.assert_array_equal(drive["drive.F_m"][1:], u[:-1])
-
-
-def test_default_motion_against_radau(run):
-    """Lag of the motor force and DAC steps in; 60 holds from rest, each integrated on its own."""
-    p, m, b, tau = TABLE_2, 5.557, 6.6135, 1e-4
-    t = np.arange(61) * STEP
-    u = 15 * np.sin(150 * t)
-    target = np.round(u / 0.00625) * 0.00625
-    state, motor, expected = np.zeros(3), 0.0, [np.zeros(3)]
-    for command in target[:-1]:
-
-        def motion(t, y, command=command, motor=motor):
-            _, v, bent = y
-            z = bent * 1e-4
-            drive = command + (motor - command) * np.exp(-t / tau)
-            g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
-            dz = v - p["sigma_0"] * abs(v) / g * z
-            return [v, (drive - b * v - p["sigma_0"] * z - p["sigma_1"] * dz) / m, dz * 1e4]
-
-        state = solve_ivp(motion, (0, STEP), state, "Radau", rtol=1e-8, atol=1e-12).y[:, -1]
-        motor = command + (motor - command) * np.exp(-STEP / tau)
-        expected.append(state)
-    result = run(u, stop=0.03)
-    v = np.array(expected)[:, 1]
-    assert np.ptp(v) > 0.005
-    assert abs(result["drive.v"] - v).max() < 3e-7  # m/s
 
 
 def test_motor_force_lags_by_its_time_constant(run):

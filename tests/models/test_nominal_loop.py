@@ -52,29 +52,9 @@ def test_difference_equations(alone):
     np.testing.assert_allclose(result[f"{NAME}.v_r"], expected, rtol=0, atol=1e-14)
 
 
-def test_step_response_is_that_of_python_control(alone, loop):
-    with alone(NAME, step=T_S, stop=0.2) as simulation:
-        result = simulation.run(inputs={"v_cmd": 1.0})
-    t, response = loop.step_response(0.2)
-    assert len(t) == len(simulation.time)
-    np.testing.assert_allclose(result[f"{NAME}.v_r"], response, atol=1e-11)
-    assert response[-1] == pytest.approx(1.0, abs=1e-2)
-
-
 def test_direct_gain_passes_the_command_on(alone):
     with alone(NAME, step=T_S, stop=10 * T_S) as simulation:
         parameters = {f"{NAME}.D": 2.0} | {f"{NAME}.C[{i}]": 0.0 for i in range(1, 9)}
         v_cmd = np.arange(11) * 0.1
         result = simulation.run(parameters, {"v_cmd": v_cmd})
     np.testing.assert_array_equal(result[f"{NAME}.v_r"], np.append(0.0, 2.0 * v_cmd[:-1]))
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.5, 1.0, 2.0, 5.0])
-def test_it_samples_at_its_own_period_whatever_the_step(alone, ratio):
-    with alone(NAME, step=T_S, stop=40 * T_S) as simulation:
-        period = simulation.run(inputs={"v_cmd": 0.02})[f"{NAME}.v_r"]
-    with alone(NAME, step=ratio * T_S, stop=40 * T_S) as simulation:
-        result = simulation.run(inputs={"v_cmd": 0.02})
-    samples = np.ceil(np.round(result.time / T_S, 6)).astype(int)
-    np.testing.assert_array_equal(result[f"{NAME}.v_r"], period[samples])
-    assert len(np.unique(period)) == 41

@@ -9,14 +9,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.sparse import block_diag
 
+from tests.models.contacts import TABLE_2, contacts
+
 STEP = 5e-4  # s
 M, B = 5.557, 6.6135  # kg, N s/m
 EVERYWHERE = settings(derandomize=True, deadline=None, max_examples=60, database=None)
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
-factor = st.floats(-1.0, 2.0).map(lambda e: 10.0**e)  # 0.1 x .. 100 x
-contacts = st.fixed_dictionaries(dict.fromkeys(TABLE_2, factor)).map(
-    lambda factors: {name: factors[name] * value for name, value in TABLE_2.items()}
-)
 
 
 def back_and_forth(n: int, amplitude: float = 20.0) -> np.ndarray:

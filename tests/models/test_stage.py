@@ -34,18 +34,6 @@ def test_impulse_without_friction_gives_momentum(alone):
     np.testing.assert_allclose(result["stage.x"], simulation.time**2 / 2, atol=1e-8)
 
 
-def test_friction_output_is_equation_3(alone, table_2):
-    p = table_2
-    with alone("stage", ("stage.v", "stage.z", "stage.F_f"), step=STEP, stop=0.5) as simulation:
-        u = 20 * np.sin(20 * simulation.time)
-        result = simulation.run(inputs={"u": u})
-    v, z = result["stage.v"], result["stage.z"]
-    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
-    dz = v - p["sigma_0"] * abs(v) / g * z
-    force = p["sigma_0"] * z + p["sigma_1"] * dz
-    np.testing.assert_allclose(result["stage.F_f"], force, rtol=1e-11, atol=1e-11)
-
-
 def test_the_communication_step_hardly_matters(alone):
     """A force held over 2 ms, stepped in one piece or in ten."""
     ends = []

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tests.models.contacts import TABLE_2
+
 M, B = 5.557, 6.6135  # kg, N s/m
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
 
 
 def rates(y: np.ndarray, u: float) -> np.ndarray:

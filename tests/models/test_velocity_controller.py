@@ -157,12 +157,6 @@ def test_the_first_position_is_no_motion(alone):
     assert (result[f"{NAME}.v_est"] == 0.0).all()
 
 
-def test_force_stays_within_its_limit(alone):
-    with alone(NAME, RECORD, step=T_S, stop=0.5) as simulation:
-        result = simulation.run(inputs=signals(simulation.time, 50.0))
-    assert abs(result[f"{NAME}.u"]).max() == 205.0
-
-
 def test_the_integral_does_not_wind_up(alone):
     """After a second at the limit the force leaves it as soon as the error changes sign."""
     with alone(NAME, RECORD, step=T_S, stop=2.0) as simulation:
