@@ -7,7 +7,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip.cosim.assembly.coupling_state import memory_of_coupling, recall
+import numpy as np
+from numpy.ctypeslib import as_array
+
 from stickslip.cosim.assembly.general_path import GeneralComponent
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import connected_inputs
@@ -20,6 +22,8 @@ from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
 from stickslip.cosim.system.system import System
 from stickslip.fmi.messages import suggestion
+
+_COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 
 
 class Coupled:
@@ -113,17 +117,47 @@ class Coupled:
         return {"steps": table.steps, "sweeps": table.sweeps, "rejected": table.rejected}
 
     def memory(self) -> dict[str, Array]:
-        """Return what is kept from one step to the next, by name."""
+        """Return copies of past points, Jacobians and counts, which a saved state needs."""
         if not hasattr(self, "_table"):
             return {}
-        return memory_of_coupling(
-            self._table, len(self._names), disturbed=bool(self._run.disturbed)
-        )
+        memory = {name: place.copy() for name, place in self._places().items()}
+        if not self._run.disturbed:  # what is given is what is received
+            memory["given"] = np.append(memory["past"][: len(self._names)], memory["next"])
+        memory["counts"] = np.array([getattr(self._table, name) for name in _COUNTS])
+        memory["known"] = np.array([loop.known for loop in self._loops])
+        return memory
 
     def recall(self, memory: Mapping[str, Array]) -> None:
-        """Go on with what ``memory`` returned; the first point in time is past."""
-        if hasattr(self, "_table"):
-            recall(self._table, len(self._names), memory)
+        """Write what ``memory`` returned back.
+
+        Raises
+        ------
+        KeyError, ValueError
+            When it belongs to another coupling.
+        """
+        if not hasattr(self, "_table"):
+            return
+        for name, place in self._places().items():
+            if memory[name].shape != place.shape:
+                raise ValueError(f"{memory[name].shape} {name}, expected {place.shape}")
+            place[:] = memory[name]
+        counts = dict(zip(_COUNTS, memory["counts"], strict=True))
+        step = counts["inner"]
+        if not (0 <= counts["n_past"] <= tables.MAX_PAST and 0 <= step < np.inf):
+            raise ValueError(f"{counts['n_past']} past points and a step of {step} s")
+        for name, value in counts.items():
+            setattr(self._table, name, float(value) if name == "inner" else int(value))
+        for loop, known in zip(self._loops, memory["known"], strict=True):
+            loop.known = int(known)
+
+    def _places(self) -> dict[str, Array]:
+        """Return the kernel's own memory, by name."""
+        table, width = self._table, len(self._names)
+        rooms = {"past": (table.past, tables.MAX_PAST * width), "next": (table.next, width)}
+        rooms["given"] = (table.given, 2 * width)
+        rooms |= {f"inverse{i}": (loop.inverse, loop.n**2) for i, loop in enumerate(self._loops)}
+        places = {name: as_array(room, (n,)) for name, (room, n) in rooms.items() if n}
+        return places | {"times": as_array(table.times)}
 
     def lose(self, name: str) -> None:
         """Forget the saved state of a component whose instance is gone."""

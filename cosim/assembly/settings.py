@@ -103,20 +103,6 @@ def _phase(variable: Variable) -> _Phase:
     return "late" if variable.causality == "input" else "early"
 
 
-def check_length(name: str, value: Value, present: Value | None) -> None:
-    """Check that a structural parameter for one run does not change the dimensions of arrays.
-
-    Raises
-    ------
-    ParameterError
-    """
-    if value != present:
-        raise ParameterError(
-            f"{name} = {value!r} would change the dimensions of arrays; set it in the system,"
-            " before the simulation is prepared"
-        )
-
-
 def check_start_values(system: System) -> None:
     """Check that the start values that FMUs declare are within their ranges.
 

@@ -83,47 +83,21 @@ def _at_source(
     return table.in_unit(line.factor, line.offset)
 
 
-class Change:
-    """One value for one parameter at a point in time."""
-
-    def __init__(
-        self, step: int, component: str, batch: Batch, general: GeneralComponent | None
-    ) -> None:
-        self.step, self.component = step, component
-        self._batch = batch
-        self._group = batch.group()
-        self._general = general
-
-    def entry(self, component: int) -> structures.Change:
-        """Return it as the kernel takes it."""
-        batch = self._batch
-        address, values = batch.address, ctypes.cast(batch.values, ctypes.c_void_p)
-        if self._general:
-            address = self._general.tune_call()
-            values = ctypes.cast(ctypes.pointer(self._group), ctypes.c_void_p)
-        setting = structures.Setting(
-            set=address,
-            call=batch.call.encode(),
-            n=len(batch.references),
-            references=batch.references,
-            values=values,
-        )
-        return structures.Change(self.step, component, setting)
-
-
 def tune(
     tables: Tables,
     values: Mapping[str, Value],
     system: System,
     libraries: Mapping[str, Library],
     general_components: Mapping[str, GeneralComponent],
-) -> list[Change]:
-    """Return the changes of parameters, in the order of time.
+    order: Sequence[str],
+) -> list[tuple[int, structures.Change, Any]]:
+    """Return the changes of parameters in the order of time: step, change and what it points to.
 
     Parameters
     ----------
     tables : what happens to them
     values : their start values, where these are not those of the FMUs
+    order : of the components in the kernel's table
 
     Raises
     ------
@@ -148,11 +122,22 @@ def tune(
                 raise SignalError(f"scenario: {fault}") from None
             batch = Batch(libraries[component], [variable], "Set")
             batch.put(variable, checked)
-            changes.append(Change(int(step), component, batch, general_components.get(component)))
-    return sorted(changes, key=lambda change: change.step)
+            setting, kept = _setting(batch, general_components.get(component))
+            change = structures.Change(int(step), order.index(component), setting)
+            changes.append((int(step), change, (batch, kept)))
+    return sorted(changes, key=lambda change: change[0])
 
 
-def in_order(changes: Sequence[Change], order: Sequence[str]) -> Any:
-    """Return the kernel's table of changes; ``changes`` must exist as long as it."""
-    place = {name: i for i, name in enumerate(order)}
-    return (structures.Change * len(changes))(*(c.entry(place[c.component]) for c in changes))
+def _setting(batch: Batch, general: GeneralComponent | None) -> tuple[structures.Setting, Any]:
+    """Return what the kernel calls, and what it points to beside the batch."""
+    address, values = batch.address, batch.values
+    if general:
+        address, values = general.tune_call(), ctypes.pointer(batch.group())
+    setting = structures.Setting(
+        set=address,
+        call=batch.call.encode(),
+        n=len(batch.references),
+        references=batch.references,
+        values=ctypes.cast(values, ctypes.c_void_p),
+    )
+    return setting, values

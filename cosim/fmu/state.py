@@ -18,24 +18,6 @@ from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 
 _log = logging.getLogger(__name__)
 _LARGEST = 2**30  # bytes of a state
-_NAMES = {
-    2: (
-        "fmi2GetFMUstate",
-        "fmi2SetFMUstate",
-        "fmi2FreeFMUstate",
-        "fmi2SerializedFMUstateSize",
-        "fmi2SerializeFMUstate",
-        "fmi2DeSerializeFMUstate",
-    ),
-    3: (
-        "fmi3GetFMUState",
-        "fmi3SetFMUState",
-        "fmi3FreeFMUState",
-        "fmi3SerializedFMUStateSize",
-        "fmi3SerializeFMUState",
-        "fmi3DeserializeFMUState",
-    ),
-}
 
 
 class StateAccess:
@@ -61,9 +43,12 @@ class StateAccess:
         self._name = name
         self._library = library
         self._instance, self._mark_fatal = c_void_p(instance), on_fatal
-        self._get, self._set, self._free, self._size, self._serialize, self._deserialize = _NAMES[
-            version
-        ]
+        word = "FMUstate" if version == 2 else "FMUState"
+        verbs = ("Get{}", "Set{}", "Free{}", "Serialized{}Size", "Serialize{}", "Deserialize{}")
+        names = [f"fmi{version}{verb.format(word)}" for verb in verbs]
+        if version == 2:
+            names[-1] = "fmi2DeSerializeFMUstate"
+        self._get, self._set, self._free, self._size, self._serialize, self._deserialize = names
 
     def save(self) -> bytes:
         """Return the state.

@@ -12,14 +12,14 @@ from stickslip.cosim import kernel
 from stickslip.cosim.assembly.disturbances import disturb
 from stickslip.cosim.assembly.external_inputs import sample_ends, sample_inputs
 from stickslip.cosim.assembly.input_events import InputEvents, courses, joined
-from stickslip.cosim.assembly.settings import check_length
-from stickslip.cosim.assembly.tuning import in_order, split, tune
+from stickslip.cosim.assembly.tuning import split, tune
 from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
 from stickslip.cosim.fmu.values import converted
+from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.prepared import Prepared
 from stickslip.cosim.run.real_time import Pace
 from stickslip.cosim.run.result import Result
-from stickslip.cosim.run.termination import Ending, ending, last_outputs
+from stickslip.cosim.run.termination import last_outputs, terminated
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.cosim.signals.span import slack
@@ -57,8 +57,12 @@ class Stepping(Prepared):
                 self._variables[name] = system.variable(name, ParameterError)
             variable = self._variables[name]
             values[name] = converted(variable, value, name)
-            if variable.causality == "structuralParameter":
-                check_length(name, values[name], system.parameters.get(name, variable.start))
+            present = system.parameters.get(name, variable.start)
+            if variable.causality == "structuralParameter" and values[name] != present:
+                raise ParameterError(
+                    f"{name} = {values[name]!r} would change the dimensions of arrays; set it in"
+                    " the system, before the simulation is prepared"
+                )
         return values
 
     def _set_inputs(
@@ -97,9 +101,11 @@ class Stepping(Prepared):
         tables = scenario.tables(self.time) if scenario else {}
         self._disturbances, changed = split(tables, self._layout, system)
         disturb(self._disturbances, self._layout, run, self._slots, external, ends)
-        self._changes = tune(changed, values, system, self._libraries, self._general_components)
-        run.changes = in_order(self._changes, self.order)
+        self._changes = tune(
+            changed, values, system, self._libraries, self._general_components, self.order
+        )
         run.n_changes = len(self._changes)
+        run.changes = (structures.Change * run.n_changes)(*(c for _, c, _ in self._changes))
         self._changed = frozenset(changed)
         return self._disturbances.keys()
 
@@ -161,7 +167,7 @@ class Stepping(Prepared):
                 self._free()
                 self._build()
 
-    def _advance(self, halt: int) -> Ending | None:
+    def _advance(self, halt: int) -> tuple[float, str] | None:
         self._halted = False
         self._run.halt = halt
         outcome = kernel.PAUSED
@@ -172,7 +178,7 @@ class Stepping(Prepared):
             self._ready = False
             name = self.order[self._run.failed]
             general = self._general_components.get(name)
-            end = ending(self._run, self._slots[name], general, self._libraries[name])
+            end = terminated(self._run, self._slots[name], general, self._libraries[name])
             if end is None:
                 if self._can_take_back(name):
                     raise Discarded(name)
@@ -192,7 +198,7 @@ class Stepping(Prepared):
         discarded = self._run.status == kernel.DISCARD and call.endswith(b"DoStep")
         return able and discarded and name not in self._retries
 
-    def _ended(self, end: Ending, first: int) -> Result:
+    def _ended(self, end: tuple[float, str], first: int) -> Result:
         """Return what there is of a run from a step on that an FMU ended.
 
         In the last row it has its last outputs, and all others have those of the row before. That
@@ -200,7 +206,8 @@ class Stepping(Prepared):
         """
         run = self._run
         name = self.order[run.failed]
-        further = end.time > run.start + run.done * run.step
+        time_reached, reason = end
+        further = time_reached > run.start + run.done * run.step
         if further:
             slot = self._slots[name]
             self._memory.append(slot.column, last_outputs(slot))
@@ -208,8 +215,8 @@ class Stepping(Prepared):
             raise self._failure()
         time, values = self._memory.kept(first, run.done, ended=True)
         if further:
-            time = np.append(time[:-1], end.time)
-        return self._result(time, values, f"{name}: {end.reason} at t = {end.time:.9g} s")
+            time = np.append(time[:-1], time_reached)
+        return self._result(time, values, f"{name}: {reason} at t = {time_reached:.9g} s")
 
     def _result(self, time: Array, values: Array, stopped: str | None = None) -> Result:
         names, sums = self._layout.recorded, self._memory.sums

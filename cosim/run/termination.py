@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,27 +17,18 @@ from stickslip.cosim.signals.signals import Array
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3
 
 
-@dataclass(frozen=True)
-class Ending:
-    """The time that the FMU reached, s, and the reason it gave."""
-
-    time: float
-    reason: str
-
-
-def ending(
+def terminated(
     run: structures.Run,
     slot: structures.Component,
     general: GeneralComponent | None,
     library: Library,
-) -> Ending | None:
-    """Return how an FMU ended a run in a step; None when it failed instead."""
+) -> tuple[float, str] | None:
+    """Return the time (s) at which an FMU ended a run and its reason; None when it failed."""
     if run.done < 0 or run.done >= run.n_steps or not slot.instance:
         return None
     if run.status == kernel.TERMINATED:
-        return Ending(
-            general.c.time if general else run.t + run.h, "asked to terminate the simulation"
-        )
+        reached = general.c.time if general else run.t + run.h
+        return reached, "asked to terminate the simulation"
     if run.status == kernel.DISCARD and slot.version == 2:
         instance = general.c.instance if general else slot.instance
         if _ask(library, "fmi2GetBooleanStatus", instance, _TERMINATED, ctypes.c_int32()):
@@ -46,20 +36,17 @@ def ending(
                 library, "fmi2GetRealStatus", instance, _LAST_SUCCESSFUL_TIME, ctypes.c_double()
             )
             reason = "discarded a step, as it had terminated"
-            return Ending(run.start + run.done * run.step if reached is None else reached, reason)
+            return run.start + run.done * run.step if reached is None else reached, reason
     return None
 
 
 def last_outputs(slot: structures.Component) -> Array:
     """Return the outputs (n_outputs,) of an FMU that ended a run."""
     outputs = np.empty(slot.n_outputs)
-    get = ctypes.CFUNCTYPE(
-        ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
-        *([ctypes.c_size_t] if slot.version == 3 else []),
-    )(slot.call[structures.step_calls(slot.version).index(_GETTERS[slot.version])])  # fmt: skip
-    more = [len(outputs)] if slot.version == 3 else []
-    references = ctypes.cast(slot.output_references, ctypes.c_void_p)
-    get(slot.instance, references, len(outputs), outputs.ctypes.data, *more)
+    n = ctypes.c_size_t(len(outputs))
+    arguments = [ctypes.c_void_p(slot.instance), slot.output_references, n, outputs.ctypes]
+    get = structures.step_calls(slot.version).index(_GETTERS[slot.version])
+    ctypes.CFUNCTYPE(ctypes.c_int)(slot.call[get])(*arguments, *[n] * (slot.version == 3))
     return outputs
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import heapq
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -10,8 +12,9 @@ import numpy as np
 from stickslip.cosim.errors import ConnectionFault
 from stickslip.cosim.fmu.names import component_of, variable_of
 from stickslip.cosim.system.coupling import Coupling
-from stickslip.cosim.system.order import Connection, stepping_order
 from stickslip.cosim.system.system import System
+
+Connection = tuple[str, str]  # "component.output", "component.input"
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,31 @@ def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[li
     ]
     heads = [name for name in names if name in groups]
     return [groups[head] for head in stepping_order(heads, between)]
+
+
+def stepping_order(components: Sequence[str], feedthrough: Iterable[Connection]) -> list[str]:
+    """Sort components so that each direct feedthrough is computed before it is read.
+
+    Parameters
+    ----------
+    components : names; ties keep this order
+    feedthrough : the connections whose output depends on an input of its component without delay;
+        they form no loop
+    """
+    successors: dict[str, set[str]] = {name: set() for name in components}
+    for source, target in feedthrough:
+        successors[component_of(source)].add(component_of(target))
+    waiting = Counter(b for found in successors.values() for b in found)
+    place = {name: i for i, name in enumerate(components)}
+    ready = [place[name] for name in components if not waiting[name]]
+    order = []
+    while ready:
+        order.append(components[heapq.heappop(ready)])
+        for successor in successors[order[-1]]:
+            waiting[successor] -= 1
+            if not waiting[successor]:
+                heapq.heappush(ready, place[successor])
+    return order
 
 
 def _strongly_connected(nodes: Sequence[str], edges: Sequence[Connection]) -> list[list[str]]:

@@ -347,14 +347,8 @@ class System:
     def copy(self) -> System:
         """Return a system that can be changed without changing this one; FMUs are shared."""
         twin = System(self.name)
-        twin.components = dict(self.components)
-        twin.connections = dict(self.connections)
-        twin.links = dict(self.links)
-        twin.inputs = dict(self.inputs)
-        twin.input_units = dict(self.input_units)
-        twin.outputs = dict(self.outputs)
-        twin.parameters = dict(self.parameters)
-        twin.origin = self.origin
+        for name, value in vars(self).items():
+            setattr(twin, name, value.copy() if isinstance(value, dict) else value)
         return twin
 
     def _end(self, name: str, purpose: str) -> End:

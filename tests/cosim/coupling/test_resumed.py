@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.cosim import Adaptive, Coupling
-from stickslip.cosim.assembly import coupled
+from stickslip.cosim.assembly.coupled import Coupled
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [
@@ -55,7 +55,7 @@ def test_what_is_remembered_matters(two_masses, linear, tmp_path, monkeypatch):
         whole = simulation.run()
         simulation.run(until=HALF)
         path = simulation.save(tmp_path / "half.state")
-    monkeypatch.setattr(coupled, "recall", lambda *_: None)
+    monkeypatch.setattr(Coupled, "recall", lambda *_: None)
     with system.prepare(**spec) as another:
         rest = another.resume(path)
     assert not np.array_equal(rest.values[-1], whole.values[-1])
