@@ -70,12 +70,14 @@ class Graph:
                 self._join(node, element)
 
     def put(self, edge: Edge) -> None:
-        """Add a connection to a target that is not connected."""
+        """Add a connection to an end that is not connected and does not lead back to it."""
         if other := self.edges.get(edge.target):
             raise SspError(
                 f"{place(edge.element)}: {label(edge.target)} is already connected, in"
                 f" {place(other.element)}; leave one of them"
             )
+        if edge.target in (edge.source, *(before.source for before in self.way_to(edge.source))):
+            raise SspError(f"{place(edge.element)}: the connection leads back to itself")
         self.edges[edge.target] = edge
         self.onward[edge.source].append(edge)
 
@@ -88,20 +90,16 @@ class Graph:
         """Return the connections that lead to an end, the one farthest from it first."""
         way: list[Edge] = []
         while edge := self.edges.get(target):
-            if edge in way:
-                raise SspError(f"{place(edge.element)}: the connection leads back to itself")
             way.append(edge)
             target = edge.source
         return way[::-1]
 
-    def ways_from(self, source: End, seen: tuple[End, ...] = ()) -> Iterator[list[Edge]]:
+    def ways_from(self, source: End) -> Iterator[list[Edge]]:
         """Yield each way from an end to a component's variable."""
-        if source in seen:
-            raise SspError(f"{component(source[0])}: {source[1]} leads back to itself")
         for edge in self.onward[source]:
             if edge.target[0] in self.fmus:
                 yield [edge]
-            for rest in self.ways_from(edge.target, (*seen, source)):
+            for rest in self.ways_from(edge.target):
                 yield [edge, *rest]
 
     def is_component(self, end: End) -> bool:
@@ -172,10 +170,6 @@ class Graph:
             after = [self.unit(edge.target) for edge in way[scaled[0] :]] if scaled else []
             if all(not unit or (wanted and unit.same_as(wanted)) for unit in after):
                 return Link(way[scaled[0]].scaling) if scaled else PLAIN
-        if all(edge.convert for edge in way):
-            usual = _converted(inner or start, self.inner_unit(target), way[-1])
-            if total == usual:
-                return PLAIN
         return Link(total, convert=False)
 
     def _join(self, node: Node, element: Any) -> None:

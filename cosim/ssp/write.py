@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path as File
 from typing import Literal
 
@@ -36,7 +36,7 @@ from stickslip.cosim.ssp.names import (
 from stickslip.cosim.ssp.package import Package
 from stickslip.cosim.ssp.read import read_experiment, read_package
 from stickslip.cosim.ssp.structure import Document, Node
-from stickslip.cosim.system.scaling import PLAIN, Link, Scaling, Transform
+from stickslip.cosim.system.scaling import PLAIN, Link, Scaling
 from stickslip.cosim.system.system import System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.variables import Value
@@ -267,23 +267,30 @@ def _verify(members: Members, structure: str, system: System) -> None:
             again = read_package(Package(folder / structure, folder, structure))[0]
         except CosimError as fault:
             raise SspError(f"the changed package would be broken: {fault}") from fault
-    for part in ("connections", "inputs", "outputs"):
-        if (found := getattr(again, part)) != getattr(system, part):
-            raise SspError(f"the changed package would have the {part} {found}")
-    for target, source in system.sources().items():
-        wanted, found = system.scaling(source, target), again.scaling(source, target)
-        if not _same(wanted, found):
-            raise SspError(f"the changed package would scale {target} by {found}, not {wanted}")
-    for parameter, value in system.parameters.items():
-        if (found := _start_value(again, parameter)) != value:
-            raise SspError(f"the changed package would give {parameter} = {found!r}, not {value!r}")
+    names = system.parameters
+    wanted, found = _meaning(system, names), _meaning(again, names)
+    for part, value in wanted.items():
+        if not _same(found[part], value):
+            raise SspError(f"the changed package would have {part} {found[part]}, not {value}")
 
 
-def _same(wanted: Transform, found: Transform) -> bool:
-    if not (isinstance(wanted, Scaling) and isinstance(found, Scaling)):
-        return wanted == found
-    return math.isclose(wanted.factor, found.factor, rel_tol=1e-12) and math.isclose(
-        wanted.offset, found.offset, rel_tol=1e-12, abs_tol=1e-300
+def _meaning(system: System, parameters: Iterable[str]) -> dict[str, object]:
+    """Return what a package must tell of a system."""
+    scalings = {
+        f"the scaling of {target}": system.scaling(source, target)
+        for target, source in system.sources().items()
+    }
+    starts = {f"the start value of {name}": _start_value(system, name) for name in parameters}
+    parts = {f"the {part}": getattr(system, part) for part in ("connections", "inputs", "outputs")}
+    return {**parts, **scalings, **starts}
+
+
+def _same(one: object, other: object) -> bool:
+    if not (isinstance(one, Scaling) and isinstance(other, Scaling)):
+        return one == other
+    factors, offsets = (one.factor, other.factor), (one.offset, other.offset)
+    return math.isclose(*factors, rel_tol=1e-12) and math.isclose(
+        *offsets, rel_tol=1e-12, abs_tol=1e-300
     )
 
 
