@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from stickslip.fmi.description.writing import child, document, text
 from stickslip.models.export.description import Model, Variable
 from stickslip.models.export.sources import FmiVersion, c_files, compiled
 from stickslip.models.export.units import DISPLAY, base_unit
-from stickslip.models.export.xml import child, document, text
 
 _TAGS = {
     2: {"real": "Real", "integer": "Integer", "boolean": "Boolean"},

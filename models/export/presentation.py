@@ -8,7 +8,7 @@ from functools import cache
 from io import BytesIO
 from xml.etree import ElementTree as ET
 
-from stickslip.models.export import xml
+from stickslip.fmi.description import writing
 from stickslip.models.export.description import Model
 
 Line = Sequence[float]
@@ -103,13 +103,13 @@ def terminals_and_icons(model: Model) -> str:
     FMI 3.0.2, section 2.6; FMI 2.0.4 takes the same file.
     """
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    picture = xml.child(root, "GraphicalRepresentation")
-    xml.child(picture, "CoordinateSystem", **_SQUARE, suggestedScalingFactorTo_mm=0.1)
-    xml.child(picture, "Icon", **_SQUARE)
+    picture = writing.child(root, "GraphicalRepresentation")
+    writing.child(picture, "CoordinateSystem", **_SQUARE, suggestedScalingFactorTo_mm=0.1)
+    writing.child(picture, "Icon", **_SQUARE)
     if model.terminals:
-        section = xml.child(root, "Terminals")
+        section = writing.child(root, "Terminals")
         for name, terminal in model.terminals.items():
-            element = xml.child(
+            element = writing.child(
                 section,
                 "Terminal",
                 name=name,
@@ -117,14 +117,14 @@ def terminals_and_icons(model: Model) -> str:
                 description=terminal.description,
             )
             for member, variable in terminal.members.items():
-                xml.child(
+                writing.child(
                     element,
                     "TerminalMemberVariable",
                     variableName=variable,
                     memberName=member,
                     variableKind="signal",
                 )
-    return xml.document(root)
+    return writing.document(root)
 
 
 def index(model: Model, icon: str) -> str:

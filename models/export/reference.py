@@ -7,8 +7,8 @@ import io
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from stickslip.fmi.description import writing
 from stickslip.models.errors import UnknownLaw
-from stickslip.models.export import xml
 from stickslip.models.export.description import Model
 from stickslip.models.export.law import read_toml
 from stickslip.models.export.sources import text
@@ -85,10 +85,12 @@ def layered_standard(model: Model) -> dict[str, str]:
         (references, "text/csv", "result", "Outputs of that run, calculated without this FMU"),
     )
     for source, kind, role, description in related:
-        xml.child(manifest, "Related", type=kind, source=source, role=role, description=description)
+        writing.child(
+            manifest, "Related", type=kind, source=source, role=role, description=description
+        )
     stop, step = span(model)
     experiments = ET.Element("Experiments")
-    run = xml.child(
+    run = writing.child(
         experiments,
         "Experiment",
         name="Reference",
@@ -97,11 +99,11 @@ def layered_standard(model: Model) -> dict[str, str]:
         stopTime=stop,
         stepSize=step,
     )
-    xml.child(run, "Stimuli", source=stimuli, type="text/csv")
-    xml.child(run, "References", source=references, type="text/csv")
+    writing.child(run, "Stimuli", source=stimuli, type="text/csv")
+    writing.child(run, "References", source=references, type="text/csv")
     content = {
-        "fmi-ls-manifest.xml": xml.document(manifest),
-        "experiments.xml": xml.document(experiments),
+        "fmi-ls-manifest.xml": writing.document(manifest),
+        "experiments.xml": writing.document(experiments),
         **dict(zip((stimuli, references), tables(model), strict=True)),
     }
     return {f"{LS_REF}/{name}": text_ for name, text_ in content.items()}

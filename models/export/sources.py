@@ -10,7 +10,7 @@ from typing import Literal
 from xml.etree import ElementTree as ET
 
 from stickslip import fmi
-from stickslip.models.export import xml
+from stickslip.fmi.description import writing
 from stickslip.models.export.description import Model
 from stickslip.models.export.headers import table_source, variables_header
 from stickslip.models.export.law import MODELS
@@ -90,8 +90,8 @@ def build_description(model: Model, files: Iterable[str]) -> str:
     FMI 3.0.2, section 2.5.1.2; FMI 2.0.4 takes the same file.
     """
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    configuration = xml.child(root, "BuildConfiguration", modelIdentifier=model.name)
-    sources = xml.child(
+    configuration = writing.child(root, "BuildConfiguration", modelIdentifier=model.name)
+    sources = writing.child(
         configuration,
         "SourceFileSet",
         language="C11",
@@ -99,6 +99,6 @@ def build_description(model: Model, files: Iterable[str]) -> str:
         compilerOptions=COMPILER_OPTIONS,
     )
     for path in compiled(files):
-        xml.child(sources, "SourceFile", name=path)
-    xml.child(sources, "IncludeDirectory", name=".")
-    return xml.document(root)
+        writing.child(sources, "SourceFile", name=path)
+    writing.child(sources, "IncludeDirectory", name=".")
+    return writing.document(root)

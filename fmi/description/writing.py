@@ -1,4 +1,4 @@
-"""XML of an FMU on ElementTree."""
+"""XML of descriptions that are written."""
 
 from __future__ import annotations
 
