@@ -6,8 +6,9 @@ import logging
 
 import pytest
 
-from tests.corpus.fuzz import campaign
-from tests.corpus.fuzz.parsers import NAMES, load
+from tests.corpus.fuzz import PARSERS, campaign
+from tests.corpus.fuzz.mutation import mutated
+from tests.corpus.fuzz.parser import Parser
 
 pytestmark = pytest.mark.slow
 
@@ -19,45 +20,36 @@ REFUSED = {"parquet": 1, "log_csv": 1}
 hold them; a log without names must be described."""
 
 
-def loaded(name):
-    if name == "parquet":
-        pytest.importorskip("pyarrow")
-    return load(name)
-
-
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sorted(PARSERS))
 def test_mutated_inputs_are_taken_or_refused(name, tmp_path, caplog):
     caplog.set_level(logging.CRITICAL)
-    parser = loaded(name)
+    parser = PARSERS[name]
     tally = campaign.run(parser, seed=0, first=0, last=N.get(name, 200), folder=tmp_path)
     assert tally.unexpected == []
     assert tally.accepted > 0
     assert tally.refused > 0
 
 
-@pytest.mark.parametrize("name", sorted({*NAMES} - {"archive", "description"}))
+@pytest.mark.parametrize("name", sorted(PARSERS.keys() - {"archive", "description"}))
 def test_what_the_inputs_are_made_from_is_read(name, tmp_path):
     """Else all that is made of it would be refused for one reason."""
-    parser, refused = loaded(name), 0
+    parser, refused = PARSERS[name], 0
     for data in parser.corpus():
         try:
             parser.parse(data, tmp_path)
-        except parser.EXPECTED:
+        except parser.expected:
             refused += 1
     assert refused == REFUSED.get(name, 0)
 
 
 def test_an_unexpected_end_is_found_and_saved(tmp_path):
-    class Careless:
-        EXPECTED = (UnicodeDecodeError,)
-
-        def corpus(self):
-            return [b"1 2 3"]
-
-        def parse(self, data, folder):  # noqa: ARG002
-            sum(map(int, data.decode().split()))
-
-    tally = campaign.run(Careless(), 0, 0, 200, tmp_path, found=tmp_path)
+    careless = Parser(
+        parse=lambda data, _: sum(map(int, data.decode().split())),
+        corpus=lambda: [b"1 2 3"],
+        change=lambda rng, data: mutated(rng, data, [data]),
+        expected=(UnicodeDecodeError,),
+    )
+    tally = campaign.run(careless, 0, 0, 200, tmp_path, found=tmp_path)
     assert tally.unexpected
     assert all("ValueError" in line for line in tally.unexpected)
     assert len(list(tmp_path.glob("*.bin"))) == len(tally.unexpected)
@@ -65,7 +57,7 @@ def test_an_unexpected_end_is_found_and_saved(tmp_path):
 
 
 def test_a_hunt_goes_on_where_it_was(tmp_path, capsys, monkeypatch):
-    parser = load("description")
+    parser = PARSERS["description"]
     monkeypatch.setattr(campaign.faulthandler, "dump_traceback_later", lambda *_, **__: None)
     for inputs in (30, 50):
         campaign.resume(parser, 3, inputs, tmp_path / "state", tmp_path)

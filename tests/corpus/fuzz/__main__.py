@@ -12,12 +12,11 @@ import logging
 import tempfile
 from pathlib import Path
 
-from tests.corpus.fuzz import campaign
-from tests.corpus.fuzz.parsers import NAMES, load
+from tests.corpus.fuzz import PARSERS, campaign
 
 if __name__ == "__main__":
     options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    options.add_argument("--parser", choices=NAMES, required=True)
+    options.add_argument("--parser", choices=sorted(PARSERS), required=True)
     options.add_argument("--inputs", type=int, default=1_000_000)
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "fuzz")
@@ -26,7 +25,7 @@ if __name__ == "__main__":
     logging.disable()  # warnings about odd inputs are not what is looked for
     with tempfile.TemporaryDirectory() as folder:
         campaign.resume(
-            load(given.parser),
+            PARSERS[given.parser],
             given.seed,
             given.inputs,
             given.out / f"{given.parser}-{given.seed}",

@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 
 from tests.corpus.fuzz.mutation import mutated
-from tests.corpus.fuzz.parsers import Parser
+from tests.corpus.fuzz.parser import Parser
 
 SLOW = 2.0  # s of the processor for one input
 _HANG = 600.0  # s for _ROUND inputs, after which the process ends with a traceback
@@ -40,9 +40,8 @@ def made(parser: Parser, corpus: list[bytes], seed: int, i: int) -> bytes:
     """Return input i, which depends on the seed and i alone."""
     rng = Random(seed * 2**40 + i)  # noqa: S311 - no secrets
     data = rng.choice(corpus)
-    change = getattr(parser, "mutate", None)
-    if change is not None and rng.random() < 0.5:
-        return bytes(change(rng, data))
+    if rng.random() < 0.5:
+        return bytes(parser.change(rng, data))
     return mutated(rng, data, corpus)
 
 
@@ -63,7 +62,7 @@ def run(
         try:
             parser.parse(data, folder)
             tally.accepted += 1
-        except parser.EXPECTED:
+        except parser.expected:
             tally.refused += 1
         except (Exception, RecursionError) as fault:  # noqa: BLE001 - this is what is looked for
             place = traceback.extract_tb(fault.__traceback__)[-1]

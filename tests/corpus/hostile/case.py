@@ -45,6 +45,36 @@ class Case:
         return f"{self.group}-{self.name}"
 
 
+def family(
+    group: int, prefix: str, command: str, *, file: str = "", begins: str = "", **others: Content
+) -> Callable[..., Case]:
+    """Return what makes the cases of one command, each with another content of one file.
+
+    Parameters
+    ----------
+    file : its name; without one the content is the rest of the command. A {} in it and in the
+        command stands for the suffix
+    begins : what each message begins with
+    others : contents of further files; ``_`` in their names stands for the dot
+    """
+
+    def case(
+        name: str,
+        about: str,
+        says: str,
+        content: Content | None,
+        suffix: str = ".csv",
+        more: str = "",
+    ) -> Case:
+        files = {other.replace("_", "."): text for other, text in others.items()}
+        if file and content is not None:
+            files[file.format(suffix)] = content
+        whole = f"{command.format(suffix)} {more if file else content}".strip()
+        return Case(group, f"{prefix}-{name}", about, begins + says, whole, files)
+
+    return case
+
+
 GROUPS = {
     1: "names of members",
     2: "links",

@@ -6,34 +6,28 @@ from functools import partial
 from pathlib import Path
 
 from tests.corpus.hostile.case import Case
-from tests.corpus.hostile.sound import describe, fmu, members, replaced, spoilt
+from tests.corpus.hostile.sound import describe, fmu, members, replaced, spoils, spoilt
 from tests.corpus.hostile.zips import Member, zipped
 
 _three = partial(spoilt, version=3)
 
 
-def _version(name: str, about: str, written: str) -> Case:
-    return spoilt(7, f"version-{name}", about, "fmiVersion is", ('fmiVersion="2.0"', written))
-
-
+_version = spoils(7, "version", 'fmiVersion="2.0"')
 _VERSIONS = [
-    _version("missing", "no fmiVersion", ""),
-    _version("empty", "an empty one", 'fmiVersion=""'),
-    _version("1", "FMI 1.0", 'fmiVersion="1.0"'),
-    _version("beta", "a beta of FMI 3.0", 'fmiVersion="3.0-beta.2"'),
-    _version("future", "FMI 4.0", 'fmiVersion="4.0"'),
-    _version("between", "FMI 2.1, which never was", 'fmiVersion="2.1"'),
-    _version("text", "no number", 'fmiVersion="two"'),
-    _version("digits", "Arabic digits", 'fmiVersion="\u0663.\u0660"'),
+    _version("missing", "no fmiVersion", "fmiVersion is", ""),
+    _version("empty", "an empty one", "fmiVersion is", 'fmiVersion=""'),
+    _version("1", "FMI 1.0", "fmiVersion is", 'fmiVersion="1.0"'),
+    _version("beta", "a beta of FMI 3.0", "fmiVersion is", 'fmiVersion="3.0-beta.2"'),
+    _version("future", "FMI 4.0", "fmiVersion is", 'fmiVersion="4.0"'),
+    _version("between", "FMI 2.1, which never was", "fmiVersion is", 'fmiVersion="2.1"'),
+    _version("text", "no number", "fmiVersion is", 'fmiVersion="two"'),
+    _version("digits", "Arabic digits", "fmiVersion is", 'fmiVersion="\u0663.\u0660"'),
     spoilt(7, "version-2-as-3", "FMI 2.0 that says 3.0", "line", ('"2.0"', '"3.0"')),
     _three(7, "version-3-as-2", "FMI 3.0 that says 2.0", "line", ('"3.0"', '"2.0"')),
 ]
 
 
-def _reference(name: str, about: str, says: str, value: str) -> Case:
-    return spoilt(8, f"reference-{name}", about, says, ('valueReference="6"', value))
-
-
+_reference = spoils(8, "reference", 'valueReference="6"')
 _NAMES = [
     spoilt(8, "name-twice", "two variables of one name", "second variable 'u'", ('"x"', '"u"')),
     _three(8, "name-twice-3", "two of one name, FMI 3.0", "second variable 'u'", ('"x"', '"u"')),
@@ -73,11 +67,9 @@ _STRUCTURE = [
 ]  # fmt: skip
 
 
-def _identifier(name: str, about: str, value: str) -> Case:
-    old = '<CoSimulation modelIdentifier="reference"'
-    return spoilt(
-        10, f"identifier-{name}", about, "modelIdentifier is", (old, f"<CoSimulation {value}")
-    )
+_identifier = spoils(
+    10, "identifier", '<CoSimulation modelIdentifier="reference"', "<CoSimulation {}"
+)
 
 
 def _source(name: str, about: str, says: str, source: str) -> Case:
@@ -103,16 +95,23 @@ def _system(group: int, name: str, about: str, says: str, attributes: str) -> Ca
 
 
 _IDENTIFIERS = [
-    _identifier("up", "../../../evil", 'modelIdentifier="../../../evil"'),
-    _identifier("absolute", "/etc/evil", 'modelIdentifier="/etc/evil"'),
-    _identifier("backslash", "..\\evil", 'modelIdentifier="..\\evil"'),
-    _identifier("dot", "evil.so", 'modelIdentifier="evil.so"'),
-    _identifier("empty", "nothing", 'modelIdentifier=""'),
-    _identifier("missing", "none at all", ""),
-    _identifier("long", "10,000 letters", f'modelIdentifier="{"a" * 10_000}"'),
-    _identifier("device", "a device of Windows", 'modelIdentifier="con"'),
-    _identifier("newline", "a newline", 'modelIdentifier="a&#10;b"'),
-    _identifier("letters", "letters that are not of C", 'modelIdentifier="r\u00e9f\u00e9rence"'),
+    _identifier("up", "../../../evil", "modelIdentifier is", 'modelIdentifier="../../../evil"'),
+    _identifier("absolute", "/etc/evil", "modelIdentifier is", 'modelIdentifier="/etc/evil"'),
+    _identifier("backslash", "..\\evil", "modelIdentifier is", 'modelIdentifier="..\\evil"'),
+    _identifier("dot", "evil.so", "modelIdentifier is", 'modelIdentifier="evil.so"'),
+    _identifier("empty", "nothing", "modelIdentifier is", 'modelIdentifier=""'),
+    _identifier("missing", "none at all", "modelIdentifier is", ""),
+    _identifier(
+        "long", "10,000 letters", "modelIdentifier is", f'modelIdentifier="{"a" * 10_000}"'
+    ),
+    _identifier("device", "a device of Windows", "modelIdentifier is", 'modelIdentifier="con"'),
+    _identifier("newline", "a newline", "modelIdentifier is", 'modelIdentifier="a&#10;b"'),
+    _identifier(
+        "letters",
+        "letters that are not of C",
+        "modelIdentifier is",
+        'modelIdentifier="r\u00e9f\u00e9rence"',
+    ),
     _source("up", "an FMU above the package", "outside the package", "../../../a.fmu"),
     _source("encoded", "one hidden by %2e%2e", "outside the package", "%2e%2e/%2e%2e/a.fmu"),
     _source("absolute", "an FMU at /", "outside the package|names no file", "/srv/a.fmu"),
@@ -126,15 +125,8 @@ _IDENTIFIERS = [
 ]
 
 
-def _times(name: str, about: str, says: str, written: str) -> Case:
-    old = 'startTime="0" stopTime="2" tolerance="1e-6" stepSize="0.1"'
-    return spoilt(11, f"times-{name}", about, says, (old, written))
-
-
-def _number(name: str, about: str, says: str, new: str) -> Case:
-    return spoilt(11, name, about, says, ('min="0" max="10" start="2"', new))
-
-
+_times = spoils(11, "times", 'startTime="0" stopTime="2" tolerance="1e-6" stepSize="0.1"')
+_number = spoils(11, "number", 'min="0" max="10" start="2"')
 _NUMBERS = [
     _number("outside", "a start above max", "outside its range 0", 'min="0" max="10" start="11"'),
     _number("below", "a start below min", "outside its range 0", 'min="0" max="10" start="-1"'),
@@ -204,8 +196,7 @@ _ARRAYS = [
 ]  # fmt: skip
 
 
-def _called(name: str, about: str, says: str, written: str) -> Case:
-    return spoilt(13, f"name-{name}", about, says, ('name="u"', f'name="{written}"'))
+_called = spoils(13, "name", 'name="u"', 'name="{}"')
 
 
 def _component(name: str, about: str, says: str, written: str) -> Case:

@@ -8,24 +8,28 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.case import Case, family
 from tests.corpus.hostile.sound import sound
 from tests.corpus.hostile.tables import LOG
 
 LEARNED = Path(__file__).parents[3] / "results" / "paper" / "learned.json"
 
 
-def _fed(name: str, about: str, says: str, command: str, **files: Content) -> Case:
-    """Return a case of a command and files; ``_`` in their names stands for the dot."""
-    named = {file.replace("_", "."): content for file, content in files.items()}
-    return Case(23, name, about, says, command, named)
-
-
-def _learned(name: str, about: str, says: str, content: bytes, command: str = "export") -> Case:
-    """Return a case of a learned.json."""
-    first = "export compensator" if command == "export" else command
-    command = f"{first} --parameters learned.json"
-    return _fed(f"learned-{name}", about, f"learned.json: .*{says}", command, learned_json=content)
+_learned = family(
+    23, "learned", "{} --parameters learned.json", file="learned.json", begins="learned.json: .*"
+)
+_resumed = family(
+    23,
+    "checkpoint",
+    "learn --log log.csv --resume --checkpoint run.json --judge inverse",
+    file="run.json",
+    log_csv=LOG,
+)
+_set = family(23, "set", "reproduce --out out --set")
+_fleet = family(23, "fleet", "fleet fleet.csv --out out", file="fleet.csv", begins="fleet.csv: .*")
+_plan = family(23, "plan", "plan")
+_state = family(23, "state", "simulate a.fmu --resume half.state", file="half.state", a_fmu=sound)
+_EXPORT = "export compensator"
 
 
 def _changed(*path: str, to: Any) -> bytes:
@@ -36,31 +40,6 @@ def _changed(*path: str, to: Any) -> bytes:
         part = part[key]
     part[path[-1]] = to
     return json.dumps(document).encode()
-
-
-def _resumed(name: str, about: str, says: str, content: bytes) -> Case:
-    """Return a case of a checkpoint that a learning run goes on with."""
-    command = "learn --log log.csv --resume --checkpoint run.json --judge inverse"
-    return _fed(f"checkpoint-{name}", about, says, command, log_csv=LOG, run_json=content)
-
-
-def _set(name: str, about: str, says: str, assignments: str) -> Case:
-    return _fed(f"set-{name}", about, says, f"reproduce --out out --set {assignments}")
-
-
-def _fleet(name: str, about: str, says: str, table: bytes) -> Case:
-    command = "fleet fleet.csv --out out"
-    return _fed(f"fleet-{name}", about, f"fleet.csv: .*{says}", command, fleet_csv=table)
-
-
-def _plan(name: str, about: str, says: str, arguments: str) -> Case:
-    return _fed(f"plan-{name}", about, says, f"plan {arguments}")
-
-
-def _state(name: str, about: str, says: str, content: bytes) -> Case:
-    """Return a case of a saved state that a run goes on with."""
-    command = "simulate a.fmu --resume half.state"
-    return _fed(f"state-{name}", about, says, command, a_fmu=sound, half_state=content)
 
 
 def _lti(name: str, about: str, says: str, text: str, suffix: str = ".json") -> Case:
@@ -78,22 +57,22 @@ def _zip(**members: bytes) -> bytes:
 
 _VALUE = ("parameters", "F_c", "value")
 DOCUMENTS = [
-    _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)", LEARNED.read_bytes()[:99]),
-    _learned("list", "a list", "it has another structure", b"[]"),
-    _learned("missing", "a parameter that is not there", "is missing", _changed("parameters", to={})),
-    _learned("nan", "a parameter NaN", "NaN is no number", _changed(*_VALUE, to=float("nan"))),
-    _learned("infinite", "a parameter 1e999", "F_c is inf", _changed(*_VALUE, to=12345.5).replace(b"12345.5", b"1e999")),
-    _learned("text", "a parameter that is text", "could not convert", _changed(*_VALUE, to="x")),
-    _learned("negative", "a parameter below its range", "F_c = -1 N is outside", _changed(*_VALUE, to=-1.0)),
-    _learned("huge", "an integer of 400 digits", "beyond 1e308", _changed(*_VALUE, to=10**400)),
-    _learned("twice", "a key that is there twice", "'parameters' is there twice", b'{"parameters": {}, "parameters": {}}'),
-    _learned("deep", "lists a hundred thousand deep", "nested too deeply", b"[" * 100_000),
-    _learned("encoding", "bytes that are no UTF-8", "no UTF-8", b"\xff\xfe{}"),
-    _learned("loop", "a loop without its gains", "loop: .*is missing", _changed("loop", to={"m": {"value": 5.0}})),
-    _learned("loop-unstable", "a loop that is not stable", "unstable", _changed("loop", "K_p", to={"value": -1e9})),
-    _learned("loop-period", "a sample period of 0", "T_s is 0 s", _changed("loop", "T_s", to={"value": 0.0})),
-    _learned("validation-long", "a command of 1e300 s", "samples", _changed("validation", "plateau", to={"value": 1e300})),
-    _learned("feed", "a feed that is none", "feed is 3", _changed("feed", to=3)),
+    _learned("syntax", "JSON that is cut off", "(Expecting|Unterminated)", LEARNED.read_bytes()[:99], _EXPORT),
+    _learned("list", "a list", "it has another structure", b"[]", _EXPORT),
+    _learned("missing", "a parameter that is not there", "is missing", _changed("parameters", to={}), _EXPORT),
+    _learned("nan", "a parameter NaN", "NaN is no number", _changed(*_VALUE, to=float("nan")), _EXPORT),
+    _learned("infinite", "a parameter 1e999", "F_c is inf", _changed(*_VALUE, to=12345.5).replace(b"12345.5", b"1e999"), _EXPORT),
+    _learned("text", "a parameter that is text", "could not convert", _changed(*_VALUE, to="x"), _EXPORT),
+    _learned("negative", "a parameter below its range", "F_c = -1 N is outside", _changed(*_VALUE, to=-1.0), _EXPORT),
+    _learned("huge", "an integer of 400 digits", "beyond 1e308", _changed(*_VALUE, to=10**400), _EXPORT),
+    _learned("twice", "a key that is there twice", "'parameters' is there twice", b'{"parameters": {}, "parameters": {}}', _EXPORT),
+    _learned("deep", "lists a hundred thousand deep", "nested too deeply", b"[" * 100_000, _EXPORT),
+    _learned("encoding", "bytes that are no UTF-8", "no UTF-8", b"\xff\xfe{}", _EXPORT),
+    _learned("loop", "a loop without its gains", "loop: .*is missing", _changed("loop", to={"m": {"value": 5.0}}), _EXPORT),
+    _learned("loop-unstable", "a loop that is not stable", "unstable", _changed("loop", "K_p", to={"value": -1e9}), _EXPORT),
+    _learned("loop-period", "a sample period of 0", "T_s is 0 s", _changed("loop", "T_s", to={"value": 0.0}), _EXPORT),
+    _learned("validation-long", "a command of 1e300 s", "samples", _changed("validation", "plateau", to={"value": 1e300}), _EXPORT),
+    _learned("feed", "a feed that is none", "feed is 3", _changed("feed", to=3), _EXPORT),
     _learned("validate", "a list, to be validated", "it has another structure", b"[]", "validate"),
 ]  # fmt: skip
 
@@ -113,9 +92,9 @@ OPTIONS = [
     _set("twice", "two masses", "set twice", "drive.m=1 drive.m=2"),
     _set("no-assignment", "a name alone", "expected NAME=VALUE", "drive.m"),
     _set("component", "a parameter of something else", "only the drive's", "stage.m=1"),
-    _fed("seed-negative", "a negative seed", "--seed: must be at least 0", "reproduce --out out --seed -1"),
-    _fed("workers-none", "no workers", "--workers: must be at least 1", "reproduce --out out --workers 0"),
-    _fed("searches-none", "no searches", "--seeds: must be at least 1", "learn --log log.csv --seeds 0", log_csv=LOG),
+    Case(23, "seed-negative", "a negative seed", "--seed: must be at least 0", "reproduce --out out --seed -1"),
+    Case(23, "workers-none", "no workers", "--workers: must be at least 1", "reproduce --out out --workers 0"),
+    Case(23, "searches-none", "no searches", "--seeds: must be at least 1", "learn --log log.csv --seeds 0", {"log.csv": LOG}),
     _plan("duration", "an experiment without end", "duration", "--duration inf"),
     _plan("rate", "a million million samples", "rate", "--rate 1e12"),
     _plan("stroke", "a stroke of NaN", "stroke", "--stroke nan"),

@@ -46,6 +46,15 @@ def fmu(
     return Case(group, name, about, says, f"simulate a.fmu {more}", {"a.fmu": lambda _: data()})
 
 
+def spoils(group: int, prefix: str, old: str, new: str = "{}") -> Callable[..., Case]:
+    """Return what makes cases in whose descriptions other texts stand in the place of one."""
+
+    def case(name: str, about: str, says: str, written: str) -> Case:
+        return spoilt(group, f"{prefix}-{name}", about, says, (old, new.format(written)))
+
+    return case
+
+
 def spoilt(
     group: int, name: str, about: str, says: str, *pairs: tuple[str, str], version: int = 2
 ) -> Case:

@@ -13,31 +13,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.case import family
 from tests.corpus.hostile.sound import sound
-
-
-def _input(
-    name: str, about: str, says: str, content: Content | None, suffix: str = ".csv", more: str = ""
-) -> Case:
-    """Return a case of inputs for the reference FMU."""
-    files = {"a.fmu": sound} | ({} if content is None else {f"in{suffix}": content})
-    command = f"simulate a.fmu --input in{suffix} {more}"
-    return Case(22, f"input-{name}", about, says, command, files)
-
-
-def _log(name: str, about: str, says: str, content: Content | None, suffix: str = ".csv") -> Case:
-    """Return a case of a log."""
-    files = {} if content is None else {f"log{suffix}": content}
-    return Case(22, f"log-{name}", about, says, f"learn --log log{suffix} --check", files)
-
-
-def _config(name: str, about: str, says: str, content: bytes) -> Case:
-    """Return a case of a description of a sound log."""
-    files = {"log.csv": LOG, "log.toml": content}
-    return Case(
-        22, f"config-{name}", about, says, "learn --log log.csv --config log.toml --check", files
-    )
 
 
 def _recorded() -> bytes:
@@ -50,6 +27,13 @@ def _recorded() -> bytes:
 
 
 LOG = _recorded()
+
+
+_input = family(22, "input", "simulate a.fmu --input in{}", file="in{}", a_fmu=sound)
+_log = family(22, "log", "learn --log log{} --check", file="log{}")
+_config = family(
+    22, "config", "learn --log log.csv --config log.toml --check", file="log.toml", log_csv=LOG
+)
 
 
 def _rows(*rows: str, head: str = "time,u") -> bytes:
