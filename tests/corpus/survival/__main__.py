@@ -9,14 +9,15 @@ from pathlib import Path
 from stickslip.pipeline.reproduction import Options, Reproduction, reproduce
 from stickslip.results.reproduction_folder import write_results
 from stickslip.servo.systems import build_fmus
-from tests.corpus.survival.disk import (
+from tests.corpus.survival.trials import (
     fill_at_each_operation,
     fill_for_real,
+    kill_at_each_operation,
+    kill_at_random,
+    plain,
     remove_at_random,
     small_disk,
 )
-from tests.corpus.survival.killing import kill_at_each_operation, kill_at_random
-from tests.corpus.survival.sets import plain
 
 KILLS = 50
 

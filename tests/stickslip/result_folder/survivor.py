@@ -6,9 +6,15 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from tests.corpus.survival.disk import fill_at_each_operation, remove_at_random
-from tests.corpus.survival.killing import kill_at_each_operation, kill_at_random
-from tests.corpus.survival.sets import NEW, OLD, write
+from tests.corpus.survival.trials import (
+    NEW,
+    OLD,
+    fill_at_each_operation,
+    kill_at_each_operation,
+    kill_at_random,
+    remove_at_random,
+    write,
+)
 
 if __name__ == "__main__":
     os.fsync = lambda _: None  # only slows the test: the machine is not switched off
