@@ -303,90 +303,13 @@ static int get(Model *m, const unsigned r[], size_t n, double v[]) {
     return call(m, "GetReal");
 }
 
-/* FMI 2.0 */
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return "2.0"; }
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
-                               const fmi2String names[]) {
-    return (void)c, (void)on, (void)n, (void)names, fmi2OK;
-}
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                              fmi2Boolean logging) {
-    const Model face = {.callbacks = callbacks};
-    (void)name, (void)resources, (void)visible, (void)logging, (void)type;
-    return instantiate(guid, &face);
-}
-void fmi2FreeInstance(fmi2Component c) {
-    call(c, "FreeInstance");
-    free(c);
-}
-fmi2Status fmi2Reset(fmi2Component c) { return start(c), (fmi2Status)call(c, "Reset"); }
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d,
-                               fmi2Boolean e, fmi2Real f) {
-    (void)a, (void)b, (void)d, (void)e, (void)f;
-    return (fmi2Status)call(c, "SetupExperiment");
-}
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    return (fmi2Status)call(c, "EnterInitializationMode");
-}
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    return (fmi2Status)call(c, "ExitInitializationMode");
-}
-fmi2Status fmi2Terminate(fmi2Component c) { return (fmi2Status)call(c, "Terminate"); }
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                       const fmi2Real v[]) {
-    return (fmi2Status)set(c, r, n, v);
-}
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[]) {
-    return (fmi2Status)get(c, r, n, v);
-}
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean last_) {
-    (void)last_;
-    return (fmi2Status)step(c, t, h);
-}
-
-/* FMI 3.0 */
-const char *fmi3GetVersion(void) { return "3.0"; }
-fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String names[]) {
-    return (void)c, (void)on, (void)n, (void)names, fmi3OK;
-}
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
-                                         fmi3Boolean visible, fmi3Boolean logging,
-                                         fmi3Boolean events, fmi3Boolean early,
-                                         const fmi3ValueReference required[], size_t n,
-                                         fmi3InstanceEnvironment environment,
-                                         fmi3LogMessageCallback log,
-                                         fmi3IntermediateUpdateCallback update) {
-    const Model face = {.log = log, .environment = environment};
-    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early;
-    (void)required, (void)n, (void)update;
-    return instantiate(token, &face);
-}
-void fmi3FreeInstance(fmi3Instance c) { fmi2FreeInstance(c); }
-fmi3Status fmi3Reset(fmi3Instance c) { return (fmi3Status)fmi2Reset(c); }
-fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float64 b, fmi3Float64 d,
-                                       fmi3Boolean e, fmi3Float64 f) {
-    (void)a, (void)b, (void)d, (void)e, (void)f;
-    return (fmi3Status)call(c, "EnterInitializationMode");
-}
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
-    return (fmi3Status)call(c, "ExitInitializationMode");
-}
-fmi3Status fmi3Terminate(fmi3Instance c) { return (fmi3Status)call(c, "Terminate"); }
-fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n,
-                          const fmi3Float64 v[], size_t nv) {
-    return (void)nv, (fmi3Status)set(c, r, n, v);
-}
-fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3Float64 v[],
-                          size_t nv) {
-    return (void)nv, (fmi3Status)get(c, r, n, v);
-}
-fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean last_,
-                      fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-                      fmi3Float64 *reached) {
-    (void)last_;
-    *event = *terminate = *early = false;
-    *reached = t + h;
-    return (fmi3Status)step(c, t, h);
-}
+#define MAKE                                                                                       \
+    instantiate(token, &(Model){.callbacks = callbacks, .log = log, .environment = environment})
+#define SETUP call(m, "SetupExperiment")
+#define ENTER call(m, "EnterInitializationMode")
+#define LEAVE call(m, "ExitInitializationMode")
+#define TERMINATE call(m, "Terminate")
+#define RESET (start(m), call(m, "Reset"))
+#define FREE call(m, "FreeInstance"), free(m)
+#define STEP step(m, t, h)
+#include "fmu.h"
