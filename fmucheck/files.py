@@ -5,7 +5,8 @@ from __future__ import annotations
 import posixpath
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.document import Document, Element, read_document, violations
@@ -15,8 +16,26 @@ BUILD = "sources/buildDescription.xml"
 _HEADERS = ("fmi3PlatformTypes.h", "fmi3FunctionTypes.h", "fmi3Functions.h")
 
 
-def _build(fmu: Fmu) -> Document | None:
-    return read_document(BUILD, fmu.bytes(BUILD)) if BUILD in fmu.members else None
+def _document(fmu: Fmu, name: str) -> Document | None:
+    return read_document(name, fmu.bytes(name)) if name in fmu.members else None
+
+
+def _all(fmu: Fmu, name: str, *tags: str) -> Iterator[Element]:
+    """Yield the elements with these tags in a file, none if it is missing or damaged."""
+    document = _document(fmu, name)
+    if document and document.root is not None:
+        for tag in tags:
+            yield from document.root.iter(tag)
+
+
+def _faults(fmu: Fmu, name: str, schema: str) -> Claims:
+    if document := _document(fmu, name):
+        fault = [(name, document.fault)] if document.root is None else []
+        yield from fault or violations(document, f"fmi3/{schema}.xsd")
+
+
+def _repeated(names: Iterable[Any]) -> list[tuple[Any, int]]:
+    return [(name, n) for name, n in Counter(names).items() if n > 1 and name is not None]
 
 
 def _listed(fmu: Fmu) -> Iterator[tuple[str, str]]:
@@ -24,10 +43,8 @@ def _listed(fmu: Fmu) -> Iterator[tuple[str, str]]:
     for interface in fmu.description.interfaces:
         for name in interface.sources:
             yield interface.place, name
-    build = _build(fmu)
-    if build and build.root is not None:
-        for file in build.root.iter("SourceFile"):
-            yield f"{BUILD} (line {file.sourceline})", file.get("name", "")
+    for file in _all(fmu, BUILD, "SourceFile"):
+        yield f"{BUILD} (line {file.sourceline})", file.get("name", "")
 
 
 @error("2.3", "2.5.1.3", "pack it, or take it off the list")
@@ -41,36 +58,25 @@ def source_missing(fmu: Fmu) -> Claims:
 @error("2.3", "2.5.1.3", "follow fmi3BuildDescription.xsd")
 def bad_build_description(fmu: Fmu) -> Claims:
     """buildDescription.xml does not follow its schema."""
-    build = _build(fmu)
-    if build and build.root is None:
-        yield BUILD, build.fault
-    elif build:
-        yield from violations(build, "fmi3/fmi3BuildDescription.xsd")
+    yield from _faults(fmu, BUILD, "fmi3BuildDescription")
 
 
 @error("2.3", "2.5.1.3", "use a modelIdentifier, each platform once")
 def bad_build_configuration(fmu: Fmu) -> Claims:
     """A build configuration is for an unknown modelIdentifier, or for a platform twice."""
-    build = _build(fmu)
-    if not build or build.root is None:
-        return
-    made = [
-        (c.get("modelIdentifier", ""), c.get("platform"))
-        for c in build.root.iter("BuildConfiguration")
-    ]
+    each = _all(fmu, BUILD, "BuildConfiguration")
+    made = [(c.get("modelIdentifier", ""), c.get("platform")) for c in each]
     for identifier in dict.fromkeys(name for name, _ in made):
         if identifier not in fmu.identifiers:
             yield BUILD, f"modelIdentifier={identifier} is none of modelDescription.xml"
-    for (identifier, platform), count in Counter(made).items():
-        if count > 1:
-            yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
+    for (identifier, platform), count in _repeated(made):
+        yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
 
 
 @error("2.3", "2.5.1.3", "say which compiler takes them")
 def options_without_compiler(fmu: Fmu) -> Claims:
     """A set of source files has compilerOptions, but no compiler."""
-    build = _build(fmu)
-    for files in build.root.iter("SourceFileSet") if build and build.root is not None else ():
+    for files in _all(fmu, BUILD, "SourceFileSet"):
         if "compilerOptions" in files.attrib and "compiler" not in files.attrib:
             yield f"{BUILD} (line {files.sourceline})", f"{files.get('compilerOptions')!r}"
 
@@ -103,16 +109,6 @@ _NAMES = ("variableName", "inStreamVariableName", "outStreamVariableName")
 _CONNECTED = ("input", "output", "parameter", "calculatedParameter")
 
 
-def _document(fmu: Fmu) -> Document | None:
-    return read_document(TERMINALS, fmu.bytes(TERMINALS)) if TERMINALS in fmu.members else None
-
-
-def _terminals(fmu: Fmu) -> Iterator[Element]:
-    document = _document(fmu)
-    if document and document.root is not None:
-        yield from document.root.iter("Terminal")
-
-
 def _place(element: Element) -> str:
     return f"{TERMINALS} (line {element.sourceline})"
 
@@ -120,27 +116,18 @@ def _place(element: Element) -> str:
 @error("2.3", "2.4.9", "follow fmi3TerminalsAndIcons.xsd")
 def bad_terminals_file(fmu: Fmu) -> Claims:
     """terminalsAndIcons.xml does not follow its schema, or is of another version."""
-    document = _document(fmu)
-    if document is None:
-        return
-    if document.root is None:
-        yield TERMINALS, document.fault
-        return
-    yield from violations(document, "fmi3/fmi3TerminalsAndIcons.xsd")
-    version = document.root.get("fmiVersion")
-    if fmu.description.version == 3 and version != fmu.description.root.get("fmiVersion"):
-        yield TERMINALS, f"fmiVersion={version} differs from modelDescription.xml"
+    yield from _faults(fmu, TERMINALS, "fmi3TerminalsAndIcons")
+    for root in _all(fmu, TERMINALS, "fmiTerminalsAndIcons"):
+        version = root.get("fmiVersion")
+        if fmu.description.version == 3 and version != fmu.description.root.get("fmiVersion"):
+            yield TERMINALS, f"fmiVersion={version} differs from modelDescription.xml"
 
 
 @warning("2.3", "2.5.1.2", "move it to terminalsAndIcons")
 def misplaced_terminals(fmu: Fmu) -> Claims:
     """terminalsAndIcons.xml lies where no importer looks for it."""
     for name in fmu.members:
-        if (
-            name.endswith("terminalsAndIcons.xml")
-            and name != TERMINALS
-            and not name.startswith("extra/")
-        ):
+        if name.endswith("terminalsAndIcons.xml") and not name.startswith((TERMINALS, "extra/")):
             yield name, f"expected at {TERMINALS}"
 
 
@@ -149,7 +136,7 @@ def terminal_of_unknown_variable(fmu: Fmu) -> Claims:
     """A terminal refers to a variable that does not exist."""
     known = {v.name for v in fmu.description.variables}
     known |= {a.get("name", "") for v in fmu.description.variables for a in v.aliases}
-    for terminal in _terminals(fmu):
+    for terminal in _all(fmu, TERMINALS, "Terminal"):
         for member in terminal:
             for attribute in _NAMES:
                 name = member.get(attribute)
@@ -160,31 +147,23 @@ def terminal_of_unknown_variable(fmu: Fmu) -> Claims:
 @error("2.3", "2.4.9", "give each a name of its own")
 def terminal_names(fmu: Fmu) -> Claims:
     """Terminals of one level, or members of one terminal, share a name; or a plug's has none."""
-    document = _document(fmu)
-    if document is None or document.root is None:
-        return
-    levels = [*document.root.iter("Terminals"), *document.root.iter("Terminal")]
-    for level in levels:
-        for name, count in Counter(t.get("name") for t in level.iterfind("Terminal")).items():
-            if count > 1:
-                yield _place(level), f"{count} terminals are named {name}"
-    for terminal in _terminals(fmu):
+    for level in _all(fmu, TERMINALS, "Terminals", "Terminal"):
+        for name, count in _repeated(t.get("name") for t in level.iterfind("Terminal")):
+            yield _place(level), f"{count} terminals are named {name}"
+    for terminal in _all(fmu, TERMINALS, "Terminal"):
         names = [m.get("memberName") for m in terminal.iterfind("TerminalMemberVariable")]
-        for name, count in Counter(n for n in names if n is not None).items():
-            if count > 1:
-                yield _place(terminal), f"{count} members are named {name}"
-        if terminal.get("matchingRule") in ("plug", "bus") and None in names:
-            yield (
-                _place(terminal),
-                f"a member has no memberName in a {terminal.get('matchingRule')}",
-            )
+        for name, count in _repeated(names):
+            yield _place(terminal), f"{count} members are named {name}"
+        rule = terminal.get("matchingRule")
+        if rule in ("plug", "bus") and None in names:
+            yield _place(terminal), f"a member has no memberName in a {rule}"
 
 
 @warning("2.3", "2.4.9", "use inputs, outputs and parameters")
 def terminal_of_local_variable(fmu: Fmu) -> Claims:
     """A member that is a signal or flow is a variable that cannot be connected."""
     causality = {v.name: v.causality for v in fmu.description.variables}
-    for terminal in _terminals(fmu):
+    for terminal in _all(fmu, TERMINALS, "Terminal"):
         for member in terminal.iterfind("TerminalMemberVariable"):
             name = member.get("variableName", "")
             if member.get("variableKind") in ("signal", "inflow", "outflow") and (
@@ -196,27 +175,17 @@ def terminal_of_local_variable(fmu: Fmu) -> Claims:
 @error("2.3", "2.4.9", "pack the picture as PNG")
 def icon_missing(fmu: Fmu) -> Claims:
     """An icon that is referred to is not there, or is SVG without the PNG it must come with."""
-    for graphic in _graphics(fmu):
+    for graphic in _all(fmu, TERMINALS, "TerminalGraphicalRepresentation"):
         name = f"terminalsAndIcons/{graphic.get('iconBaseName')}.png"
         if name not in fmu.members:
             yield _place(graphic), f"{name} is not in the FMU"
-    document = _document(fmu)
-    icon = (
-        document.root.find("GraphicalRepresentation/Icon")
-        if document and document.root is not None
-        else None
-    )
-    if icon is not None and "terminalsAndIcons/icon.png" not in fmu.members:
-        yield _place(icon), "terminalsAndIcons/icon.png is not in the FMU"
+    for icon in _all(fmu, TERMINALS, "Icon"):
+        if "terminalsAndIcons/icon.png" not in fmu.members:
+            yield _place(icon), "terminalsAndIcons/icon.png is not in the FMU"
     for svg in ("terminalsAndIcons/icon.svg", "documentation/diagram.svg"):
         png = svg.removesuffix("svg") + "png"
         if svg in fmu.members and png not in fmu.members:
             yield svg, f"comes without {png}"
-
-
-def _graphics(fmu: Fmu) -> Iterator[Element]:
-    for terminal in _terminals(fmu):
-        yield from terminal.iterfind("TerminalGraphicalRepresentation")
 
 
 @warning("2.3", "2.5.1", "save it as PNG")

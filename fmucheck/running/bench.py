@@ -21,8 +21,6 @@ from stickslip.fmucheck.description.model import (
     number,
 )
 from stickslip.fmucheck.running.calls import FATAL, Binary, Callbacks, CallFailed, Message
-from stickslip.fmucheck.running.fmi2 import Instance2
-from stickslip.fmucheck.running.fmi3 import Instance3
 from stickslip.fmucheck.running.instance import Instance, Values
 
 Settings = list[tuple[str, object]]
@@ -83,17 +81,34 @@ class Bench:
         """Return a new instance, or ``None`` when the FMU refuses."""
         self.tick()
         callbacks = Callbacks()
-        words = [
-            b"fmucheck",
-            (self.description.token if token is None else token).encode(),
-        ]
-        handle = (self._new2 if self.description.version == 2 else self._new3)(
-            words, logging, callbacks, logger
-        )
+        given = (self.description.token if token is None else token).encode()
+        log = callbacks.logger3 if logger else c_void_p()
+        if self.description.version == 2:
+            name, kind = "Instantiate", c_int(0 if self.is_exchange else 1)
+            location = self.resources.absolute().as_uri().encode()
+            arguments: list[Any] = [
+                kind,
+                c_char_p(given),
+                c_char_p(location),
+                byref(callbacks.functions),
+            ]
+            arguments += [c_int(0), c_int(logging)]
+        else:
+            name = f"Instantiate{self.interface.kind}"
+            folder = f"{self.resources}/".encode() if self.resources.is_dir() else None
+            arguments = [c_char_p(given), c_char_p(folder), c_bool(False), c_bool(logging)]
+            end: list[Any] = [c_void_p(callbacks.environment), log]
+            if self.interface.kind == "CoSimulation":
+                arguments += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
+                end.append(c_void_p())
+            elif self.interface.kind == "ScheduledExecution":
+                self._nothing = [ctypes.CFUNCTYPE(None)(_ignore) for _ in range(3)]
+                end += self._nothing
+            arguments += end
+        handle = self.binary.function(name, c_void_p)(c_char_p(b"fmucheck"), *arguments)
         if not handle:
             return None
-        kind = Instance2 if self.description.version == 2 else Instance3
-        instance = kind(self.binary, self.description, handle, callbacks)
+        instance = Instance(self.binary, self.description, handle, callbacks)
         instance.event_mode = self._event_mode
         self._open.append(instance)
         return instance
@@ -101,36 +116,6 @@ class Bench:
     @property
     def _event_mode(self) -> bool:
         return self.interface.flag("hasEventMode")
-
-    def _new2(self, words: list[bytes], logging: bool, callbacks: Callbacks, _: bool) -> int | None:
-        location = self.resources.absolute().as_uri().encode()
-        new = self.binary.function("Instantiate", c_void_p)
-        kind = c_int(0 if self.is_exchange else 1)
-        text = [c_char_p(word) for word in (words[1], location)]
-        functions = byref(callbacks.functions)
-        handle: int | None = new(
-            c_char_p(words[0]), kind, *text, functions, c_int(0), c_int(logging)
-        )
-        return handle
-
-    def _new3(
-        self, words: list[bytes], logging: bool, callbacks: Callbacks, logger: bool
-    ) -> int | None:
-        location = f"{self.resources}/".encode() if self.resources.is_dir() else None
-        new = self.binary.function(f"Instantiate{self.interface.kind}", c_void_p)
-        begin = [c_char_p(words[0]), c_char_p(words[1]), c_char_p(location), c_bool(False)]
-        begin.append(c_bool(logging))
-        log = callbacks.logger3 if logger else c_void_p()
-        end: list[Any] = [c_void_p(callbacks.environment), log]
-        if self.interface.kind == "CoSimulation":
-            begin += [c_bool(self._event_mode), c_bool(False), c_void_p(), c_size_t(0)]
-            end.append(c_void_p())
-        elif self.interface.kind == "ScheduledExecution":
-            nothing = ctypes.CFUNCTYPE(None)
-            self._nothing = [nothing(_ignore) for _ in range(3)]
-            end += self._nothing
-        handle: int | None = new(*begin, *end)
-        return handle
 
     def new(self, *, logging: bool = True) -> Instance:
         """Return a new instance.

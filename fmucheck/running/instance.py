@@ -1,32 +1,68 @@
-"""One instance of an FMU, with the same face for both versions of the standard."""
+"""One instance of an FMU, with the same methods for both versions of the standard."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+import ctypes
 from collections.abc import Sequence
-from ctypes import byref, c_double, c_size_t, c_void_p
-from typing import Any, ClassVar
+from ctypes import Structure, byref, c_bool, c_double, c_int, c_size_t, c_void_p
+from dataclasses import dataclass
+from typing import Any
 
 from stickslip.fmucheck.description.model import Description, Variable, size
-from stickslip.fmucheck.running.calls import Binary, Callbacks, pointer, references
+from stickslip.fmucheck.running.calls import (
+    DISCARD,
+    OK,
+    WARNING,
+    Binary,
+    Callbacks,
+    CallFailed,
+    pointer,
+    references,
+)
 
 Values = tuple[Any, ...]
+_TERMINATED = 3  # fmi2StatusKind
+_INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
+_TYPES = {
+    2: {
+        "Real": ("Real", c_double),
+        **dict.fromkeys(("Integer", "Enumeration"), ("Integer", ctypes.c_int32)),
+        "Boolean": ("Boolean", ctypes.c_int32),
+        "String": ("String", ctypes.c_char_p),
+    },
+    3: {
+        "Float32": ("Float32", ctypes.c_float),
+        "Float64": ("Float64", c_double),
+        **{name: (name, getattr(ctypes, f"c_{name.lower()}")) for name in _INTEGERS},
+        "Enumeration": ("Int64", ctypes.c_int64),
+        "Boolean": ("Boolean", c_bool),
+        "String": ("String", ctypes.c_char_p),
+        "Binary": ("Binary", c_void_p),
+    },
+}
+"""Version -> type of a variable -> what its functions are called, and the C type."""
 
 
+class _EventInfo(Structure):
+    _fields_ = (
+        *((name, c_int) for name in ("more", "end", "nominals", "changed", "has_time")),
+        ("time", c_double),
+    )
+
+
+@dataclass
 class Event:
-    """What an FMU says after an event: whether to end, and when the next one is."""
+    """The answer of an FMU to an event: whether to end, and when the next one is."""
 
-    def __init__(self, *, more: bool, end: bool, changed: bool, next_time: float | None) -> None:
-        self.more, self.end, self.changed, self.next_time = more, end, changed, next_time
+    more: bool
+    end: bool = False
+    changed: bool = False
+    next_time: float | None = None
 
 
-class Instance(ABC):
+class Instance:
     """An instance. Calls raise ``CallFailed`` unless they answer OK or Warning."""
 
-    C_TYPES: ClassVar[dict[str, tuple[str, Any]]]
-    """Type of a variable -> what its functions are called, and the C type."""
-    STATE = "FMUState"
-    DESERIALISE = "DeserializeFMUState"
     event_mode = False
     """Whether Co-Simulation was instantiated with events left to the importer."""
 
@@ -37,6 +73,9 @@ class Instance(ABC):
         self.handle, self.callbacks = pointer(handle), callbacks
         self.warned: list[str] = []
         self.broken = False
+        self.two = description.version == 2
+        self.state_name = "FMUstate" if self.two else "FMUState"
+        self._flag = c_int if self.two else c_bool
 
     def do(self, name: str, *arguments: Any) -> None:
         """Call a function of this instance that must succeed."""
@@ -66,43 +105,88 @@ class Instance(ABC):
 
     def set(self, variable: Variable, values: Values) -> None:
         """Set a variable, all its elements."""
-        name, c_type = self.C_TYPES[variable.kind]
+        name, c_type = _TYPES[self.description.version][variable.kind]
         array = (c_type * len(values))(*values)
-        self._set(name, references([variable.reference or 0]), array, len(values))
+        self._access(f"Set{name}", [variable.reference or 0], array, len(values))
 
     def _get(self, kind: str, numbers: list[int], count: int) -> list[Any]:
-        name, c_type = self.C_TYPES[kind]
+        name, c_type = _TYPES[self.description.version][kind]
         array = (c_type * count)()
-        self.do(f"Get{name}", *self._get_arguments(numbers, array, count))
-        return list(array)
+        if kind != "Binary":
+            self._access(f"Get{name}", numbers, array, count)
+            return list(array)
+        sizes = (c_size_t * count)()
+        n, total = c_size_t(len(numbers)), c_size_t(count)
+        self.do("GetBinary", references(numbers), n, sizes, array, total)
+        pairs = zip(array, sizes, strict=True)
+        return [ctypes.string_at(p, s) if p else None for p, s in pairs]
 
-    @abstractmethod
-    def _get_arguments(self, numbers: list[int], array: Any, count: int) -> tuple[Any, ...]: ...
-
-    @abstractmethod
-    def _set(self, name: str, numbers: Any, array: Any, count: int) -> None: ...
+    def _access(self, name: str, numbers: list[int], array: Any, count: int) -> None:
+        counts = [] if self.two else [c_size_t(count)]
+        self.do(name, references(numbers), c_size_t(len(numbers)), array, *counts)
 
     # Life
 
-    @abstractmethod
     def enter_initialisation(self, start: float) -> None:
         """Go from instantiated into initialisation mode."""
+        nothing, no = c_double(0.0), self._flag(False)
+        times = (no, nothing, c_double(start), no, nothing)
+        if self.two:
+            self.do("SetupExperiment", *times)
+        self.do("EnterInitializationMode", *(() if self.two else times))
 
     def exit_initialisation(self) -> None:
         """Leave initialisation mode."""
         self.do("ExitInitializationMode")
 
-    @abstractmethod
     def step(self, time: float, step: float) -> bool:
         """Do one communication step; return whether the FMU wants the run to end."""
+        return (self._step2 if self.two else self._step3)(time, step)
 
-    @abstractmethod
+    def _step2(self, time: float, step: float) -> bool:
+        self.broken = True
+        status = self.status("DoStep", c_double(time), c_double(step), c_int(0))
+        ended = c_int(0)
+        if status == DISCARD:
+            self.status("GetBooleanStatus", c_int(_TERMINATED), byref(ended))
+        if not ended.value and status not in (OK, WARNING):
+            raise CallFailed("fmi2DoStep", status, f" for the step from {time} by {step}")
+        if status == WARNING:
+            self.warned.append("DoStep")
+        self.broken = False
+        return bool(ended.value)
+
+    def _step3(self, time: float, step: float) -> bool:
+        event, end, early, last = c_bool(), c_bool(), c_bool(), c_double()
+        results = byref(event), byref(end), byref(early), byref(last)
+        self.do("DoStep", c_double(time), c_double(step), c_bool(False), *results)
+        if early.value and not end.value:
+            raise CallFailed("fmi3DoStep", 0, f" early at {last.value}, though that is not allowed")
+        if event.value and self.event_mode:
+            self.do("EnterEventMode")
+            self.leave_event_mode()
+        return end.value
+
     def update_discrete_states(self) -> Event:
         """Do one iteration of an event."""
+        info = _EventInfo()
+        if self.two:
+            self.do("NewDiscreteStates", byref(info))
+            flags = [info.more, info.end, info.changed, info.has_time]
+        else:
+            answers = [c_bool() for _ in range(5)]
+            time = c_double()
+            self.do("UpdateDiscreteStates", *map(byref, answers), byref(time))
+            flags = [answers[k].value for k in (0, 1, 3, 4)]
+            info.time = time.value
+        more, end, changed, has_time = map(bool, flags)
+        return Event(more, end, changed, info.time if has_time else None)
 
-    @abstractmethod
     def complete_step(self) -> tuple[bool, bool]:
-        """Tell that an integration step is done; return whether there is an event, and the end."""
+        """Complete an integration step; return whether there is an event, and the end."""
+        event, end = self._flag(), self._flag()
+        self.do("CompletedIntegratorStep", self._flag(), byref(event), byref(end))
+        return bool(event.value), bool(end.value)
 
     def leave_event_mode(self) -> None:
         """Iterate an event of Co-Simulation until nothing changes, and go back to stepping."""
@@ -131,23 +215,23 @@ class Instance(ABC):
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """Return a copy of the complete state, in ``state`` if one is given."""
         state = state or c_void_p()
-        self.do(f"Get{self.STATE}", byref(state))
+        self.do(f"Get{self.state_name}", byref(state))
         return state
 
     def restore(self, state: c_void_p) -> None:
         """Go back to a saved state."""
-        self.do(f"Set{self.STATE}", state)
+        self.do(f"Set{self.state_name}", state)
 
     def free_state(self, state: c_void_p) -> None:
         """Free a saved state; the pointer is then null, if the FMU does it right."""
-        self.do(f"Free{self.STATE}", byref(state))
+        self.do(f"Free{self.state_name}", byref(state))
 
     def serialise(self, state: c_void_p) -> bytes:
         """Return a saved state as bytes."""
         count = c_size_t()
-        self.do(f"Serialized{self.STATE}Size", state, byref(count))
+        self.do(f"Serialized{self.state_name}Size", state, byref(count))
         memory = (c_size_t * (count.value // 8 + 1))()
-        self.do(f"Serialize{self.STATE}", state, memory, count)
+        self.do(f"Serialize{self.state_name}", state, memory, count)
         return bytes(memory)[: count.value]
 
     def deserialise(self, content: bytes) -> c_void_p:
@@ -156,7 +240,12 @@ class Instance(ABC):
         memory = (c_size_t * (len(content) // 8 + 1)).from_buffer_copy(
             content.ljust(len(content) + 8)
         )
-        self.do(self.DESERIALISE, memory, c_size_t(len(content)), byref(state))
+        self.do(
+            f"De{'S' if self.two else 's'}erialize{self.state_name}",
+            memory,
+            c_size_t(len(content)),
+            byref(state),
+        )
         return state
 
     def free(self) -> None:

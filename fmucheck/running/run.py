@@ -180,7 +180,7 @@ class ExchangeRun(Run):
 
     def _settle(self) -> None:
         """Iterate the event until nothing changes."""
-        event = Event(more=True, end=False, changed=False, next_time=None)
+        event = Event(more=True)
         for _ in range(1000):
             event = self.instance.update_discrete_states()
             if event.end or not event.more:

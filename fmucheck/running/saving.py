@@ -65,7 +65,7 @@ def freed_state_stays(bench: Bench) -> Claims:
     state = run.instance.save()
     run.instance.free_state(state)
     if state.value is not None:
-        yield f"{bench.binary.prefix}Free{run.instance.STATE}", "leaves the pointer as it was"
+        yield f"{bench.binary.prefix}Free{run.instance.state_name}", "leaves the pointer as it was"
 
 
 @error("2.1.8", "2.2.7", "write every part of the state, no pointers")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from stickslip.fmucheck.description.model import FLOATS, Variable, is_number
@@ -24,31 +24,39 @@ def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
         yield run, run.instance.get(bench.observed)
 
 
-@error("2.1.7", "2.2.7", "find the division by 0 or missing start")
-def value_not_finite(bench: Bench) -> Claims:
-    """A value becomes infinite or not a number."""
+def _first(bench: Bench, fault: Callable[[Variable, Values], str]) -> Claims:
+    """Yield where each variable has a fault for the first time."""
     told = set()
     for run, values in _samples(bench):
         for v, elements in zip(bench.observed, values, strict=True):
-            bad = v.kind in FLOATS and not all(math.isfinite(x) for x in elements)
-            if bad and v.index not in told:
+            if v.index not in told and (why := fault(v, elements)):
                 told.add(v.index)
-                yield v.place, f"is {elements} at t = {run.time}"
+                yield v.place, f"{why} at t = {run.time}"
+
+
+@error("2.1.7", "2.2.7", "find the division by 0 or missing start")
+def value_not_finite(bench: Bench) -> Claims:
+    """A value becomes infinite or not a number."""
+
+    def fault(v: Variable, elements: Values) -> str:
+        odd = v.kind in FLOATS and not all(map(math.isfinite, elements))
+        return f"is {elements}" if odd else ""
+
+    return _first(bench, fault)
 
 
 @warning("2.2.7", "2.2.7", "widen the range, or keep within it")
 def leaves_its_range(bench: Bench) -> Claims:
     """A value leaves the range [min, max] that is declared for it."""
-    told = set()
-    for run, values in _samples(bench):
-        for v, elements in zip(bench.observed, values, strict=True):
-            low, high = v.number("min"), v.number("max")
-            if v.index in told or not is_number(v.kind) or v.causality == "input":
-                continue
-            slack = 1e-9 * scale(v, max(abs(low or 0), abs(high or 0)))
-            if any(_outside(x, low, high, slack) for x in elements):
-                told.add(v.index)
-                yield v.place, f"is {elements} at t = {run.time}"
+
+    def fault(v: Variable, elements: Values) -> str:
+        if not is_number(v.kind) or v.causality == "input":
+            return ""
+        low, high = v.number("min"), v.number("max")
+        slack = 1e-9 * scale(v, max(abs(low or 0), abs(high or 0)))
+        return f"is {elements}" if any(_outside(x, low, high, slack) for x in elements) else ""
+
+    return _first(bench, fault)
 
 
 def _outside(x: Any, low: float | None, high: float | None, slack: float) -> bool:
@@ -119,14 +127,14 @@ def set_refused(bench: Bench) -> Claims:
 def fixed_value_changes(bench: Bench) -> Claims:
     """A variable that is constant, fixed or tunable changes during a run."""
     first: dict[int, Values] = {}
-    told = set()
-    for run, values in _samples(bench):
-        for v, elements in zip(bench.observed, values, strict=True):
-            if v.variability not in ("constant", "fixed", "tunable") or v.index in told:
-                continue
-            if repr(first.setdefault(v.index, elements)) != repr(elements):
-                told.add(v.index)
-                yield v.place, f"is {v.variability}, and changes until t = {run.time}"
+
+    def fault(v: Variable, elements: Values) -> str:
+        if v.variability not in ("constant", "fixed", "tunable"):
+            return ""
+        changed = repr(first.setdefault(v.index, elements)) != repr(elements)
+        return f"is {v.variability}, but has changed" if changed else ""
+
+    return _first(bench, fault)
 
 
 @error("2.1.7", "2.2.7", "return the time that was reached")

@@ -47,6 +47,15 @@ static Model *make(void) {
 }
 #endif
 
+#ifndef CALLED /* m; a status other than OK and Warning ends a call for states or of a solver */
+#define CALLED(name) 0
+#endif
+#define DO(Status, name, ...)                                                                      \
+    const int called = CALLED(name);                                                               \
+    if (called == 0 || called == 1)                                                                \
+        (void)(__VA_ARGS__);                                                                       \
+    return (Status)called
+
 /* A function of one shape in both versions. */
 #define BOTH(name, parameters, ...)                                                                \
     fmi2Status fmi2##name parameters { return (fmi2Status)(__VA_ARGS__); }                         \
@@ -130,24 +139,32 @@ fmi3Status fmi3DoStep(fmi3Instance m, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
 #ifndef RESTORED /* after a state was restored */
 #define RESTORED (void)0
 #endif
+#ifndef TAKE
+#define TAKE(size) malloc(size)
+#define GIVE(room) free(room)
+#endif
+#ifndef SAVE
+#define SAVE memcpy(*s = *s ? *s : TAKE(sizeof(Model)), m, sizeof(Model))
+#define RESTORE memcpy(m, s, sizeof(Model)), RESTORED
+#define SIZE sizeof(Model)
+#endif
 #define SAVED(fmi, State, Deserialize, Byte)                                                       \
-    fmi##Status fmi##Get##State(void *m, void **s) {                                               \
-        *s = *s ? *s : malloc(sizeof(Model));                                                      \
-        return *s ? memcpy(*s, m, sizeof(Model)), fmi##OK : fmi##Error;                            \
+    fmi##Status fmi##Get##State(void *m, void **s) { DO(fmi##Status, "GetState", SAVE); }          \
+    fmi##Status fmi##Set##State(void *m, void *s) { DO(fmi##Status, "SetState", RESTORE); }        \
+    fmi##Status fmi##Free##State(void *m, void **s) {                                              \
+        GIVE(*s), *s = NULL;                                                                       \
+        return (fmi##Status)CALLED("FreeState");                                                   \
     }                                                                                              \
-    fmi##Status fmi##Set##State(void *m, void *s) {                                                \
-        return memcpy(m, s, sizeof(Model)), RESTORED, fmi##OK;                                     \
-    }                                                                                              \
-    fmi##Status fmi##Free##State(void *m, void **s) { return free(*s), *s = NULL, fmi##OK; }       \
     fmi##Status fmi##Serialized##State##Size(void *m, void *s, size_t *size) {                     \
-        return *size = sizeof(Model), fmi##OK;                                                     \
+        DO(fmi##Status, "SerializedSize", *size = SIZE);                                           \
     }                                                                                              \
     fmi##Status fmi##Serialize##State(void *m, void *s, Byte room[], size_t size) {                \
-        return memcpy(room, s, size), fmi##OK;                                                     \
+        DO(fmi##Status, "Serialize",                                                               \
+           memcpy(room, s, size < sizeof(Model) ? size : sizeof(Model)));                          \
     }                                                                                              \
     fmi##Status fmi##Deserialize##State(void *m, const Byte room[], size_t size, void **s) {       \
-        *s = malloc(size);                                                                         \
-        return *s ? memcpy(*s, room, size), fmi##OK : fmi##Error;                                  \
+        DO(fmi##Status, "Deserialize",                                                             \
+           memcpy(*s = TAKE(sizeof(Model)), room, size < sizeof(Model) ? size : sizeof(Model)));   \
     }
 SAVED(fmi2, FMUstate, DeSerialize, fmi2Byte)
 SAVED(fmi3, FMUState, Deserialize, fmi3Byte)
@@ -180,50 +197,57 @@ static int nominals(double x[], size_t n) {
         x[i] = 1.0;
     return 0;
 }
-BOTH(EnterEventMode, (void *m), ENTER_EVENT_MODE)
-BOTH(EnterContinuousTimeMode, (void *m), 0)
-BOTH(SetTime, (void *c, double t), ((Model *)c)->t = t, 0)
-BOTH(GetContinuousStates, (void *c, double x[], size_t n),
-     memcpy(x, ((Model *)c)->x, n * sizeof *x), 0)
-BOTH(SetContinuousStates, (void *c, const double x[], size_t n),
-     memcpy(((Model *)c)->x, x, n * sizeof *x), 0)
-BOTH(GetEventIndicators, (void *m, double z[], size_t n), INDICATE)
-BOTH(GetNominalsOfContinuousStates, (void *m, double x[], size_t n), nominals(x, n))
-fmi2Status fmi2GetDerivatives(fmi2Component m, fmi2Real dx[], size_t n) {
-    return derivatives(m, dx), fmi2OK;
+#define SOLVED(name, parameters, ...)                                                              \
+    fmi2Status fmi2##name parameters { DO(fmi2Status, #name, __VA_ARGS__); }                       \
+    fmi3Status fmi3##name parameters { DO(fmi3Status, #name, __VA_ARGS__); }
+SOLVED(EnterEventMode, (void *m), ENTER_EVENT_MODE)
+SOLVED(EnterContinuousTimeMode, (void *m), 0)
+SOLVED(SetTime, (void *m, double t), ((Model *)m)->t = t)
+SOLVED(GetContinuousStates, (void *m, double x[], size_t n),
+       memcpy(x, ((Model *)m)->x, n * sizeof *x))
+SOLVED(SetContinuousStates, (void *m, const double x[], size_t n),
+       memcpy(((Model *)m)->x, x, n * sizeof *x))
+SOLVED(GetEventIndicators, (void *m, double z[], size_t n), INDICATE)
+fmi2Status fmi2GetNominalsOfContinuousStates(void *m, double x[], size_t n) {
+    DO(fmi2Status, "GetNominals", nominals(x, n));
 }
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance m, fmi3Float64 dx[], size_t n) {
-    return derivatives(m, dx), fmi3OK;
+fmi3Status fmi3GetNominalsOfContinuousStates(void *m, double x[], size_t n) {
+    return (fmi3Status)fmi2GetNominalsOfContinuousStates(m, x, n);
 }
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance m, size_t *n) {
-    return *n = N_STATES, fmi3OK;
+fmi2Status fmi2GetDerivatives(void *m, double dx[], size_t n) {
+    DO(fmi2Status, "GetDerivatives", derivatives(m, dx));
 }
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance m, size_t *n) {
-    return *n = INDICATORS, fmi3OK;
+fmi3Status fmi3GetContinuousStateDerivatives(void *m, double dx[], size_t n) {
+    return (fmi3Status)fmi2GetDerivatives(m, dx, n);
 }
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component m, fmi2Boolean no_set, fmi2Boolean *enter,
+fmi3Status fmi3GetNumberOfContinuousStates(void *m, size_t *n) {
+    DO(fmi3Status, "GetNumberOfContinuousStates", *n = N_STATES);
+}
+fmi3Status fmi3GetNumberOfEventIndicators(void *m, size_t *n) {
+    DO(fmi3Status, "GetNumberOfEventIndicators", *n = INDICATORS);
+}
+fmi2Status fmi2CompletedIntegratorStep(void *m, fmi2Boolean no_set, fmi2Boolean *enter,
                                        fmi2Boolean *terminate) {
-    return *enter = *terminate = fmi2False, fmi2OK;
+    DO(fmi2Status, "CompletedIntegratorStep", *enter = *terminate = fmi2False);
 }
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance m, fmi3Boolean no_set, fmi3Boolean *enter,
-                                       fmi3Boolean *terminate) {
-    return *enter = *terminate = false, fmi3OK;
+fmi3Status fmi3CompletedIntegratorStep(void *m, bool no_set, bool *enter, bool *terminate) {
+    DO(fmi3Status, "CompletedIntegratorStep", *enter = *terminate = false);
 }
-fmi2Status fmi2NewDiscreteStates(fmi2Component m, fmi2EventInfo *info) {
+fmi2Status fmi2NewDiscreteStates(void *m, fmi2EventInfo *info) {
     *info = (fmi2EventInfo){0};
-    return UPDATE, fmi2OK;
+    DO(fmi2Status, "UpdateDiscreteStates", UPDATE);
 }
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance m, fmi3Boolean *again, fmi3Boolean *terminate,
                                     fmi3Boolean *nominal, fmi3Boolean *states, fmi3Boolean *defined,
                                     fmi3Float64 *next) {
     fmi2EventInfo info;
-    fmi2NewDiscreteStates(m, &info);
+    const fmi2Status status = fmi2NewDiscreteStates(m, &info);
     *again = info.newDiscreteStatesNeeded;
     *terminate = info.terminateSimulation;
     *nominal = info.nominalsOfContinuousStatesChanged;
     *states = info.valuesOfContinuousStatesChanged;
     *defined = info.nextEventTimeDefined;
     *next = info.nextEventTime;
-    return fmi3OK;
+    return (fmi3Status)status;
 }
 #endif

@@ -101,14 +101,7 @@ CASES = [
     _case(17, "event-always-now", "the next event is at the present time, for ever", "Event 1 1", "came to no end of events", 3, "exchange"),
     _case(17, "states-without-end", "FMI 3.0: 2^40 continuous states", "States 1 0", "fmi3GetNumberOfContinuousStates needs more memory", 3, "exchange"),
     *(
-        _case(
-            18,
-            f"output-{word}-{version}",
-            f"FMI {version}.0: an output is {word} from 0.5 s on",
-            f"Output 1 {number}",
-            r"faults\.y: .* not finite in the step from t = 0\.4 s",
-            version,
-        )
+        _case(18, f"output-{word}-{version}", f"FMI {version}.0: an output is {word} from 0.5 s on", f"Output 1 {number}", r"faults\.y: .* not finite in the step from t = 0\.4 s", version)
         for version in (2, 3)
         for number, word in enumerate(("nan", "infinite", "minus-infinite"))
     ),
@@ -119,42 +112,14 @@ CASES = [
     _read("input-nan", "an input is NaN", "0,0\n0.5,nan\n1,0\n", "u"),
     _read("input-infinite", "an input is infinite", "0,0\n0.5,inf\n1,0\n", "u"),
     *(
-        _case(
-            19,
-            f"save-{name}-{version}",
-            f"FMI {version}.0: {about}",
-            plan,
-            says,
-            version,
-            more=_SAVE,
-        )
+        _case(19, f"save-{name}-{version}", f"FMI {version}.0: {about}", plan, says, version, more=_SAVE)
         for version in (2, 3)
         for name, about, plan, says in [
-            (
-                "null",
-                "the state that is saved is NULL",
-                "Nothing 1 0",
-                "GetFMU[sS]tate gave no state",
-            ),
+            ("null", "the state that is saved is NULL", "Nothing 1 0", "GetFMU[sS]tate gave no state"),
             ("empty", "a serialised state has 0 bytes", "Size 1 0", "gave 0 bytes"),
-            (
-                "growing",
-                "a serialised state changes its size",
-                "Size 1 1",
-                "gave 64 bytes, then 65",
-            ),
-            (
-                "huge",
-                "a serialised state has 2^60 bytes",
-                "Size 1 2",
-                "gave 1152921504606846976 bytes",
-            ),
-            (
-                "fatal",
-                "serialising returns fatal",
-                "Serialize 1 4",
-                "SerializeFMU[sS]tate returned fatal",
-            ),
+            ("growing", "a serialised state changes its size", "Size 1 1", "gave 64 bytes, then 65"),
+            ("huge", "a serialised state has 2^60 bytes", "Size 1 2", "gave 1152921504606846976 bytes"),
+            ("fatal", "serialising returns fatal", "Serialize 1 4", "SerializeFMU[sS]tate returned fatal"),
         ]
     ),
     _case(19, "save-error", "the state cannot be had, though declared", "GetState 1 3", "fmi2GetFMUstate returned error", more=_SAVE),
