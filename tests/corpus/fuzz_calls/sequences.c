@@ -26,17 +26,15 @@ enum { PAIRS = 3, KEPT = 3, MOST = 4 };
 enum { CREATED = 1, STARTING = 2, STEPS = 4, OVER = 8, FAULTY = 16, EVENTS = 32, FLOWING = 64 };
 enum { WELL = CREATED | STARTING | STEPS | OVER | EVENTS | FLOWING, ALWAYS = WELL | FAULTY };
 
-typedef struct {
-    Slave fuzzed, shadow;
-} Both;
+enum { FUZZED, SHADOW };
 
 typedef struct {
-    State fuzzed, shadow;
+    State of[2];
     int phase;
 } Kept;
 
 typedef struct {
-    Both at;
+    Slave at[2];
     bool exchange;
     int phase;
     double t;
@@ -94,7 +92,7 @@ static int get_any(Slave c, uint32_t k, double *value) {
 static void compare(const Pair *p) {
     for (uint32_t k = 0; k < COUNT; k++) {
         double a = 0.0, b = 0.0;
-        if (get_any(p->at.fuzzed, k, &a) || get_any(p->at.shadow, k, &b))
+        if (get_any(p->at[FUZZED], k, &a) || get_any(p->at[SHADOW], k, &b))
             violated("a variable cannot be read", (int)k);
         if (memcmp(&a, &b, sizeof a) != 0)
             violated("left a trace in variable", (int)k);
@@ -120,13 +118,19 @@ static void agree(int status, int of_shadow) {
         violated("another status than the shadow's", of_shadow);
 }
 
-#define BOTH(p, lawful, of_fuzzed, of_shadow)                                                      \
+/* Calls `c`, which is one and then the other; `who` tells which. */
+#define BOTH(p, lawful, call)                                                                      \
     do {                                                                                           \
-        status = of_fuzzed;                                                                        \
-        if (judge(p, status, lawful))                                                              \
-            agree(status, of_shadow);                                                              \
+        int who = FUZZED;                                                                          \
+        Slave c = p->at[who];                                                                      \
+        status = call;                                                                             \
+        if (judge(p, status, lawful)) {                                                            \
+            who = SHADOW, c = p->at[who];                                                          \
+            agree(status, call);                                                                   \
+        }                                                                                          \
+        (void)who;                                                                                 \
     } while (0)
-#define PLAIN(p, lawful, name) BOTH(p, lawful, CALL(name, p->at.fuzzed), CALL(name, p->at.shadow))
+#define PLAIN(p, lawful, name) BOTH(p, lawful, CALL(name, c))
 #define MUST(condition)                                                                            \
     if (!(condition))                                                                              \
     violated("must be: " #condition, status)
@@ -145,16 +149,16 @@ static void make(Pair *p) {
     if (instantiate("x", rarely() ? NULL : "stale", wants_exchange, below(2)))
         violated("took a wrong token", 0);
     *p = (Pair){.exchange = wants_exchange && has_exchange, .phase = CREATED};
-    p->at.fuzzed = instantiate(below(2) ? "fuzzed" : NULL, MODEL_TOKEN, p->exchange, below(2));
-    p->at.shadow = instantiate("shadow", MODEL_TOKEN, p->exchange, false);
-    if (!p->at.fuzzed || !p->at.shadow)
+    p->at[FUZZED] = instantiate(below(2) ? "fuzzed" : NULL, MODEL_TOKEN, p->exchange, below(2));
+    p->at[SHADOW] = instantiate("shadow", MODEL_TOKEN, p->exchange, false);
+    if (!p->at[FUZZED] || !p->at[SHADOW])
         violated("no instance", 0);
 }
 
 static void end(Pair *p) { /* states that were not freed go with it */
     doing = "free";
-    FREE(p->at.fuzzed);
-    FREE(p->at.shadow);
+    FREE(p->at[FUZZED]);
+    FREE(p->at[SHADOW]);
     make(p);
 }
 
@@ -171,8 +175,7 @@ static void live(Pair *p) {
 #if FMI == 2
         PLAIN(p, p->phase == CREATED, EnterInitializationMode);
 #else
-        BOTH(p, p->phase == CREATED && isfinite(start), enter_initialization(p->at.fuzzed, start),
-             enter_initialization(p->at.shadow, start));
+        BOTH(p, p->phase == CREATED && isfinite(start), enter_initialization(c, start));
         p->t = status == OK ? start : p->t;
 #endif
         p->phase = status == OK ? STARTING : p->phase;
@@ -202,8 +205,7 @@ static void live(Pair *p) {
         doing = "setup";
 #if FMI == 2
         const bool lawful = p->phase == CREATED && isfinite(start);
-        BOTH(p, lawful, CALL(SetupExperiment, p->at.fuzzed, 0, 0.0, start, 0, 0.0),
-             CALL(SetupExperiment, p->at.shadow, 0, 0.0, start, 0, 0.0));
+        BOTH(p, lawful, CALL(SetupExperiment, c, 0, 0.0, start, 0, 0.0));
         p->t = status == OK ? start : p->t;
 #endif
         break;
@@ -218,7 +220,7 @@ static void go(Pair *p) {
     int status;
     doing = "step";
     const bool lawful = p->phase == STEPS && answers && isfinite(t) && isfinite(h) && h > 0.0;
-    BOTH(p, lawful, step(p->at.fuzzed, t, h, answers), step(p->at.shadow, t, h, true));
+    BOTH(p, lawful, step(c, t, h, answers));
     if (lawful) {
         MUST(status == OK || status == ERROR);
         p->phase = status == OK ? STEPS : FAULTY;
@@ -293,11 +295,10 @@ static void transfer(Pair *p, bool setting) {
                        : ACCESS(verb, Boolean, Boolean, c, references, n, v, n_values))
     if (setting) {
         doing = "set";
-        BOTH(p, lawful, TRANSFER(Set, p->at.fuzzed, values), TRANSFER(Set, p->at.shadow, values));
+        BOTH(p, lawful, TRANSFER(Set, c, values));
     } else {
         doing = "get";
-        BOTH(p, lawful, TRANSFER(Get, p->at.fuzzed, values),
-             TRANSFER(Get, p->at.shadow, (void *)other));
+        BOTH(p, lawful, TRANSFER(Get, c, who ? (void *)other : values));
         if (lawful && memcmp(values, other,
                              n * (type == REAL      ? sizeof *value
                                   : type == INTEGER ? sizeof *whole
@@ -337,12 +338,12 @@ static void differentiate(Pair *p) {
 #define DIFFERENTIATE(c, to)                                                                       \
     CALL(GetDirectionalDerivative, c, unknowns, n_of, by, n_by, seeds, n_seeds, to, n_of)
 #endif
-    BOTH(p, lawful, DIFFERENTIATE(p->at.fuzzed, a), DIFFERENTIATE(p->at.shadow, b));
+    BOTH(p, lawful, DIFFERENTIATE(c, who ? b : a));
     MUST(!lawful || (status == OK && memcmp(a, b, sizeof a) == 0));
 #if FMI == 3
 #define TRANSPOSE(c, to)                                                                           \
     CALL(GetAdjointDerivative, c, unknowns, n_of, by, n_by, seeds, n_of + spare, to, n_by)
-    BOTH(p, lawful, TRANSPOSE(p->at.fuzzed, a), TRANSPOSE(p->at.shadow, b));
+    BOTH(p, lawful, TRANSPOSE(c, who ? b : a));
     MUST(!lawful || (status == OK && memcmp(a, b, sizeof a) == 0));
 #endif
 }
@@ -351,11 +352,11 @@ static void differentiate(Pair *p) {
 
 static State foreign(const Pair *p) { /* any that is not this instance's */
     const Pair *other = &pairs[below(PAIRS)];
-    const State candidates[] = {NULL, p->freed, other->kept[below(KEPT)].fuzzed,
-                                p->kept[below(KEPT)].shadow, &pairs};
+    const State candidates[] = {NULL, p->freed, other->kept[below(KEPT)].of[FUZZED],
+                                p->kept[below(KEPT)].of[SHADOW], &pairs};
     const State found = candidates[below(5)];
     for (int k = 0; k < KEPT; k++)
-        if (found && found == p->kept[k].fuzzed)
+        if (found && found == p->kept[k].of[FUZZED])
             return NULL;
     return found;
 }
@@ -365,23 +366,22 @@ static void serialize(Pair *p, Kept *kept) {
     size_t size = 0;
     int status;
     doing = "serialized size";
-    BOTH(p, kept->fuzzed != NULL,
-         EITHER(SerializedFMUstateSize, SerializedFMUStateSize, p->at.fuzzed, kept->fuzzed, &size),
-         EITHER(SerializedFMUstateSize, SerializedFMUStateSize, p->at.shadow, kept->shadow, &size));
-    if (!kept->fuzzed)
+    BOTH(p, kept->of[FUZZED] != NULL,
+         EITHER(SerializedFMUstateSize, SerializedFMUStateSize, c, kept->of[who], &size));
+    if (!kept->of[FUZZED])
         return;
     MUST(status == OK && size > 0 && size <= sizeof bytes);
     doing = "serialized size of no state";
     const State wrong = foreign(p);
-    BOTH(p, false,
-         EITHER(SerializedFMUstateSize, SerializedFMUStateSize, p->at.fuzzed, wrong, &size), OK);
+    BOTH(p, false, EITHER(SerializedFMUstateSize, SerializedFMUStateSize, c, wrong, &size));
     doing = "serialize";
     const bool absent = rarely();
     const size_t room = rarely() ? below((unsigned)size) : size;
     BOTH(p, room >= size && !absent,
-         EITHER(SerializeFMUstate, SerializeFMUState, p->at.fuzzed, kept->fuzzed,
-                absent ? NULL : (void *)bytes, room),
-         EITHER(SerializeFMUstate, SerializeFMUState, p->at.shadow, kept->shadow, (void *)of_shadow,
+         EITHER(SerializeFMUstate, SerializeFMUState, c, kept->of[who],
+                absent ? NULL
+                : who  ? of_shadow
+                       : bytes,
                 room));
     if (status != OK)
         return;
@@ -391,16 +391,14 @@ static void serialize(Pair *p, Kept *kept) {
     if (spoilt)
         bytes[below((unsigned)size)] ^= (uint8_t)(1 + below(255));
     const size_t told = rarely() ? (below(2) ? 0 : size - 1) : size;
-    Kept found = {NULL, NULL, kept->phase};
+    Kept found = {{NULL, NULL}, kept->phase};
     const bool lawful = !spoilt && told == size && to->exchange == p->exchange;
     BOTH(to, lawful,
-         EITHER(DeSerializeFMUstate, DeserializeFMUState, to->at.fuzzed, (void *)bytes, told,
-                &found.fuzzed),
-         EITHER(DeSerializeFMUstate, DeserializeFMUState, to->at.shadow, (void *)of_shadow, told,
-                &found.shadow));
+         EITHER(DeSerializeFMUstate, DeserializeFMUState, c, who ? of_shadow : bytes, told,
+                &found.of[who]));
     MUST(lawful == (status == OK));
     Kept *place = &to->kept[below(KEPT)];
-    if (status == OK && !place->fuzzed)
+    if (status == OK && !place->of[FUZZED])
         *place = found; /* else nobody frees it: its instance will */
 }
 
@@ -413,35 +411,32 @@ static void remember(Pair *p) {
     case 0:
     case 1:
         doing = "save";
-        BOTH(p, true, EITHER(GetFMUstate, GetFMUState, p->at.fuzzed, &kept->fuzzed),
-             EITHER(GetFMUstate, GetFMUState, p->at.shadow, &kept->shadow));
-        MUST(status == OK && kept->fuzzed);
+        BOTH(p, true, EITHER(GetFMUstate, GetFMUState, c, &kept->of[who]));
+        MUST(status == OK && kept->of[FUZZED]);
         kept->phase = p->phase;
         break;
     case 2:
     case 3:
         doing = "restore";
-        BOTH(p, kept->fuzzed != NULL, EITHER(SetFMUstate, SetFMUState, p->at.fuzzed, kept->fuzzed),
-             EITHER(SetFMUstate, SetFMUState, p->at.shadow, kept->shadow));
-        MUST(!kept->fuzzed || status == OK);
+        BOTH(p, kept->of[FUZZED] != NULL, EITHER(SetFMUstate, SetFMUState, c, kept->of[who]));
+        MUST(!kept->of[FUZZED] || status == OK);
         p->phase = status == OK ? kept->phase : p->phase;
         compare(p);
         break;
     case 4:
         doing = "free a state";
-        if (kept->fuzzed) {
-            p->freed = kept->fuzzed;
-            BOTH(p, true, EITHER(FreeFMUstate, FreeFMUState, p->at.fuzzed, &kept->fuzzed),
-                 EITHER(FreeFMUstate, FreeFMUState, p->at.shadow, &kept->shadow));
-            MUST(status == OK && !kept->fuzzed);
+        if (kept->of[FUZZED]) {
+            p->freed = kept->of[FUZZED];
+            BOTH(p, true, EITHER(FreeFMUstate, FreeFMUState, c, &kept->of[who]));
+            MUST(status == OK && !kept->of[FUZZED]);
         }
         break;
     case 5:
         doing = "a state that is none";
-        BOTH(p, false, EITHER(SetFMUstate, SetFMUState, p->at.fuzzed, wrong), OK);
-        BOTH(p, false, EITHER(GetFMUstate, GetFMUState, p->at.fuzzed, place ? &place : NULL), OK);
+        BOTH(p, false, EITHER(SetFMUstate, SetFMUState, c, wrong));
+        BOTH(p, false, EITHER(GetFMUstate, GetFMUState, c, place ? &place : NULL));
         if (place)
-            BOTH(p, false, EITHER(FreeFMUstate, FreeFMUState, p->at.fuzzed, &place), OK);
+            BOTH(p, false, EITHER(FreeFMUstate, FreeFMUState, c, &place));
         break;
     default:
         serialize(p, kept);
@@ -452,7 +447,7 @@ static void remember(Pair *p) {
 
 static void exchange(Pair *p) {
     const bool flows = p->phase == FLOWING, read = (p->phase & ~(CREATED | FAULTY | STEPS)) != 0;
-    double a[COUNT + 1] = {0}, b[COUNT + 1] = {0}, next;
+    double a[COUNT + 1] = {0}, next;
     const size_t n = rarely() ? (below(2) ? SIZE_MAX : DERIVATIVES_COUNT + 1) : DERIVATIVES_COUNT;
     double *place = rarely() ? NULL : a;
     const bool counted = n == DERIVATIVES_COUNT && (n == 0 || place);
@@ -463,8 +458,7 @@ static void exchange(Pair *p) {
     switch (below(10)) {
     case 0:
         doing = "update discrete states";
-        BOTH(p, p->phase == EVENTS && answers, update(p->at.fuzzed, answers, &next),
-             update(p->at.shadow, true, &next));
+        BOTH(p, p->phase == EVENTS && answers, update(c, answers, &next));
         break;
     case 1:
         doing = "enter continuous-time mode";
@@ -479,12 +473,12 @@ static void exchange(Pair *p) {
     case 3:
         doing = "set time";
         lawful = (p->phase & (EVENTS | FLOWING)) && isfinite(t);
-        BOTH(p, lawful, CALL(SetTime, p->at.fuzzed, t), CALL(SetTime, p->at.shadow, t));
+        BOTH(p, lawful, CALL(SetTime, c, t));
         p->t = status == OK ? t : p->t;
         break;
     case 4:
         doing = "completed integrator step";
-        BOTH(p, flows && answers, completed(p->at.fuzzed, answers), completed(p->at.shadow, true));
+        BOTH(p, flows && answers, completed(c, answers));
         break;
     case 5:
     case 6:
@@ -492,33 +486,27 @@ static void exchange(Pair *p) {
         lawful = lawful && flows;
         for (size_t k = 0; k < DERIVATIVES_COUNT; k++)
             a[k] = rarely() ? odd_number() : 1e-3 * below(100);
-        BOTH(p, lawful, CALL(SetContinuousStates, p->at.fuzzed, place, n),
-             CALL(SetContinuousStates, p->at.shadow, a, n));
+        BOTH(p, lawful, CALL(SetContinuousStates, c, place, n));
         if (status == DISCARD)
             compare(p);
         break;
     case 7:
         doing = "get derivatives";
         lawful = lawful && read;
-        BOTH(p, lawful,
-             EITHER(GetDerivatives, GetContinuousStateDerivatives, p->at.fuzzed, place, n),
-             EITHER(GetDerivatives, GetContinuousStateDerivatives, p->at.shadow, b, n));
+        BOTH(p, lawful, EITHER(GetDerivatives, GetContinuousStateDerivatives, c, place, n));
         break;
     case 8:
         doing = "get continuous states";
         lawful = lawful && read;
-        BOTH(p, lawful, CALL(GetContinuousStates, p->at.fuzzed, place, n),
-             CALL(GetContinuousStates, p->at.shadow, b, n));
+        BOTH(p, lawful, CALL(GetContinuousStates, c, place, n));
         break;
     default:
         doing = "get nominals";
         lawful = lawful && (read || p->phase == CREATED);
-        BOTH(p, lawful, CALL(GetNominalsOfContinuousStates, p->at.fuzzed, place, n),
-             CALL(GetNominalsOfContinuousStates, p->at.shadow, b, n));
+        BOTH(p, lawful, CALL(GetNominalsOfContinuousStates, c, place, n));
         const size_t none = rarely() ? 1 : 0;
         doing = "get event indicators";
-        BOTH(p, read && !none, CALL(GetEventIndicators, p->at.fuzzed, a, none),
-             CALL(GetEventIndicators, p->at.shadow, b, none));
+        BOTH(p, read && !none, CALL(GetEventIndicators, c, a, none));
     }
 }
 
@@ -536,22 +524,22 @@ static void speak(Pair *p) {
 #else
 #define LISTEN(c) CALL(SetDebugLogging, c, on, n, given)
 #endif
-    BOTH(p, n == 0 || (given && n < 3), LISTEN(p->at.fuzzed), LISTEN(p->at.shadow));
+    BOTH(p, n == 0 || (given && n < 3), LISTEN(c));
     doing = "a call on no instance";
     double value = 0.0;
     uint32_t k = below(COUNT);
     status = below(4) == 0   ? CALL(Reset, NULL)
              : below(3) == 0 ? step(NULL, 0.0, 1e-3, true)
              : below(2)      ? ACCESS(Get, Real, Float64, NULL, &k, 1, &value, 1)
-                             : EITHER(SetFMUstate, SetFMUState, NULL, p->kept[0].fuzzed);
+                             : EITHER(SetFMUstate, SetFMUState, NULL, p->kept[0].of[FUZZED]);
     judge(p, status, false);
     doing = "a call that is not declared";
 #if FMI == 2
     const fmi2Integer order = 1;
-    status = CALL(SetRealInputDerivatives, p->at.fuzzed, &k, 1, &order, &value);
+    status = CALL(SetRealInputDerivatives, p->at[FUZZED], &k, 1, &order, &value);
 #else
-    status = below(2) ? CALL(EnterConfigurationMode, p->at.fuzzed)
-                      : CALL(GetShiftDecimal, p->at.fuzzed, NULL, SIZE_MAX, NULL);
+    status = below(2) ? CALL(EnterConfigurationMode, p->at[FUZZED])
+                      : CALL(GetShiftDecimal, p->at[FUZZED], NULL, SIZE_MAX, NULL);
 #endif
     judge(p, status, false);
 }
@@ -589,8 +577,8 @@ int main(int n, char **words) {
             act(&pairs[below(PAIRS)]);
         for (int i = 0; i < PAIRS; i++) {
             compare(&pairs[i]);
-            FREE(pairs[i].at.fuzzed);
-            FREE(pairs[i].at.shadow);
+            FREE(pairs[i].at[FUZZED]);
+            FREE(pairs[i].at[SHADOW]);
         }
     }
     printf("%llu %llu %016llx\n", (unsigned long long)calls, (unsigned long long)unlawful,
