@@ -72,7 +72,10 @@ def main() -> None:
             (options.out / "coverage.png").write_bytes(draw(everything))
             row = table.iloc[0]
             missed = ", ".join(table.parameter[~table.holds]) or "none"
-            print(f"{row.seed:5} {row.seconds:6.1f} s  {row.judge:13} missed: {missed}", flush=True)
+            print(
+                f"{row.seed:5} {row.seconds:6.1f} s  {row.criterion:13} missed: {missed}",
+                flush=True,
+            )
     print("\nshare of 95 % intervals that hold the truth, and relative half-width")
     for name, rows in everything.groupby("parameter", sort=False):
         width = float(np.median(0.5 * (rows.high - rows.low) / rows.truth))

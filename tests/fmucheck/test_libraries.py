@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import models
 from stickslip.fmi import toolchain
-from stickslip.fmi.binary import NotALibrary, read_library
+from stickslip.fmi.binary import NotALibrary, read_library, universal
 from stickslip.fmucheck import check
 from tests.corpus.defects.reference import pack
 
@@ -60,15 +60,7 @@ def test_windows_by_hand():
 
 
 def test_a_universal_file_of_macos_has_two_targets():
-    parts = [built("x86_64-darwin"), built("aarch64-darwin")]
-    places = [0x4000, 0x4000 + (len(parts[0]) + 0x3FFF) // 0x4000 * 0x4000]
-    rows = [
-        struct.pack(">IIIII", cpu, 0, place, len(part), 14)
-        for cpu, place, part in zip((0x01000007, 0x0100000C), places, parts, strict=True)
-    ]
-    data = b"\xca\xfe\xba\xbe" + struct.pack(">I", 2) + b"".join(rows)
-    for place, part in zip(places, parts, strict=True):
-        data = data.ljust(place, b"\0") + part
+    data = universal([built("x86_64-darwin"), built("aarch64-darwin")])
     library = read_library(data)
     assert library.targets == {"x86_64-darwin", "aarch64-darwin"}
     assert "shown" in library.exports
