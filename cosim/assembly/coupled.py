@@ -56,15 +56,7 @@ class Coupled:
         self._check()
 
     def attach(self, run: Any) -> None:
-        """Let a run, which was wired and has its times, use this.
-
-        Raises
-        ------
-        FmuError
-            When an FMU lacks a function that its description declares.
-        ExperimentError
-            When a component's step does not divide the run.
-        """
+        """Let a run, which was wired and has its times, use this."""
         for name, every in self._coupling.every.items():
             if run.n_steps % every:
                 raise ExperimentError(
@@ -76,7 +68,7 @@ class Coupled:
         late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
         if late:
             self._initial = self._loop(0, n, late)
-            run.initial = ctypes.addressof(self._initial)
+            run.initial = ctypes.pointer(self._initial)
         if self._coupling.is_plain and not any(g.iterated for g in self._groups):
             return
         width = len(self._names)
@@ -100,7 +92,7 @@ class Coupled:
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
         )
         run.jacobi = False
-        run.coupling = ctypes.addressof(self._table)
+        run.coupling = ctypes.pointer(self._table)
 
     def follow(self, ends: Array) -> None:
         """Let the next run have the exposed inputs, (n, number of inputs), at the ends of steps."""
@@ -128,13 +120,7 @@ class Coupled:
         return memory
 
     def recall(self, memory: Mapping[str, Array]) -> None:
-        """Write what ``memory`` returned back.
-
-        Raises
-        ------
-        KeyError, ValueError
-            When it belongs to another coupling.
-        """
+        """Write what ``memory`` returned back."""
         if not hasattr(self, "_table"):
             return
         for name, place in self._places().items():
@@ -164,9 +150,8 @@ class Coupled:
         if hasattr(self, "_members"):
             self._members[self._place[name]].state = None
 
-    def unsolved(self, address: int) -> str:
+    def unsolved(self, loop: Any) -> str:
         """Return which loop was not solved, and what changed most."""
-        loop = tables.Loop.from_address(address)
         worst = self._names[loop.columns[loop.worst]]
         members = list(self._place)[loop.first : loop.end]
         variables = {s for s in self._system.connections.values() if component_of(s) in members}

@@ -17,13 +17,7 @@ from stickslip.fmi.messages import suggestion
 def sample_inputs(
     system: System, starts: Mapping[str, Value], inputs: Mapping[str, Input], time: Array
 ) -> Array:
-    """Return the exposed inputs over time, (n, number of exposed inputs).
-
-    Raises
-    ------
-    SignalError
-        When a name is not exposed, or a signal has the wrong shape or is not finite.
-    """
+    """Return the exposed inputs over time, (n, number of exposed inputs)."""
     for name in inputs:
         if name not in system.inputs:
             raise SignalError(

@@ -46,13 +46,7 @@ class Layout:
 
     @classmethod
     def of(cls, system: System, record: Record) -> Layout:
-        """Lay out a system of which ``record`` is to be kept.
-
-        Raises
-        ------
-        ConnectionFault
-            When a name or pattern of ``record`` matches nothing.
-        """
+        """Lay out a system of which ``record`` is to be kept."""
         kept = _select(system, record.wanted)
         summed = {
             label: _summed(system, label, deviation)

@@ -31,11 +31,6 @@ class Memory:
     record : what to keep
     time : (n_steps + 1,) s
     room : makes arrays of a shape, for what is kept
-
-    Raises
-    ------
-    ExperimentError
-        When a span to sum up holds no point in time.
     """
 
     def __init__(
@@ -95,13 +90,7 @@ class Memory:
         return np.append(self._row(self._run.done), list(self.sums.values()))
 
     def go_on(self, step: int, state: Array) -> None:
-        """Let the run go on after a step that left this state.
-
-        Raises
-        ------
-        ValueError
-            When the state is of other signals or sums.
-        """
+        """Let the run go on after a step that left this state."""
         run = self._run
         if state.shape != (run.width + len(self._sums),):
             raise ValueError(f"{state.shape} signals, expected {run.width + len(self._sums)}")

@@ -104,13 +104,7 @@ def _phase(variable: Variable) -> _Phase:
 
 
 def check_start_values(system: System) -> None:
-    """Check that the start values that FMUs declare are within their ranges.
-
-    Raises
-    ------
-    ParameterError
-        Where an FMU contradicts itself and the system gives no other start value.
-    """
+    """Check that the start values that FMUs declare are within their ranges."""
     for component, fmu in system.components.items():
         for variable in fmu.outside:
             name = f"{component}.{variable.name}"

@@ -31,11 +31,6 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
     """Return what happens to signals, and what to parameters.
 
     A connected input stands for its source, where that has no other target.
-
-    Raises
-    ------
-    SignalError
-        When a name is neither a signal that is read or recorded nor a tunable parameter.
     """
     sources = system.sources() if tables.keys() - layout.columns.keys() else {}
     signals: dict[str, Disturbance] = {}
@@ -98,11 +93,6 @@ def tune(
     tables : what happens to them
     values : their start values, where these are not those of the FMUs
     order : of the components in the kernel's table
-
-    Raises
-    ------
-    SignalError
-        When a parameter would have a value that it cannot have, or has no start value.
     """
     changes = []
     for name, table in tables.items():

@@ -25,12 +25,7 @@ _BLOCK_VALUES = 2**14
 
 
 def library_of(component: Component) -> Library:
-    """Return the table of functions of a component, loaded.
-
-    Raises
-    ------
-    FmuError
-    """
+    """Return the table of functions of a component, loaded."""
     if isinstance(component, Fmu):
         return Library(component)
     if isinstance(component, Function):

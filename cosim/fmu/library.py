@@ -31,11 +31,6 @@ class Library:
     calls : addresses in the order of the kernel's table; none for Model Exchange
     lacks_reset : the name of the function, where the binary does not have it
     resources : where the FMU finds its resources: a URI in FMI 2.0, a path in FMI 3.0
-
-    Raises
-    ------
-    FmuError
-        When the binary cannot be loaded or lacks a function.
     """
 
     fault: BaseException | None = None
@@ -76,13 +71,7 @@ class Library:
         return self._library[name]
 
     def address(self, name: str) -> int:
-        """Return the address of a function.
-
-        Raises
-        ------
-        FmuError
-            When the binary lacks it.
-        """
+        """Return the address of a function."""
         try:
             function = getattr(self._library, name)
         except AttributeError:
@@ -112,13 +101,7 @@ class Library:
 
 
 class UnloadedLibrary(Library):
-    """The functions of a binary that is only read; none has an address.
-
-    Raises
-    ------
-    FmuError
-        When the binary is not a library or lacks a function.
-    """
+    """The functions of a binary that is only read; none has an address."""
 
     def __init__(self, fmu: Fmu) -> None:
         self._fmu, self._version = fmu, fmu.version

@@ -21,11 +21,6 @@ def claim(fmu: Component, component: str, simulation: object, system: str) -> No
     ----------
     simulation : that has the component
     system : its name
-
-    Raises
-    ------
-    SimulationError
-        When another simulation, or another component of this one, has it.
     """
     if not fmu.once_per_process:
         return

@@ -51,12 +51,7 @@ class StateAccess:
         self._get, self._set, self._free, self._size, self._serialize, self._deserialize = names
 
     def save(self) -> bytes:
-        """Return the state.
-
-        Raises
-        ------
-        SimulationError
-        """
+        """Return the state."""
         state, size, now = c_void_p(), c_size_t(), c_size_t()
         self._call(self._get, byref(state))
         self._require(state.value is not None, f"{self._get} gave no state")
@@ -78,12 +73,7 @@ class StateAccess:
         return bytes(room)
 
     def restore(self, data: bytes) -> None:
-        """Bring a saved state back.
-
-        Raises
-        ------
-        SimulationError
-        """
+        """Bring a saved state back."""
         state, size = c_void_p(), c_size_t(len(data))
         room = (c_char * len(data)).from_buffer_copy(data)
         self._call(self._deserialize, room, size, byref(state))

@@ -24,13 +24,7 @@ _WORDS = {"true": True, "1": True, "on": True, "false": False, "0": False, "off"
 
 
 def resized(variable: Variable, lengths: Mapping[str, int]) -> Variable:
-    """Return a variable with the dimensions that these structural parameters give it.
-
-    Raises
-    ------
-    ParameterError
-        When it has no elements, or too many.
-    """
+    """Return a variable with the dimensions that these structural parameters give it."""
     dimensions = tuple(
         lengths.get(name or "", length)
         for length, name in zip(variable.dimensions, variable.structure, strict=True)
@@ -50,11 +44,6 @@ def converted(variable: Variable, value: object, label: str) -> Value:
 
     Arrays take a numpy array or nested list of their dimensions, or the values row by row.
     ``label`` names the variable in messages.
-
-    Raises
-    ------
-    ParameterError
-        When the variable cannot be set, or not to this value.
     """
     if not variable.is_settable:
         raise ParameterError(

@@ -47,10 +47,6 @@ def built(steps: str | None = None, *, marked: bool = False) -> Path:
     ----------
     steps : text to compile in place of ``steps.h``
     marked : whether it notes which call it is in, see ``marks.py``
-
-    Raises
-    ------
-    toolchain.ToolchainError
     """
     import fmpy  # a process that is given the library need not wait for it
 
@@ -66,12 +62,7 @@ def built(steps: str | None = None, *, marked: bool = False) -> Path:
 
 @cache
 def load(steps: str | None = None) -> CDLL:
-    """Return the kernel's library, as it is `built`.
-
-    Raises
-    ------
-    toolchain.ToolchainError
-    """
+    """Return the kernel's library, as it is `built`."""
     marked = marks.library()
     path = marked if marked and not steps else built(steps, marked=marked is not None)
     library = CDLL(str(path))

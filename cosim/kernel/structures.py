@@ -83,11 +83,22 @@ _TYPES: dict[str, Any] = {
 }
 
 
+def __getattr__(name: str) -> Any:
+    """Return the structure of this name, with the fields of the headers."""
+    if name not in _BODIES:
+        raise AttributeError(name)
+    return _mirror()(type(name, (Structure,), {}))
+
+
+def _type(name: str) -> Any:
+    return _TYPES.get(name) or (__getattr__(name) if name in _BODIES else None)
+
+
 def _fields(name: str) -> list[tuple[str, Any]]:
     fields = []
     for base, declared in re.findall(r"(?:const |struct )*(\w+)\b ?([^;]+);", _BODIES[name]):
         for stars, field, length in re.findall(r"(\**)(\w+)(?:\[(\w+)\])?", declared):
-            kind: Any = _TYPES.get(f"{base} {stars}" if base == "char" and stars else base)
+            kind: Any = _type(f"{base} {stars}" if base == "char" and stars else base)
             if stars and base != "char":
                 kind = POINTER(kind) if kind else c_void_p
             if length:
@@ -101,7 +112,7 @@ def _mirror(*added: tuple[str, Any]) -> Callable[[type[Structure]], Any]:
 
     def give(cls: type[Structure]) -> type[Structure]:
         cls._fields_ = [*_fields(cls.__name__), *added]
-        _TYPES[cls.__name__] = cls
+        _TYPES[cls.__name__] = globals()[cls.__name__] = cls
         return cls
 
     return give
@@ -123,18 +134,8 @@ class Change(Structure):
 
 
 @_mirror()
-class Log(Structure):
-    """Messages of a component since the start of the last run."""
-
-
-@_mirror()
 class Disturbance(Structure):
     """What a scenario does to one signal."""
-
-
-@_mirror()
-class Map(Structure):
-    """Pairs of values of one input."""
 
 
 @_mirror()
@@ -145,16 +146,6 @@ class SumOfSquares(Structure):
 @_mirror()
 class Component(Structure):
     """One instance and its place in the rows."""
-
-
-@_mirror()
-class Answers(Structure):
-    """What FMI 3.0 FMUs say about their last step."""
-
-
-@_mirror()
-class InputEvent(Structure):
-    """When an exposed input jumps within a step."""
 
 
 @_mirror()
@@ -170,46 +161,6 @@ class Group(Structure):
 @_mirror()
 class Groups(Structure):
     """A list of groups."""
-
-
-@_mirror()
-class Port(Structure):
-    """A column of the kernel's rows: one element of one group."""
-
-
-@_mirror()
-class Course(Structure):
-    """How an input runs over time."""
-
-
-@_mirror()
-class Clock(Structure):
-    """An input clock that ticks by time."""
-
-
-@_mirror()
-class GeneralComponent(Structure):
-    """An FMU seen by the kernel as a plain one."""
-
-
-@_mirror()
-class Link(Structure):
-    """What one input follows."""
-
-
-@_mirror()
-class Member(Structure):
-    """What a component needs beyond ``Component``."""
-
-
-@_mirror()
-class Loop(Structure):
-    """Components that are solved together."""
-
-
-@_mirror()
-class Coupling(Structure):
-    """How the components of a run are coupled."""
 
 
 @_mirror()

@@ -80,13 +80,7 @@ class Checkpoint:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Checkpoint:
-        """Read a file.
-
-        Raises
-        ------
-        SimulationError
-            When it cannot be read or is not a saved state.
-        """
+        """Read a file."""
         try:
             stream = io.BytesIO(read_limited(path, MOST_BYTES))
             with zipfile.ZipFile(stream) as archive:

@@ -29,12 +29,7 @@ class Exclusive:
         return not self._forked() or (self._outlives_fork and not self._lock.locked())
 
     def __enter__(self) -> None:
-        """Go in.
-
-        Raises
-        ------
-        SharedSimulation
-        """
+        """Go in."""
         if not self._outlives_fork and self._forked():
             self._refuse()
         if not self._lock.acquire(blocking=False):

@@ -302,7 +302,7 @@ class Prepared:
             error.__cause__ = fault
             return error
         if run.status == kernel.NOT_SOLVED:
-            return SimulationError(f"{self._coupled.unsolved(run.unsolved)}; {when}")
+            return SimulationError(f"{self._coupled.unsolved(run.unsolved.contents)}; {when}")
         if run.status == kernel.FATAL:
             self._mark_fatal(name)
         elif run.status == kernel.PENDING and call == b"fmi2DoStep":

@@ -21,12 +21,7 @@ class End:
     unit: Unit | None
 
     def check(self, causality: str, purpose: str) -> None:
-        """Check that it can be connected and has this causality.
-
-        Raises
-        ------
-        ConnectionFault
-        """
+        """Check that it can be connected and has this causality."""
         variable = self.variable
         if variable.causality != causality or not variable.is_signal:
             shape = "array" if variable.dimensions else variable.causality
@@ -38,12 +33,7 @@ class End:
 
 
 def pairs(source: End, target: End) -> list[tuple[str, str]]:
-    """Return the connections element by element where both ends are arrays of one shape.
-
-    Raises
-    ------
-    ConnectionFault
-    """
+    """Return the connections element by element where both ends are arrays of one shape."""
     shapes = source.variable.dimensions, target.variable.dimensions
     if not all(shapes):
         return [(source.name, target.name)]
@@ -60,13 +50,7 @@ def pairs(source: End, target: End) -> list[tuple[str, str]]:
 
 
 def transform(source: End, target: End, link: Link) -> Transform:
-    """Return the transform of a number from one end to the other.
-
-    Raises
-    ------
-    ConnectionFault
-        When one unit cannot be converted to the other.
-    """
+    """Return the transform of a number from one end to the other."""
     unit, wanted = source.unit, target.unit
     if isinstance(link.scaling, ValueMap) or not (unit and wanted and link.convert):
         return link.scaling
@@ -81,12 +65,7 @@ def transform(source: End, target: End, link: Link) -> Transform:
 
 
 def check_connection(source: End, target: End, link: Link) -> None:
-    """Check that an output or exposed input can be connected to an input.
-
-    Raises
-    ------
-    ConnectionFault
-    """
+    """Check that an output or exposed input can be connected to an input."""
     purpose = f"cannot connect {source.name} to {target.name}"
     target.check("input", purpose)
     start, end = source.variable, target.variable

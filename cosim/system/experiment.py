@@ -13,14 +13,7 @@ _NUMBER = 8  # bytes
 
 
 def count_steps(start: float, stop: float, step: float) -> int:
-    """Return how many steps lead from start to stop (all in s).
-
-    Raises
-    ------
-    ExperimentError
-        When a time is not finite, the interval or the step is not positive, the step does not
-        divide the interval, or makes too many steps.
-    """
+    """Return how many steps lead from start to stop (all in s)."""
     if not all(map(math.isfinite, (start, stop, step))):
         raise ExperimentError(
             f"start {start} s, stop {stop} s and step {step} s must be finite; give others"
@@ -56,10 +49,6 @@ def check_memory(points: int, columns: float) -> None:
     ----------
     points : in time
     columns : numbers that are kept of each
-
-    Raises
-    ------
-    ExperimentError
     """
     try:
         present = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
@@ -75,12 +64,6 @@ def check_memory(points: int, columns: float) -> None:
 
 
 def check_tolerance(tolerance: float | None) -> None:
-    """Check a relative tolerance of solvers.
-
-    Raises
-    ------
-    ExperimentError
-        When it is not a number between 0 and 1.
-    """
+    """Check a relative tolerance of solvers."""
     if tolerance is not None and not 0 < tolerance < 1:
         raise ExperimentError(f"tolerance is {tolerance}, expected a number between 0 and 1")

@@ -32,13 +32,7 @@ class Group:
 
 
 def group(system: System, coupling: Coupling) -> list[Group]:
-    """Return all components in groups, in the order in which they step.
-
-    Raises
-    ------
-    ConnectionFault
-        When a loop must be iterated and one of its FMUs cannot go back; loop and FMUs are named.
-    """
+    """Return all components in groups, in the order in which they step."""
     names = list(system.components)
     if coupling.method == "jacobi":
         return [Group((name,), iterated=False) for name in names]
