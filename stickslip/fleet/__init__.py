@@ -4,9 +4,8 @@ table -> a job a drive, run whole in a worker -> learned.json, written as soon a
 one table and one figure. The truth of variants is joined to what was learned, at the very end.
 """
 
-from stickslip.fleet.drive import Drive, LogSource, Variant
 from stickslip.fleet.study import Fleet, learn_fleet
-from stickslip.fleet.summary import fleet_table
-from stickslip.fleet.table import read_fleet
+from stickslip.fleet.table import Drive, LogSource, Variant, read_fleet
+from stickslip.fleet.writing import fleet_table
 
 __all__ = ["Drive", "Fleet", "LogSource", "Variant", "fleet_table", "learn_fleet", "read_fleet"]

@@ -14,7 +14,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from stickslip.errors import StickslipError
-from stickslip.fleet.drive import Drive, LogSource
+from stickslip.fleet.table import Drive, LogSource
 from stickslip.fmi.process import interrupted_by, interruptible
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, load_description

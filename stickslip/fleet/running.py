@@ -6,26 +6,21 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future
-from typing import Protocol
 
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
 from stickslip.errors import StickslipError
-from stickslip.fleet.drive import Drive
 from stickslip.fleet.job import OnStage, Outcome
+from stickslip.fleet.table import Drive
 from stickslip.fmi.process import Threads, cancel_all, result_of, wait_first
 
 ALONE = 2
 """How often a drive whose worker died is tried alone."""
 DIED = "the worker process that learned it died"
 
-
-class Job(Protocol):
-    """Learns one drive, as ``learn_drive`` does; must pickle."""
-
-    def __call__(self, drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
-        """Return what became of it."""
+Job = Callable[..., Outcome]
+"""Learns one drive, as ``learn_drive`` does; must be picklable."""
 
 
 class _Stop(StickslipError):

@@ -1,4 +1,4 @@
-"""The table of a fleet: a CSV with a row for each drive."""
+"""The drives of a fleet, and the table that lists them: a CSV with a row for each."""
 
 from __future__ import annotations
 
@@ -6,20 +6,51 @@ import csv
 import io
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
 
 from stickslip import models
 from stickslip.commands.assignments import drive_changes
 from stickslip.errors import UsageError
-from stickslip.fleet.drive import Drive, LogSource, Variant
 from stickslip.fmi.files import MOST_TEXT, read_limited
 from stickslip.fmi.messages import suggestion
 from stickslip.pipeline.reproduction import drive_truth
+from stickslip.servo.systems import Changes
 
 COLUMNS = ("name", "log", "config", "set")
 _NAME = re.compile(r"\w[\w.-]{0,79}")
+
+
+@dataclass(frozen=True)
+class LogSource:
+    """A recording in a CSV, Parquet or MAT file, and the TOML file that describes it, if any."""
+
+    log: Path
+    config: Path | None = None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A simulated drive that is recorded, by the parameters that differ from Table 2."""
+
+    changes: Changes
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A row of a fleet's table.
+
+    Attributes
+    ----------
+    name : unique, and valid as the name of a folder
+    source : of its recording
+    row : its cells as they were written, by column
+    """
+
+    name: str
+    source: LogSource | Variant
+    row: Mapping[str, str]
 
 
 def read_fleet(path: Path) -> list[Drive]:
@@ -51,7 +82,10 @@ def read_fleet(path: Path) -> list[Drive]:
         if len(cells) != len(names):
             raise UsageError(f"{path}: row {number}: expected {len(names)} cells, got {len(cells)}")
         row = {name: cell.strip() for name, cell in zip(names, cells, strict=True)}
-        drive = _Row(path, number, row).drive()
+        try:
+            drive = _drive(path.parent, row)
+        except ValueError as error:
+            raise UsageError(f"{path}: row {number}, column {error}") from None
         if drive.name.casefold() in drives:
             raise UsageError(
                 f"{path}: row {number}, column name: '{drive.name}' is there already; expected a "
@@ -76,36 +110,26 @@ def _rows(path: Path) -> Sequence[list[str]]:
     return rows
 
 
-class _Row:
-    """A row on its way to a drive."""
-
-    def __init__(self, path: Path, number: int, cells: dict[str, str]) -> None:
-        self.path, self.number, self.cells = path, number, cells
-
-    def drive(self) -> Drive:
-        name, log, config, changes = (self.cells.get(column, "") for column in COLUMNS)
-        if not _NAME.fullmatch(name):
-            self._refuse("name", "expected letters, digits, '_', '-' and '.'", name)
-        if bool(log) == bool(changes):
-            both = f"{log} and {changes}" if log else ""
-            self._refuse("log", "expected either a log or, in column set, a variant", both)
-        if config and not log:
-            self._refuse("config", "expected nothing, because there is no log", config)
-        row = {column: cell for column, cell in self.cells.items() if cell}
-        if changes:
-            return Drive(name, Variant(self._changes(changes)), row)
-        folder = self.path.parent
+def _drive(folder: Path, cells: dict[str, str]) -> Drive:
+    """Return the drive of a row; errors begin with the name of the column."""
+    name, log, config, changes = (cells.get(column, "") for column in COLUMNS)
+    if not _NAME.fullmatch(name):
+        raise ValueError(f"name: expected letters, digits, '_', '-' and '.', got {_shown(name)}")
+    if bool(log) == bool(changes):
+        both = _shown(f"{log} and {changes}" if log else "")
+        raise ValueError(f"log: expected either a log or, in column set, a variant, got {both}")
+    if config and not log:
+        raise ValueError(f"config: expected nothing, because there is no log, got '{config}'")
+    row = {column: cell for column, cell in cells.items() if cell}
+    if log:
         return Drive(name, LogSource(folder / log, folder / config if config else None), row)
+    try:
+        variant = Variant(drive_changes(shlex.split(changes)))
+        drive_truth(variant.changes)
+    except (ValueError, models.ModelError) as error:
+        raise ValueError(f"set: {str(error).removeprefix('--set ')}") from None
+    return Drive(name, variant, row)
 
-    def _changes(self, text: str) -> dict[str, float | str]:
-        try:
-            changes = drive_changes(shlex.split(text))
-            drive_truth(changes)
-        except (ValueError, models.ModelError) as error:  # a UsageError is a ValueError
-            reason = str(error).removeprefix("--set ")
-            raise UsageError(f"{self.path}: row {self.number}, column set: {reason}") from None
-        return changes
 
-    def _refuse(self, column: str, expected: str, got: str) -> NoReturn:
-        got = f"'{got}'" if got else "nothing"
-        raise UsageError(f"{self.path}: row {self.number}, column {column}: {expected}, got {got}")
+def _shown(text: str) -> str:
+    return f"'{text}'" if text else "nothing"

@@ -30,14 +30,14 @@ from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.models import Law, UnknownLaw
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
-from stickslip.servo.axis import Axis, ControlError
+from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION, Datasheet
 from stickslip.servo.systems import FEEDS, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
-CERTAINTY = ("standard_error", "low", "high", "visible", "sentence")
+IDENTIFIABILITY = ("standard_error", "low", "high", "visible", "sentence")
 LOOP_UNITS = {
     "m": "kg",
     "b": "N.s/m",
@@ -60,7 +60,7 @@ _LOOP = ("T_s", "tau_f", "K_p", "K_i")
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
-    learned, options = reproduction.refinement, reproduction.options
+    learned, options, opinion = reproduction.refinement, reproduction.options, reproduction.opinion
     return {
         "parameters": {
             name: {
@@ -88,7 +88,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "feed": options.feed,
         "loop": loop_document(reproduction.identification.loop),
         "validation": validation_document(VALIDATION),
-        "second_opinion": _opinion_document(reproduction.opinion),
+        "second_opinion": opinion and _opinion_document(opinion),
         **_law_entry(reproduction.identification.law),
         "versions": versions(),
     }
@@ -99,22 +99,16 @@ def _law_entry(law: Law) -> dict[str, str]:
     return {} if law.name == "lugre" else {"law": law.name}
 
 
-def _opinion_document(opinion: SecondOpinion | None) -> dict[str, Any] | None:
-    """Return what another tool computed of the same compensator, None where it was not asked."""
-    if opinion is None:
-        return None
-    return {
-        "tool": opinion.tool,
-        "output": "F_mean",
-        "runs": {
-            name: {
-                "samples": comparison.samples,
-                "different": comparison.different,
-                "largest_difference": {"value": comparison.largest, "unit": "N"},
-            }
-            for name, comparison in opinion.comparisons.items()
-        },
+def _opinion_document(opinion: SecondOpinion) -> dict[str, Any]:
+    runs = {
+        name: {
+            "samples": one.samples,
+            "different": one.different,
+            "largest_difference": {"value": one.largest, "unit": "N"},
+        }
+        for name, one in opinion.comparisons.items()
     }
+    return {"tool": opinion.tool, "output": "F_mean", "runs": runs}
 
 
 def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -124,7 +118,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     known = estimation.known
     parameters = {
         name: {"value": value.value, "unit": unit_of(name, rotary=rotary)}
-        | {key: getattr(value, key) for key in CERTAINTY}
+        | {key: getattr(value, key) for key in IDENTIFIABILITY}
         for name, value in known.items()
     }
     document: dict[str, Any] = {
@@ -226,8 +220,6 @@ class LearnedFile:
         except ValueError as error:
             raise UsageError(f"{path}: not a learned.json: {error}") from None
         self._document: dict[str, Any] = document if isinstance(document, dict) else {}
-        if document is not self._document:
-            raise self._invalid("it has another structure")
 
     @cached_property
     def law(self) -> Law:
@@ -242,31 +234,26 @@ class LearnedFile:
     def friction(self) -> dict[str, float]:
         """The learned friction by name, in SI units, and what else of the law is in the file."""
         document, tuned = self._document, estimated(self.law)
+        known = self._entry("parameters") or {}
+        missing = [name for name in tuned if name not in known]
+        if missing:
+            raise UsageError(
+                f"{self.path}: not a learned.json: {missing[0]} is missing; expected parameters "
+                f"{', '.join(tuned)}, each with a value"
+            )
         chosen = [name for name in self.law.parameters if name in document and name not in tuned]
-        try:
-            values = {name: float(document["parameters"][name]["value"]) for name in tuned}
-            values |= {name: float(document[name]["value"]) for name in chosen}
-        except KeyError as error:
-            raise self._invalid(f"{error} is missing") from None
-        except TypeError:
-            raise self._invalid("it has another structure") from None
-        except (ValueError, OverflowError) as error:
-            raise self._invalid(str(error)) from None
-        for name, value in values.items():
-            if not math.isfinite(value):
-                raise UsageError(f"{self.path}: {name} is {value}; expected a finite number")
+        further = self._values("law", {name: document[name] for name in chosen})
+        values = {name: known[name] for name in tuned} | further
         return values
 
     @property
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters: the friction, at the ``share`` of its force in the file."""
-        friction, entry = self.friction, self._document.get("share", {"value": 1.0})
-        share = entry.get("value") if isinstance(entry, dict) else None
-        if not isinstance(share, (int, float)) or not 0.0 < share <= 1.0:
-            raise UsageError(
-                f"{self.path}: share: expected a value above 0 and up to 1; got {entry!r:.80}"
-            )
-        return self.law.share(friction, share)
+        entry = self._document.get("share", {"value": 1.0})
+        share = self._values("share", {"share": entry})["share"]
+        if not 0.0 < share <= 1.0:
+            raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
+        return self.law.share(self.friction, share)
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -311,11 +298,8 @@ class LearnedFile:
             raise UsageError(
                 f"{self.path}: loop: {error} is missing; expected {', '.join((*_AXIS, *_LOOP))}"
             ) from None
-        except ControlError as error:
+        except (ValueError, ArithmeticError) as error:  # a ControlError is a ValueError
             raise UsageError(f"{self.path}: loop: {error}") from None
-        except (ValueError, ArithmeticError) as error:  # numbers with which nothing can be computed
-            values = ", ".join(f"{name} = {value:g}" for name, value in entry.items())
-            raise UsageError(f"{self.path}: loop: {values} is not a loop ({error})") from None
 
     @property
     def validation(self) -> Trapezoid:
@@ -346,24 +330,19 @@ class LearnedFile:
     def _entry(self, name: str) -> dict[str, float] | None:
         """Return the values of an entry, None if it is absent."""
         entry = self._document.get(name)
-        if entry is None:
-            return None
+        return None if entry is None else self._values(name, entry)
+
+    def _values(self, name: str, entry: Any) -> dict[str, float]:
+        """Return the finite values of an entry by name."""
         try:
             values = {key: float(item["value"]) for key, item in entry.items()}
+            if all(map(math.isfinite, values.values())):
+                return values
         except (AttributeError, KeyError, TypeError, ValueError, OverflowError):
-            values = {"": math.nan}
-        if not all(map(math.isfinite, values.values())):
-            raise UsageError(
-                f"{self.path}: {name}: expected names, each with a finite value and a unit; "
-                f"got {entry!r:.80}"
-            )
-        return values
-
-    def _invalid(self, reason: str) -> UsageError:
-        names = ", ".join(estimated(self.law))
-        return UsageError(
-            f"{self.path}: not a learned.json: {reason}; expected parameters {names}, each with a "
-            "value"
+            pass
+        raise UsageError(
+            f"{self.path}: {name}: expected names, each with a finite value and a unit; "
+            f"got {entry!r:.80}"
         )
 
 

@@ -138,8 +138,9 @@ def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
     ("content", "said"),
     [
         ("{", "not a learned.json: Expecting property name"),
-        ("[]", "not a learned.json: it has another structure; expected parameters F_s, F_c, v_s"),
-        ('{"parameters": {}}', "not a learned.json: 'F_s' is missing"),
+        ("[]", "not a learned.json: F_s is missing; expected parameters F_s, F_c, v_s"),
+        ('{"parameters": {}}', "not a learned.json: F_s is missing"),
+        ('{"parameters": 1}', "parameters: expected names, each with a finite value"),
         (-1.0, "F_c = -1 N is outside 1e-09 .. 1e+09 N"),
         (float("nan"), "not a learned.json: NaN is no number of JSON"),
     ],

@@ -18,9 +18,8 @@ from stickslip import cosim, ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import Evaluation
 from stickslip.evaluation.fmpy_check import Comparison, FmuVariable, SecondOpinion
-from stickslip.evaluation.motion_study import WEAK_ENTRIES, MotionStudy, weakened
+from stickslip.evaluation.motion_study import WEAK_ENTRIES, MotionStudy, weakened, wrong_values
 from stickslip.evaluation.motions import MOTIONS
-from stickslip.evaluation.sensitivity import wrong_values
 from stickslip.evaluation.validation import Run, Validation
 from stickslip.identification.stages import (
     Estimate,

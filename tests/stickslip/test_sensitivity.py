@@ -6,9 +6,16 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.comparison import KEYS, Entry, evaluate
-from stickslip.evaluation.motion_study import WEAK_ENTRIES, study_motions
+from stickslip.evaluation.motion_study import (
+    CONTROL,
+    SEEN,
+    WEAK_ENTRIES,
+    by_motion,
+    sensitivity,
+    study_motions,
+    unseen,
+)
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
-from stickslip.evaluation.sensitivity import CONTROL, SEEN, by_motion, sensitivity, unseen
 from stickslip.evaluation.validation import run_command, validate
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter

@@ -11,11 +11,10 @@ whose axis has exactly the friction that the compensator assumes.
 """
 
 from stickslip.evaluation.guards.benefit import Benefit, Tried, benefit_of
-from stickslip.evaluation.guards.finding import Finding
 from stickslip.evaluation.guards.hunting import hunting
 from stickslip.evaluation.guards.stribeck import stribeck
 from stickslip.evaluation.guards.tolerance import tolerance
-from stickslip.evaluation.guards.trial import Trial
+from stickslip.evaluation.guards.trial import Finding, Trial
 
 __all__ = [
     "Benefit",

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stickslip.evaluation.guards.finding import Finding
-from stickslip.evaluation.guards.trial import Trial
+from stickslip.evaluation.guards.trial import Finding, Trial
 from stickslip.servo.measurement import Array
 
 HOLD = 1.0

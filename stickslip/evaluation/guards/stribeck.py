@@ -17,8 +17,7 @@ from collections.abc import Mapping
 import control
 import numpy as np
 
-from stickslip.evaluation.guards.finding import Finding
-from stickslip.evaluation.guards.trial import Trial
+from stickslip.evaluation.guards.trial import Finding, Trial
 from stickslip.servo.measurement import Array
 from stickslip.servo.stribeck_curve import level, slope
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stickslip.catalog.space import ParameterSpace
-from stickslip.evaluation.guards.finding import Finding
-from stickslip.evaluation.guards.trial import Run, Trial
+from stickslip.evaluation.guards.trial import Finding, Run, Trial
 
 LEAST = 0.2
 """Share by which a compensator's force should be allowed to be too large."""

@@ -1,4 +1,4 @@
-"""A loop around an axis with known friction, run on a command with and without a compensator."""
+"""A loop with known friction, run with and without a compensator, and what a guard finds there."""
 
 from __future__ import annotations
 
@@ -80,3 +80,24 @@ class Run:
         except cosim.SimulationError:
             return np.inf
         return float(np.sqrt(np.mean((v - self.trial.v_cmd) ** 2)))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One warning.
+
+    Attributes
+    ----------
+    guard : name of the guard
+    figure, limit : what was found and the largest acceptable value, in ``unit``
+    message : what, figure, limit and what to do, in a line
+    """
+
+    guard: str
+    figure: float
+    limit: float
+    unit: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.guard}: {self.message}"

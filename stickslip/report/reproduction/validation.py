@@ -11,12 +11,14 @@ import pandas as pd
 from stickslip.evaluation.motion_study import (
     IDENTIFIED,
     LEARNED,
+    SEEN,
     UNCOMPENSATED,
     WEAK_ENTRIES,
     MotionStudy,
+    by_motion,
+    unseen,
 )
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS
-from stickslip.evaluation.sensitivity import SEEN, by_motion, unseen
 from stickslip.evaluation.validation import Validation, reduction
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.pipeline.steps import STEPS
