@@ -83,7 +83,8 @@ def evaluate(
     motions: Sequence[Motion] = MOTIONS,
 ) -> Evaluation:
     """Run each motion with each entry. It may use the true values."""
-    further = {
+    each = {(name, -1): entry for name, entry in entries.items()}
+    each |= {
         (name, place): Entry(entry.loop, values)
         for name, entry in entries.items()
         for place, values in enumerate(entry.others)
@@ -91,12 +92,11 @@ def evaluate(
     runs: dict[str, Mapping[str, Run]] = {}
     others: dict[str, Mapping[str, Sequence[Run]]] = {}
     for motion in motions:
-        done = _runs(
-            rig, {**{(name, -1): e for name, e in entries.items()}, **further}, feed, motion
-        )
+        done = _runs(rig, each, feed, motion)
         runs[motion.name] = {name: done[name, -1] for name in entries}
         others[motion.name] = {
-            name: [done[key] for key in further if key[0] == name] for name in entries
+            name: [done[name, place] for place in range(len(entry.others))]
+            for name, entry in entries.items()
         }
     return Evaluation(tuple(motions), runs, others)
 
@@ -117,7 +117,7 @@ def _runs(rig: Rig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion) ->
         loop = entries[next(iter(compensators))].loop
         done = run_compensators(rig, loop, compensators.values(), v_cmd, feed)
         runs.update(zip(compensators, done, strict=True))
-    return {name: runs[name] for name in entries}
+    return runs
 
 
 def _errors(run: Run, motion: Motion) -> dict[tuple[str, str, str, str, str], float]:

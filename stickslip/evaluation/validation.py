@@ -78,22 +78,12 @@ class Validation:
         )
         rows = []
         for key in without:
-            velocity, region, metric = key
-            paper = PAPER_TABLE4[region, metric]
-            rows.append(
-                {
-                    "velocity": velocity,
-                    "region": region,
-                    "metric": metric,
-                    "without": 1e3 * without[key],
-                    "with": 1e3 * compensated[key],
-                    "reduction": reduction(1e3 * without[key], 1e3 * compensated[key]),
-                    "paper_without": paper[0],
-                    "paper_with": paper[1],
-                    "paper_reduction": reduction(*paper),
-                }
-            )
-        return pd.DataFrame(rows)
+            before, after = 1e3 * without[key], 1e3 * compensated[key]
+            paper = PAPER_TABLE4[key[1:]]
+            rows.append((*key, before, after, reduction(before, after), *paper, reduction(*paper)))
+        head = ["velocity", "region", "metric", "without", "with", "reduction"]
+        paper_head = ["paper_without", "paper_with", "paper_reduction"]
+        return pd.DataFrame(rows, columns=[*head, *paper_head])
 
 
 def velocity_errors(run: Run, regions: Regions) -> dict[tuple[str, str, str], float]:
@@ -176,8 +166,7 @@ def run_command(
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
     system = paper_loop(rig.fmus, loop, compensator, feed)
-    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
-        return _run(simulation, rig, loop, {}, v_cmd)
+    return _runs(system, rig, loop, [{}], v_cmd)[0]
 
 
 def run_compensators(
@@ -188,35 +177,23 @@ def run_compensators(
     feed: Feed = "nominal",
 ) -> list[Run]:
     """Do what ``run_command`` does with each of several compensators, and prepare the FMUs once."""
-    system = paper_loop(rig.fmus, loop, {}, feed)
-    with system.prepare(step=rig.T_s, stop=_stop(rig, v_cmd), record=RECORD) as simulation:
-        return [_run(simulation, rig, loop, values, v_cmd) for values in compensators]
+    return _runs(paper_loop(rig.fmus, loop, {}, feed), rig, loop, compensators, v_cmd)
 
 
-def _stop(rig: Rig, v_cmd: Array) -> float:
-    return (len(v_cmd) - 1) * rig.T_s
-
-
-def _run(
-    simulation: cosim.Simulation,
+def _runs(
+    system: cosim.System,
     rig: Rig,
     loop: VelocityLoop,
-    compensator: Mapping[str, float],
+    compensators: Iterable[Mapping[str, float]],
     v_cmd: Array,
-) -> Run:
-    values = {f"compensator.{name}": value for name, value in compensator.items()}
-    result = simulation.run(values, loop.commands(v_cmd))
-    velocity = {
-        "measured": measured_velocity(result["drive.x_enc"], rig.T_s),
-        "true": result["drive.v"],
-    }
-    return Run(
-        result.time,
-        v_cmd,
-        result["drive.x_enc"],
-        velocity,
-        result["nominal.v_r"],
-        result["drive.F_f"],
-        result["compensator.F_mean"],
-        result["drive.x"],
-    )
+) -> list[Run]:
+    stop, commands = (len(v_cmd) - 1) * rig.T_s, loop.commands(v_cmd)
+    runs = []
+    with system.prepare(step=rig.T_s, stop=stop, record=RECORD) as simulation:
+        for compensator in compensators:
+            values = {f"compensator.{name}": value for name, value in compensator.items()}
+            result = simulation.run(values, commands)
+            x_enc, x, v, F_f, v_r, F_ff = (result[name] for name in RECORD)
+            shown = {"measured": measured_velocity(x_enc, rig.T_s), "true": v}
+            runs.append(Run(result.time, v_cmd, x_enc, shown, v_r, F_f, F_ff, x))
+    return runs

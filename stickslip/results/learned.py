@@ -243,8 +243,7 @@ class LearnedFile:
             )
         chosen = [name for name in self.law.parameters if name in document and name not in tuned]
         further = self._values("law", {name: document[name] for name in chosen})
-        values = {name: known[name] for name in tuned} | further
-        return values
+        return {name: known[name] for name in tuned} | further
 
     @property
     def compensator(self) -> dict[str, float]:

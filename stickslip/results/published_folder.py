@@ -10,7 +10,7 @@ from stickslip.report.page import picture_files, write_page
 from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.reproduction_folder import command_of, write_table
-from stickslip.tuning.published.whole import TABLES, WholeStudy
+from stickslip.tuning.published.readings import TABLES, WholeStudy
 
 TITLE = "The paper’s learning as published"
 FILES = (*(f"{name}.csv" for name in TABLES), *picture_files(FIGURES), "report.html")

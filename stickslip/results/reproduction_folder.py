@@ -20,7 +20,7 @@ from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
 from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.published.whole import TABLES
+from stickslip.tuning.published.readings import TABLES
 
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""

@@ -48,9 +48,8 @@ from stickslip.servo.rig import Log
 from stickslip.servo.systems import FEEDS
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
-from stickslip.tuning.published.readings import READINGS, learning_row
+from stickslip.tuning.published.readings import READINGS, WholeStudy, learning_row
 from stickslip.tuning.published.study import Method, Published, SeedRun
-from stickslip.tuning.published.whole import WholeStudy
 from stickslip.tuning.refinement import Refinement
 
 pytestmark = pytest.mark.slow

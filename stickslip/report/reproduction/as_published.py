@@ -29,9 +29,8 @@ from stickslip.report.reproduction.curves import cost_axes
 from stickslip.servo.datasheet import LOOP, TRAINING
 from stickslip.servo.measurement import Array
 from stickslip.tuning.coarse_start import SPREAD
-from stickslip.tuning.published.readings import ERRORS, summary, worse
+from stickslip.tuning.published.readings import ERRORS, WholeStudy, summary, worse
 from stickslip.tuning.published.study import PAPER_COST, Published
-from stickslip.tuning.published.whole import WholeStudy
 
 FIG5, OUTCOMES = FIGURES = ("fig5_as_published", "as_published")
 """Names of the figures of the section."""

@@ -2,10 +2,10 @@
 
     study = study_as_published(rig, identification, seeds=range(20), reading_seeds=5, workers=2)
 
-``study.py`` learns, ``readings.py`` lists what the paper leaves open, ``whole.py`` does both.
+``study.py`` learns; ``readings.py`` lists what the paper leaves open, and learns under each.
 """
 
+from stickslip.tuning.published.readings import WholeStudy, study_as_published
 from stickslip.tuning.published.study import Published, learn_as_published
-from stickslip.tuning.published.whole import WholeStudy, study_as_published
 
 __all__ = ["Published", "WholeStudy", "learn_as_published", "study_as_published"]

@@ -6,7 +6,7 @@ there are; one that changes the learning is learned again from the same coarse s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,15 +15,19 @@ import pandas as pd
 from stickslip import ga
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.evaluation.motions import regions_after, windows
+from stickslip.evaluation.motions import Span, regions_after, windows
 from stickslip.evaluation.validation import METRICS, Run, tracking_errors
+from stickslip.fmi.process import Threads
+from stickslip.identification.stages import Identification
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import repair
-from stickslip.tuning.published.study import PAPER_COST, Method, Published
+from stickslip.tuning.published.study import PAPER_COST, Method, Published, learn_as_published
 
-Velocity = Callable[[Run], Array]
-
+TABLES = ("fitness", "table4", "learned", "readings", "readings_evaluation")
+"""The names of the study's tables, as which they are written."""
 ABSOLUTE_STEP = 1e-4
 
 
@@ -187,28 +191,23 @@ def evaluation_readings(published: Published) -> pd.DataFrame:
     Columns place, reading, ours (whether it is ours), then ``without_`` and ``with_`` each of the
     four errors [mm/s]; with compensation the median over seeds.
     """
-    T_s = float(published.without.t[1])
-    rows: list[tuple[str, str, bool, tuple[float, float], Velocity]] = [
-        (
-            "Table 4, regions",
-            f"from {_ms(REGION)} after the instant",
-            True,
-            REGION,
-            _shown("measured"),
-        ),
-        ("Table 4, regions", "from 0 to 70 ms", False, (0.0, REGION[1]), _shown("measured")),
-        ("Table 4, regions", "from 0 to 150 ms", False, (0.0, 0.150), _shown("measured")),
-        ("(8a), velocity", "encoder, low-passed at 117 Hz", True, REGION, _shown("measured")),
-        ("(8a), velocity", "encoder, low-passed at 234 Hz", False, REGION, _encoder(T_s, 234.0)),
-        ("(8a), velocity", "encoder, not filtered", False, REGION, _encoder(T_s, None)),
-        ("(8a), velocity", "true", False, REGION, _shown("true")),
+    regions, velocity = "Table 4, regions", "(8a), velocity"
+    rows: list[tuple[str, str, bool, Span, str | float | None]] = [
+        (regions, f"from {_ms(REGION)} after the instant", True, REGION, "measured"),
+        (regions, "from 0 to 70 ms", False, (0.0, REGION[1]), "measured"),
+        (regions, "from 0 to 150 ms", False, (0.0, 0.150), "measured"),
+        (velocity, "encoder, low-passed at 117 Hz", True, REGION, "measured"),
+        (velocity, "encoder, low-passed at 234 Hz", False, REGION, 234.0),
+        (velocity, "encoder, not filtered", False, REGION, None),
+        (velocity, "true", False, REGION, "true"),
     ]
     learned = [one.with_learned for one in published.seeds]
     table = []
-    for place, reading, ours, region, velocity in rows:
+    for place, reading, ours, region, shown in rows:
         row: dict[str, object] = {"place": place, "reading": reading, "ours": ours}
         for label, runs in (("without", [published.without]), ("with", learned)):
-            row |= _errors(label, runs, region, velocity)
+            errors = pd.DataFrame([_errors(run, region, shown) for run in runs]).median()
+            row |= {f"{label}_{name}": float(errors[name]) for name in ERRORS}
         table.append(row)
     return pd.DataFrame(table)
 
@@ -233,36 +232,96 @@ def threshold_reading(published: Published, threshold: float = PAPER_COST) -> di
     }
 
 
-def _shown(name: str) -> Velocity:
-    def velocity(run: Run) -> Array:
-        return run.v[name]
+def _errors(run: Run, region: Span, shown: str | float | None) -> dict[str, float]:
+    """Return each error [mm/s] by name.
 
-    return velocity
-
-
-def _encoder(T_s: float, cutoff: float | None) -> Velocity:
-    def velocity(run: Run) -> Array:
+    Parameters
+    ----------
+    shown : name of a velocity, or the low-pass of that of the encoder [Hz], None for none
+    """
+    if isinstance(shown, str):
+        v = run.v[shown]
+    else:
+        T_s = float(run.t[1])
         v = np.gradient(run.x_enc, T_s)
-        return v if cutoff is None else smoothed(v, T_s, cutoff)
-
-    return velocity
-
-
-def _errors(
-    label: str,
-    runs: Iterable[Run],
-    region: tuple[float, float],
-    velocity: Velocity,
-) -> dict[str, object]:
-    """Return the median over runs of each error [mm/s] by name."""
-    found: dict[str, list[float]] = {}
-    for run in runs:
-        error = 1e3 * (run.v_cmd - velocity(run))
-        for name, spans in regions_after(windows(VALIDATION), region).items():
-            for metric, value in tracking_errors(run.t, error, spans).items():
-                found.setdefault(f"{label}_{name}_{metric}", []).append(value)
-    return {name: float(np.median(values)) for name, values in found.items()}
+        v = v if shown is None else smoothed(v, T_s, shown)
+    error = 1e3 * (run.v_cmd - v)
+    return {
+        f"{name}_{metric}": value
+        for name, spans in regions_after(windows(VALIDATION), region).items()
+        for metric, value in tracking_errors(run.t, error, spans).items()
+    }
 
 
-def _ms(region: tuple[float, float]) -> str:
+def _ms(region: Span) -> str:
     return " to ".join(f"{1e3 * edge:g}" for edge in region) + " ms"
+
+
+@dataclass(frozen=True)
+class WholeStudy:
+    """What came out.
+
+    Attributes
+    ----------
+    published : our reading, all seeds
+    readings : a row for each other reading that learns in another way, see ``learning_row``
+    """
+
+    published: Published
+    readings: pd.DataFrame
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return all tables by the names of ``TABLES``."""
+        ours = self.published
+        found = (ours.fitness(), ours.table4(), ours.learned(), self.readings, self.evaluations)
+        return dict(zip(TABLES, found, strict=True))
+
+    @property
+    def evaluations(self) -> pd.DataFrame:
+        """The readings that evaluate the same runs in another way, see ``evaluation_readings``."""
+        return evaluation_readings(self.published)
+
+    @property
+    def threshold(self) -> dict[str, float]:
+        """What a threshold in Step 3 changes, see ``threshold_reading``."""
+        return threshold_reading(self.published)
+
+
+def study_as_published(
+    rig: Rig,
+    identification: Identification,
+    seeds: Sequence[int],
+    *,
+    reading_seeds: int,
+    feed: Feed = "nominal",
+    workers: int = 1,
+    on_stage: Callable[[str], object] = lambda _: None,
+) -> WholeStudy:
+    """Learn as published from coarse starts, and again under each other reading.
+
+    Parameters
+    ----------
+    seeds : of our reading
+    reading_seeds : how many of them, the first, learn under each other reading
+    feed : what drives the compensator
+    """
+
+    def learned(method: Method, chosen: Sequence[int], workers: int) -> Published:
+        loop, found = identification.loop, identification.estimates
+        return learn_as_published(rig, loop, found, chosen, method, workers)
+
+    on_stage(f"learning as published, {len(seeds)} seeds")
+    ours = learned(Method(feed=feed), seeds, workers)
+    if reading_seeds:
+        on_stage(f"{len(READINGS)} other readings, {reading_seeds} seeds each")
+
+    def row(reading: LearningReading) -> dict[str, object]:
+        method = reading.method
+        if method.feed == Method.feed:
+            method = replace(method, feed=feed)
+        return learning_row(reading, ours, learned(method, seeds[:reading_seeds], 1))
+
+    with Threads(workers) as threads:
+        rows = threads.each(row, READINGS if reading_seeds else ())
+    columns = list(learning_row(READINGS[0], ours, ours))  # a table also where nothing is in it
+    return WholeStudy(ours, pd.DataFrame(rows, columns=columns))

@@ -123,17 +123,11 @@ class Published:
     def learned(self) -> pd.DataFrame:
         """Tabulate the parameters: seed, parameter, unit, start, learned."""
         rows = [
-            {
-                "seed": one.seed,
-                "parameter": name,
-                "unit": UNITS[name],
-                "start": one.start[name],
-                "learned": one.learned[name],
-            }
+            (one.seed, name, UNITS[name], one.start[name], one.learned[name])
             for one in self.seeds
             for name in LUGRE
         ]
-        return pd.DataFrame(rows)
+        return pd.DataFrame(rows, columns=["seed", "parameter", "unit", "start", "learned"])
 
     def final_costs(self) -> Array:
         """Return the best cost of each seed, shape (seeds,), in m^2/s^2."""
