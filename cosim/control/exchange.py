@@ -12,15 +12,18 @@ from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model, fmi3Float64
 from numpy.typing import NDArray
 
-from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.errors import CosimError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 from stickslip.fmi.description.attributes import flag
-from stickslip.fmi.description.variables import Variable
 
 Array = NDArray[np.float64]
 _MOST_EVENTS = 1000
+
+
+class LinearisationError(CosimError, ValueError):
+    """An FMU or system has no states, or not those that are asked for."""
 
 
 class Exchange:
@@ -58,9 +61,10 @@ class Exchange:
         self.states = tuple(state for state in derivatives.values() if state is not None)
         self.inputs, self.outputs = (tuple(v.name for v in vs) for vs in (inputs, outputs))
         self._references = {v.name: v.reference for v in signals}
-        self._gives_derivatives = _gives_derivatives(fmu)
-        self._fmu = fmu
-        self._version3 = fmu.version == 3
+        self._fmu, self._version3 = fmu, fmu.version == 3
+        provides = "providesDirectionalDerivative" + ("s" if self._version3 else "")
+        interface = fmu.description.interfaces.get("ModelExchange", {})
+        self._gives_derivatives = flag(interface, provides)
         self._api: Any = (FMU3Model if self._version3 else FMU2Model)(
             guid=fmu.token,
             modelIdentifier=fmu.identifier,
@@ -73,10 +77,14 @@ class Exchange:
         except FMICallException as fault:
             raise LinearisationError(f"{fmu.path}: cannot be initialised: {fault}") from None
         weakref.finalize(self, plain_arithmetic()(self._api.freeInstance))
-        self.x0 = self._states()
+        x = (fmi3Float64 * len(self.states))()
+        if len(x):
+            self._api.getContinuousStates(x, len(x))
+        self.x0 = np.array(x)
         self.u0 = self._get(self.inputs)
-        self.x_size = np.array([_size(fmu.variables[name]) for name in self.states])
-        self.u_size = np.array([_size(v) for v in inputs])
+        moved = [*(fmu.variables[name] for name in self.states), *inputs]
+        sizes = np.array([abs(v.nominal or 1.0) for v in moved])
+        self.x_size, self.u_size = np.split(sizes, [len(self.states)])
 
     @plain_arithmetic()
     def put(self, x: Array, u: Array) -> None:
@@ -150,18 +158,3 @@ class Exchange:
         references = [self._references[name] for name in names]
         get = self._api.getFloat64 if self._version3 else self._api.getReal
         return np.array(get(references), dtype=float)
-
-    def _states(self) -> Array:
-        x = (fmi3Float64 * len(self.states))()
-        if len(x):
-            self._api.getContinuousStates(x, len(x))
-        return np.array(x)
-
-
-def _gives_derivatives(fmu: Fmu) -> bool:
-    name = "providesDirectionalDerivative" + ("s" if fmu.version == 3 else "")
-    return flag(fmu.description.interfaces.get("ModelExchange", {}), name)
-
-
-def _size(variable: Variable) -> float:
-    return abs(variable.nominal or 1.0)

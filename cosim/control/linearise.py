@@ -9,8 +9,7 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.control.errors import LinearisationError
-from stickslip.cosim.control.exchange import Exchange
+from stickslip.cosim.control.exchange import Exchange, LinearisationError
 from stickslip.cosim.control.step_map import StepMap, alone
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.system.system import System
@@ -73,7 +72,7 @@ def linearise(
     n = len(x)
     return control.ss(
         *(jacobian[:n, :n], jacobian[:n, n:], jacobian[n:, :n], jacobian[n:, n:], dynamics.dt),
-        **_labels(dynamics),
+        **_names(dynamics, dot="_"),
     )
 
 
@@ -95,7 +94,7 @@ def nonlinear_system(
         lambda t, x, u, _: dynamics.rates(t, np.atleast_1d(x), np.atleast_1d(u)),
         lambda t, x, u, _: dynamics.shown(t, np.atleast_1d(x), np.atleast_1d(u)),
         dt=dynamics.dt,
-        **_labels(dynamics),
+        **_names(dynamics, dot="_"),
     )
 
 
@@ -154,16 +153,13 @@ def _point(
     return np.array([*point.values()], dtype=float)
 
 
-def _names(dynamics: Dynamics) -> dict[str, list[str]]:
+def _names(dynamics: Dynamics, dot: str = ".") -> dict[str, list[str]]:
+    """Return the names; python-control takes none with a dot."""
     named = {"inputs": dynamics.inputs, "outputs": dynamics.outputs, "states": dynamics.states}
     return {
-        key: [name.removeprefix(dynamics.prefix) for name in names] for key, names in named.items()
+        key: [name.removeprefix(dynamics.prefix).replace(".", dot) for name in names]
+        for key, names in named.items()
     }
-
-
-def _labels(dynamics: Dynamics) -> dict[str, list[str]]:
-    """Return the names as python-control takes them."""
-    return {key: [n.replace(".", "_") for n in names] for key, names in _names(dynamics).items()}
 
 
 def _differences(dynamics: Dynamics, x: Array, u: Array, share: float) -> Array:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cosim.control.errors import LinearisationError
+from stickslip.cosim.control.exchange import LinearisationError
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.run.simulation import Simulation
@@ -129,19 +130,11 @@ class StepMap:
             return _run(simulation, self._start(x), self._held_inputs(*u), tuple(self._watched))
 
     def _off(
-        self,
-        course: Array,
-        expected: Array,
-        found: Array,
-        share: float,
-        errors: Array | float = 0.0,
+        self, course: Array, expected: Array, found: Array, share: float, errors: Any = 0.0
     ) -> str:
-        """Return the names of variables that are not where they were in a run.
+        """Return the names of variables that differ from those of a run.
 
-        Parameters
-        ----------
-        share : of a variable's range in the run that is allowed
-        errors : that are allowed beside that
+        Allowed are a share of a variable's range in the run, and errors.
         """
         sizes = [abs(v.nominal or 1.0) for v in self._watched.values()]
         size = np.maximum(np.abs(course).max(axis=0), sizes)
@@ -151,15 +144,16 @@ class StepMap:
 
     def rates(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return f, (n,): the states after the step."""
-        states: Array = _run(self._simulation, self._start(x), self._held_inputs(u), self.states)[1]
-        return states
+        return self._step(x, u, self.states, 1)
 
     def shown(self, t: float, x: Array, u: Array) -> Array:  # noqa: ARG002 - one face
         """Return g, (p,)."""
-        outputs: Array = _run(self._simulation, self._start(x), self._held_inputs(u), self.outputs)[
-            0
-        ]
-        return outputs
+        return self._step(x, u, self.outputs, 0)
+
+    def _step(self, x: Array, u: Array, names: Sequence[str], row: int) -> Array:
+        rows = _run(self._simulation, self._start(x), self._held_inputs(u), names)
+        values: Array = rows[row]
+        return values
 
     def jacobian(self, x: Array, u: Array) -> None:
         """Return None: a step has no derivatives of its own."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any
 
 import control
 import numpy as np
@@ -21,7 +21,6 @@ from stickslip.cosim.system.system import System
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-_Number = TypeVar("_Number", np.float64, np.complex128)
 _LEAST = 4  # samples in a period
 
 
@@ -114,16 +113,11 @@ def measure_response(
             result = simulation.run(parameters, {**(inputs or {}), input: sine})
         found.append(_evaluated(result, names, before, n, periods))
     fundamental, distortion, drift = np.moveaxis(np.array(found), 2, 0)  # each (frequencies, names)
-    return MeasuredResponse(
-        *(input, amplitude, reached, step),
-        _by_name(names, fundamental),
-        _by_name(names, distortion.real),
-        _by_name(names, drift.real),
-    )
-
-
-def _by_name(names: Sequence[str], values: NDArray[_Number]) -> dict[str, NDArray[_Number]]:
-    return dict(zip(names, values.T, strict=True))
+    by_name: list[dict[str, NDArray[Any]]] = [
+        dict(zip(names, values.T, strict=True))
+        for values in (fundamental, distortion.real, drift.real)
+    ]
+    return MeasuredResponse(input, amplitude, reached, step, *by_name)
 
 
 def _evaluated(
