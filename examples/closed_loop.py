@@ -65,4 +65,4 @@ figure.savefig(folder / "closed_loop.png", dpi=150)
 # 5. Keep: the samples as CSV, the system with its FMUs and parameters as an SSP package.
 result.to_csv(folder / "closed_loop.csv")
 cosim.write_ssp(system, folder / "loop.ssp", cosim.DefaultExperiment(0.0, 2.0, 5e-4))
-print(f"written: {folder / 'closed_loop.png'}, closed_loop.csv and loop.ssp beside it")
+print(f"written: {folder / 'closed_loop.png'}, closed_loop.csv and loop.ssp in the same folder")

@@ -79,4 +79,4 @@ for axes in (left, right):
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", fontsize="small")
 figure.savefig(folder / "use_compensator.png", dpi=150)
-print(f"written: {folder / 'use_compensator.png'} and {fmu.name} beside it")
+print(f"written: {folder / 'use_compensator.png'} and {fmu.name} in the same folder")

@@ -79,18 +79,11 @@ def with_error(value: float, error: float) -> str:
     """Return a value and its standard error, both to the error's second digit."""
     if not (math.isfinite(error) and error > 0.0):
         return number(value)
+    exponent = _exponent(max(abs(value), error))
+    value, error = value / 10.0**exponent, error / 10.0**exponent
     decimals = 1 - math.floor(math.log10(error))
-    return f"{_fixed(value, decimals)}{SPACE}±{SPACE}{_fixed(error, decimals)}"
-
-
-def estimated(value: float, error: float) -> str:
-    """Return what ``with_error`` does, with a power of ten for very large and very small values."""
-    size = abs(value)
-    exponent = _exponent(max(size, error) if math.isfinite(error) else size)
-    if not exponent:
-        return with_error(value, error)
-    scale = 10.0**exponent
-    return f"({with_error(value / scale, error / scale)}){_power(exponent)}"
+    text = f"{_fixed(value, decimals)}{SPACE}±{SPACE}{_fixed(error, decimals)}"
+    return f"({text}){_power(exponent)}" if exponent else text
 
 
 def interval(low: float, high: float) -> str:

@@ -1,4 +1,4 @@
-"""The axis without friction, and what a sample period does to it."""
+"""The axis without friction, continuous and sampled."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Axis:
         return control.ss(A, B, np.eye(3), 0, T_s, inputs="u", outputs=["F", "v", "x"])
 
     def period(self, T_s: float) -> tuple[Array, Array, Array]:
-        """Return what a period does, told by the motor force at its ends.
+        """Return the effect of a period, from the motor force at its ends.
 
         (x, v, d)+ = A (x, v, d) + last F + now F+, with a held disturbing force d [N]: A (3, 3),
         last (3,), now (3,). Exact, since between samples F follows the lag.
@@ -73,6 +73,6 @@ class Axis:
 
 
 def check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:
-    """Raise a ControlError unless a value is finite and what is asked of it holds."""
+    """Raise a ControlError unless a value is finite and a condition holds."""
     if not (holds and np.isfinite(value)):
         raise ControlError(f"{name} is {value:g} {unit}; expected {expected}")

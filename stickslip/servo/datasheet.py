@@ -1,4 +1,4 @@
-"""What an engineer knows of the axis before any experiment, and how its loop is to be."""
+"""Prior knowledge of the axis, specification of its loop, and the commands of the paper."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class Datasheet:
 
     Attributes
     ----------
-    mass : that moves, roughly [kg]
+    mass : moving mass, approximate [kg]
     peak_force : of the motor [N], Table 1
     tau_i : time constant of the amplifier's current loop [s]
     encoder_step : resolution of the encoder [m]
-    force_noise : standard deviation of the motor force that the current shows [N]
+    force_noise : standard deviation of the measured motor force [N]
     """
 
     mass: float = 5.5

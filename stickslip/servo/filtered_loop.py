@@ -1,7 +1,7 @@
 """The velocity loop with a velocity filter and feedforward of inertia: beyond the paper.
 
-The gains stay; what changes is how the loop knows its velocity, and that it need not lag behind
-the command. Figures: docs/decisions/0022-velocity-filter.md.
+The gains stay; the velocity comes from a Kalman filter, and the loop need not lag behind the
+command. Figures: docs/decisions/0022-velocity-filter.md.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from stickslip.servo.velocity_filter import FilterSpecification, design_velocity
 from stickslip.servo.velocity_loop import VelocityLoop
 
 UNKNOWN_SHARE = 0.25
-"""Share of the Coulomb friction by which what is unknown of it may wander in a second."""
+"""Standard deviation of the change of friction in a second, as a share of Coulomb friction."""
 
 
 def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -> VelocityLoop:
@@ -19,7 +19,7 @@ def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -
 
     Parameters
     ----------
-    F_c : Coulomb friction [N], on which the disturbance is measured that the filter expects
+    F_c : Coulomb friction [N], to which the assumed disturbance is proportional
 
     Raises
     ------
@@ -33,5 +33,5 @@ def with_velocity_filter(loop: VelocityLoop, datasheet: Datasheet, F_c: float) -
 
 
 def with_inertia(loop: VelocityLoop) -> VelocityLoop:
-    """Return a loop that feeds the force forward that accelerates its mass."""
+    """Return a loop with feedforward of the force that accelerates its mass."""
     return loop.changed(m_ff=loop.axis.m)

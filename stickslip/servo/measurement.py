@@ -1,4 +1,4 @@
-"""What a log of encoder positions says of velocity."""
+"""Velocity from a log of encoder positions."""
 
 from __future__ import annotations
 

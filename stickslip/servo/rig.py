@@ -1,4 +1,4 @@
-"""The drive as an experimenter meets it: commands go in, measurements come out.
+"""The test bench of a drive: it takes commands and returns measurements.
 
 Identification and learning get a rig, never the drive's parameters or its true motion.
 """
@@ -109,7 +109,7 @@ class Rig:
 
 @contextmanager
 def rig_of(truth: Changes, law: str = "lugre") -> Iterator[Rig]:
-    """Build a drive with these parameters on its test bench; its files go with the block.
+    """Build a drive with these parameters on its test bench; its files are removed afterwards.
 
     ``law`` is the friction law of the compensator.
     """

@@ -1,4 +1,4 @@
-"""A PI controller tuned against friction without any compensator: what feedback alone can do."""
+"""A PI controller tuned against friction, as the reference without any compensator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A stationary Kalman filter that sees an axis through its encoder and its motor force.
+"""A stationary Kalman filter of an axis, from its encoder and its motor force.
 
     x' = v,   m v' = F - F_known - b v + d,   d' = white noise
     x_enc = x + error of the encoder's step
@@ -20,14 +20,14 @@ from stickslip.servo.axis import Axis, check
 
 @dataclass(frozen=True)
 class FilterSpecification:
-    """What the filter may take for granted.
+    """Noise and disturbance that the filter assumes.
 
     Attributes
     ----------
     encoder_step : resolution of the encoder [m]
     force_noise : standard deviation of the force from sample to sample [N]
-    disturbance_rate : standard deviation of what the unknown force changes by in a second, growing
-        with the square root of the time [N/s^0.5]
+    disturbance_rate : standard deviation of the change of the unknown force in a second, which
+        grows with the square root of the time [N/s^0.5]
 
     Raises
     ------
@@ -53,8 +53,8 @@ class VelocityFilter:
     Attributes
     ----------
     axis, T_s : what it was designed for
-    L_x, L_v, L_d : gains from the unexpected way [m] to position [1], velocity [1/s] and
-        disturbing force [N/m]
+    L_x, L_v, L_d : gains from the innovation of the position [m] to position [1],
+        velocity [1/s] and disturbing force [N/m]
     """
 
     axis: Axis
@@ -69,9 +69,9 @@ class VelocityFilter:
         return {"T_s": self.T_s, **axis, "L_x": self.L_x, "L_v": self.L_v, "L_d": self.L_d}
 
     def system(self) -> control.StateSpace:
-        """Return the filter from way per sample [m] and net force [N] to velocity estimate [m/s].
+        """Return the filter from displacement per sample [m] and net force [N] to velocity [m/s].
 
-        Its states are the way that the last sample left unexplained [m], v [m/s], d [N] and the
+        Its states are the innovation left after the last sample [m], v [m/s], d [N] and the
         net force at the last sample [N]; all differences, so that none drifts.
         """
         A, by_last, by_now = self.axis.period(self.T_s)
@@ -105,7 +105,7 @@ def design_velocity_filter(
     A, _, _ = axis.period(T_s)
     # In steps of the encoder, a period each: x / q, v T_s / q, d T_s^2 / (m q)
     unit = s.encoder_step / np.array([1.0, T_s, T_s**2 / axis.m])
-    # A force that is held for a period, and what a random walk of d moves in it
+    # A force that is held for a period, and the effect of a random walk of d within it
     held = np.append(A[:2, 2], 0.0)
     walk = np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]])
     reach = np.array([T_s**2 / axis.m, T_s / axis.m, 1.0])

@@ -5,7 +5,7 @@
               +------------- filter <- difference over T_s <------- sampler -----+
 
 A velocity filter can take the place of difference and filter. It sees the motor force too, and
-subtracts the feedforward force that it is given.
+subtracts the feedforward force.
 
 Everything is discretised exactly for a held force, so the loop of FMUs without friction and
 quantisation follows the same difference equations.
@@ -20,7 +20,6 @@ import numpy as np
 
 from stickslip.servo import frequency
 from stickslip.servo.axis import Array, Axis, ControlError, check
-from stickslip.servo.loop_parts import known_force, plant_and_estimator
 from stickslip.servo.velocity_filter import VelocityFilter
 
 _SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too few digits
@@ -28,7 +27,7 @@ _SLOWEST = 1e-5  # of the sample rate; below, poles in z differ from 1 by too fe
 
 @dataclass(frozen=True)
 class LoopSpecification:
-    """What the loop shall do, and how it is sampled.
+    """Requirements on the loop, and its sampling.
 
     Attributes
     ----------
@@ -93,7 +92,7 @@ class VelocityLoop:
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
 
-        With feedforward of inertia there is ``a_cmd`` too, what leads to the next velocity.
+        With feedforward of inertia also ``a_cmd``, the acceleration to the next velocity.
         """
         if self.m_ff == 0.0:
             return {"v_cmd": v_cmd}
@@ -143,7 +142,7 @@ def design_velocity_loop(
     m_ff: float = 0.0,
     velocity_filter: VelocityFilter | None = None,
 ) -> VelocityLoop:
-    """Find the PI gains that put crossover and phase margin where the specification wants them.
+    """Find the PI gains with the crossover and phase margin of the specification.
 
     Both are met exactly: at the crossover C(z) must be the complex number that turns the rest of
     the open loop into e^(j (phase margin - 180 deg)), and K_p and K_i are two real unknowns.
@@ -169,7 +168,7 @@ def design_velocity_loop(
             change = "lower the bandwidth, T_s, tau_f or the margin"
         raise ControlError(
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
-            f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
+            f"controller reaches {least:.1f} to {most:.1f} deg there; {change}"
         )
     gains = float(K_p), float(K_i)
     return close_velocity_loop(
@@ -192,8 +191,8 @@ def close_velocity_loop(
     Raises
     ------
     ControlError
-        When a time means nothing, the closed loop is unstable, or the filter has another sample
-        period.
+        When a time is out of its range, the closed loop is unstable, or the filter has another
+        sample period.
     """
     check("T_s", T_s, "s", T_s > 0.0, "above 0")
     check("tau_f", tau_f, "s", tau_f >= 0.0, "0 or above")
@@ -235,3 +234,68 @@ def close_velocity_loop(
         m_ff=m_ff,
         velocity_filter=velocity_filter,
     )
+
+
+def plant_and_estimator(
+    axis: Axis, T_s: float, tau_f: float, velocity_filter: VelocityFilter | None
+) -> tuple[control.StateSpace, control.StateSpace]:
+    """Return the axis, whose first output is v, and what estimates v from the others.
+
+    Raises
+    ------
+    ControlError
+        When the filter has another sample period.
+    """
+    if velocity_filter is None:
+        return _plant(axis, T_s), _estimator(T_s, tau_f)
+    same = velocity_filter.T_s == T_s
+    check("T_s of the velocity filter", velocity_filter.T_s, "s", same, f"{T_s:g}")
+    return _plant_with_force(axis, T_s), velocity_filter.system()
+
+
+def known_force(velocity_filter: VelocityFilter) -> list[control.StateSpace]:
+    """Return the parts from motor force F to net force N: all of F, or F without F_ff."""
+    T_s = velocity_filter.T_s
+    keep = float(velocity_filter.axis.sampled(T_s).A[0, 0])
+    return [
+        control.summing_junction(["F"], "N", name="net"),
+        control.ss(keep, 1 - keep, 1, 0, T_s, name="known", inputs="F_ff", outputs="F_known"),
+        control.summing_junction(["F", "-F_known"], "N", name="net"),
+    ]
+
+
+def _plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
+    """Return ``_plant`` with one output more: the motor force F [N], which is its first state."""
+    sampled = axis.sampled(T_s)
+    A = np.array(sampled.A)
+    A[-1, -1] = 0.0  # the displacement in one period, as in _plant
+    C = np.eye(3)[[1, 2, 0]]
+    return control.ss(A, sampled.B, C, 0, T_s, name="axis", inputs="u", outputs=["v", "d", "F"])
+
+
+def _plant(axis: Axis, T_s: float) -> control.StateSpace:
+    """Return the axis from held force u [N] to velocity v [m/s] and displacement d per sample [m].
+
+    With d instead of the position no state drifts, and the realisation stays minimal.
+    """
+    if axis.tau_i > 0.0:
+        A = np.array([[-1 / axis.tau_i, 0, 0], [1 / axis.m, -axis.b / axis.m, 0], [0, 1, 0]])
+        B = np.array([[1 / axis.tau_i], [0], [0]])
+    else:
+        A = np.array([[-axis.b / axis.m, 0], [1, 0]])
+        B = np.array([[1 / axis.m], [0]])
+    sampled = control.sample_system(control.ss(A, B, np.eye(len(A)), 0), T_s, method="zoh")
+    A, B = np.array(sampled.A), np.array(sampled.B)
+    A[-1, -1] = 0.0  # the last state is reset at each sample: the displacement in one period
+    return control.ss(
+        A, B, np.eye(len(A))[-2:], 0, T_s, name="axis", inputs="u", outputs=["v", "d"]
+    )
+
+
+def _estimator(T_s: float, tau_f: float) -> control.StateSpace:
+    """Return the velocity estimate of the controller: d / T_s [m/s] through the low-pass."""
+    names = {"name": "estimator", "inputs": "d", "outputs": "v_est"}
+    if tau_f == 0.0:
+        return control.ss([], [], [], 1 / T_s, T_s, **names)
+    keep = np.exp(-T_s / tau_f)
+    return control.ss(keep, (1 - keep) / T_s, keep, (1 - keep) / T_s, T_s, **names)

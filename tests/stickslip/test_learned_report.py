@@ -21,7 +21,7 @@ from stickslip.logs import Finding, Recording
 from stickslip.report.learned import FIGURES, content, sections, write_estimation_report
 from stickslip.report.learned.signals import Scale, thinned
 from stickslip.report.page import Picture
-from stickslip.report.quantity import estimated, interval
+from stickslip.report.quantity import interval, with_error
 from stickslip.report.style import house_style
 
 pytestmark = pytest.mark.slow
@@ -282,4 +282,4 @@ def test_intervals_have_as_many_digits_as_their_width_allows(low, high, said):
     ],
 )
 def test_small_values_get_a_power_of_ten(value, error, said):
-    assert estimated(value, error).replace("\u00a0", " ") == said
+    assert with_error(value, error).replace("\u00a0", " ") == said

@@ -30,7 +30,7 @@ from stickslip.report.learned.signals import (
 )
 from stickslip.report.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.report.page import Illustration, Section, commands, file_list, made_with
-from stickslip.report.quantity import estimated, interval, meaning, number, percentage, symbol
+from stickslip.report.quantity import interval, meaning, number, percentage, symbol, with_error
 
 ERRORS = {
     "force": "{0} predicted from the motion",
@@ -107,7 +107,7 @@ def cells(known: Certainty, scale: Scale) -> tuple[str, str, str]:
     """Return value with error, interval, and unit; what is not visible has no error."""
     value, error = scale.factor * known.value, scale.factor * known.standard_error
     sentences = (
-        f"≈ {number(value, 2)}" if known.visible == "not visible" else estimated(value, error)
+        f"≈ {number(value, 2)}" if known.visible == "not visible" else with_error(value, error)
     )
     return sentences, interval(scale.factor * known.low, scale.factor * known.high), scale.unit
 
@@ -117,7 +117,7 @@ def _rest(estimation: Estimation) -> Html:
     error = estimation.errors["F_0"]
     unit = force_scale(estimation.recording.motion, np.ones(1)).unit
     push = WORDS[estimation.recording.motion][1]
-    constant = f"a constant {push} of {estimated(estimation.F_0, error)} {unit}"
+    constant = f"a constant {push} of {with_error(estimation.F_0, error)} {unit}"
     if measures_friction(estimation):
         return paragraph(f"Beside friction the sensor shows {constant}.")
     late = number(1e3 * abs(estimation.delay), 3)

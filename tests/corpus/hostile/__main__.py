@@ -23,7 +23,7 @@ Row = tuple[Case, Verdict, Verdict]
 HEAD = f"""# Malformed input
 
 FMUs are native code from other tools, and logs come from many sources. The page lists the
-malformed files and folders with which `tests/hostile` runs `stickslip`, by the reader that
+malformed files and folders with which `tests/corpus/hostile` runs `stickslip`, by the reader that
 they concern. Each case ends in one line on standard error and status 1 or 2, and leaves
 nothing behind. `python -m tests.corpus.hostile` writes this page.
 
