@@ -27,6 +27,7 @@ from stickslip.report.learned.signals import (
     force_scale,
     measures_friction,
     parameter_scale,
+    steady_name,
 )
 from stickslip.report.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.report.page import Illustration, Section, commands, file_list, made_with
@@ -379,8 +380,8 @@ def _force_figure(estimation: Estimation) -> Illustration:
         "Recorded and predicted force over time, its difference, and friction over velocity",
         f"(a), (b) The recorded {push} and the one that the learned parameters predict "
         f"from the recorded motion, relative error {error}. (c), (d) Recorded {push} without "
-        "inertia and constant force, beside the learned Stribeck curve with viscous friction; soon "
-        "after a reversal bristles still bend, and friction is not on the curve.",
+        f"inertia and constant force, beside the learned {steady_name(estimation)} with viscous "
+        "friction; soon after a reversal bristles still bend, and friction is not on the curve.",
     )
 
 

@@ -35,7 +35,8 @@ from stickslip.report.learned.signals import (
     position_scale,
     sliding,
     spread,
-    stribeck,
+    steady_friction,
+    steady_name,
     thinned,
     velocity_scale,
 )
@@ -161,7 +162,7 @@ def _friction(both: Axes, against_speed: Axes, estimation: Estimation, signals: 
     steady = sliding(estimation, signals)
     top = float(np.max(np.abs(v)))
     speed = np.geomspace(1e-4 * top, top, 300)
-    curve = stribeck(estimation, np.concatenate([-speed[::-1], speed]))
+    curve = steady_friction(estimation, np.concatenate([-speed[::-1], speed]))
     highest = float(np.max(np.abs(curve)))
     if steady.any():
         highest = max(highest, float(np.quantile(np.abs(friction[steady]), 0.999)))
@@ -178,7 +179,7 @@ def _friction(both: Axes, against_speed: Axes, estimation: Estimation, signals: 
     x, curve = v_scale.factor * speed, scale.factor * curve
     both.plot(-x, curve[:300][::-1], color=style.WITH)
     both.plot(x, curve[300:], color=style.WITH)
-    against_speed.plot(x, curve[300:], color=style.WITH, label="learned Stribeck curve")
+    against_speed.plot(x, curve[300:], color=style.WITH, label=f"learned {steady_name(estimation)}")
     limit = 1.15 * scale.factor * highest
     both.set(ylim=(-limit, limit), xlabel=f"Velocity [{v_scale.unit}]")
     against_speed.set(

@@ -75,7 +75,13 @@ def measures_friction(estimation: Estimation) -> bool:
     return "m" not in estimation.known
 
 
-def stribeck(estimation: Estimation, v: Array) -> Array:
+def steady_name(estimation: Estimation) -> str:
+    """Return the name of the law's friction at constant velocities."""
+    stribeck = estimation.fit.space.law.steady == "stribeck"
+    return "Stribeck curve" if stribeck else "Coulomb friction"
+
+
+def steady_friction(estimation: Estimation, v: Array) -> Array:
     """Return friction (k,) [N] at constant velocities (k,) [m/s], viscous friction with it.
 
     Source
