@@ -8,33 +8,32 @@ from itertools import pairwise
 from matplotlib.figure import Figure
 
 from stickslip import ga
-from stickslip.pipeline.reproduction import Reproduction
+from stickslip.catalog.parameters import friction_law
+from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.diagram import Block, Sheet
 from stickslip.report.quantity import number, symbol
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
 from stickslip.servo.datasheet import TRAINING
-from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.learning import BOUNDS
 
 LOOPS_HEIGHT = 127.0
 CONTROL = r"$K_p + K_i T_s \, z/(z-1)$"
 PLANT = r"$\dfrac{1}{m\,s + b}$"
-MODEL = "LuGre (2)–(4)"
 ESTIMATE = r"difference, low-pass $\tau_f$"
 
 
-def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], feed: Feed) -> Figure:
+def draw_loops(loop: VelocityLoop, truth: Mapping[str, float], options: Options) -> Figure:
     """Draw a loop around a drive whose parameters are ``truth``."""
     figure = new_figure(PAGE, LOOPS_HEIGHT, free=True)
     sheet = Sheet(figure)
-    _compensated(sheet, truth, feed)
+    _compensated(sheet, truth, options)
     _nominal_loop(sheet, loop)
     _step_response(figure, loop)
     return figure
 
 
-def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
+def _compensated(sheet: Sheet, truth: Mapping[str, float], options: Options) -> None:
     low, middle, high = 60.0, 78.0, 110.0
     sheet.text((3, 122.5), "(a) Feedforward friction compensation", align="left")
     sheet.group((79, middle - 9), 85, 33, "Simulated drive")
@@ -63,12 +62,11 @@ def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
 
     # The command side: nominal loop and feedforward.
     nominal = sheet.block(Block(30, high, 26), "Nominal loop", "of (b)", PALE)
-    compensator = sheet.block(
-        Block(78, high, 38), "Friction compensator", f"{MODEL}, learned", PALE
-    )
+    model = f"{_model(options.law)}, learned"
+    compensator = sheet.block(Block(78, high, 38), "Friction compensator", model, PALE)
     branch = (8.0, middle)
     sheet.arrow(branch, (branch[0], high), nominal.left)
-    if feed == "nominal":
+    if options.feed == "nominal":
         sheet.arrow(nominal.right, compensator.left)
         sheet.text((51, high + 2.8), r"$v_r$")
     else:
@@ -92,6 +90,11 @@ def _compensated(sheet: Sheet, truth: Mapping[str, float], feed: Feed) -> None:
         ((106, low + 2.8), r"$x_{enc}$"),
     ):
         sheet.text(at, label)
+
+
+def _model(law: str) -> str:
+    """Return the friction law of the compensator, with the paper's equations of LuGre."""
+    return friction_law(law).title + (" (2)–(4)" if law == "lugre" else "")
 
 
 def _nominal_loop(sheet: Sheet, loop: VelocityLoop) -> None:
@@ -153,7 +156,8 @@ def draw_scheme(reproduction: Reproduction) -> Figure:
     nominal = sheet.block(
         Block(36, high, 42), "Nominal velocity loop", "without friction, Fig. 2(b)", PALE
     )
-    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", MODEL, PALE)
+    model = _model(reproduction.options.law)
+    compensator = sheet.block(Block(63, middle, 40), "Friction compensator", model, PALE)
     drive = sheet.block(Block(63, low, 40), "Velocity loop", "drive with friction")
     title = reproduction.algorithm.title.removeprefix("a ").partition(" of ")[0]
     learner = sheet.block(

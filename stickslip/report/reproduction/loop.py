@@ -38,7 +38,7 @@ def design_section(reproduction: Reproduction) -> Section:
         ),
         Illustration(
             "fig2_loops",
-            partial(draw_loops, loop, reproduction.truth, reproduction.options.feed),
+            partial(draw_loops, loop, reproduction.truth, reproduction.options),
             "Block diagrams of the compensated loop and of the nominal loop, and a step response",
             "Fig. 2. (a) The loop with feedforward friction compensation. The compensating force "
             "is called $F_{ff}$ here; the paper calls it $F_c$, as it does Coulomb friction. (b) "

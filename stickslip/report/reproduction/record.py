@@ -55,7 +55,7 @@ def _attribution(reproduction: RecordReproduction) -> Section:
 
 
 def _loops(reproduction: RecordReproduction) -> Section:
-    loop, feed = reproduction.learned.designed.plain, reproduction.options.feed
+    options, loop = reproduction.options, reproduction.learned.designed.plain
     algorithm = reproduction.learned.estimation.algorithm
     return Section(
         "The loops and the search",
@@ -66,7 +66,7 @@ def _loops(reproduction: RecordReproduction) -> Section:
         ),
         Illustration(
             "fig2_loops",
-            partial(draw_loops, loop, reproduction.truth, feed),
+            partial(draw_loops, loop, reproduction.truth, options),
             "Block diagrams of the compensated and the nominal loop, and its step response",
             "Fig. 2. The loops; the velocity filter, which takes the place of the velocity "
             "estimate, is not drawn.",
@@ -75,7 +75,7 @@ def _loops(reproduction: RecordReproduction) -> Section:
             "fig5_fitness",
             partial(draw_course, algorithm, COST),
             "Cost over the generations of the search",
-            f"Fig. 5. The global search: {algorithm.stopped}. The fit that "
-            "follows it has no generations.",
+            f"Fig. 5. The global search: {algorithm.stopped}. The fit that follows it has no "
+            "generations.",
         ),
     )
