@@ -66,7 +66,7 @@ class GeneralComponent:
         self._arrays = arrays
         self._inputs = batches(library, self._owners(inputs), "Set")
         self._outputs = batches(library, self._owners(outputs), "Get")
-        self._starts: tuple[list[Batch], ...] = ()
+        self._start_values: tuple[list[Batch], ...] = ()
         self._names = [variable.name for variable in inputs]
         self._tables: Mapping[str, Table] = {}
         self.c = structures.GeneralComponent(
@@ -133,10 +133,10 @@ class GeneralComponent:
         """Return the address of the function that changes tunable parameters between two steps."""
         return _address(self._kernel.general_tune)
 
-    def start_with(self, structure: list[Batch], starts: list[Batch], late: list[Batch]) -> None:
+    def start_with(self, structure: list[Batch], others: list[Batch], late: list[Batch]) -> None:
         """Take start values from here: of structural parameters, most others, and inputs."""
-        self._starts = (structure, starts, late)
-        self.c.structure, self.c.starts, self.c.late = map(_groups, self._starts)
+        self._start_values = (structure, others, late)
+        self.c.structure, self.c.start_values, self.c.late = map(_groups, self._start_values)
 
     def follow(self, tables: Mapping[str, Table]) -> None:
         """Let inputs, by name, follow tables in their own unit; Model Exchange knows them whole."""

@@ -50,7 +50,7 @@ def split(tables: Tables, layout: Layout, system: System) -> tuple[Tables, Table
             variable = None
         if variable is None or variable.causality != "parameter":
             raise SignalError(
-                f"scenario: {name!r} is no signal of the run that is read or recorded, and no"
+                f"scenario: {name!r} is not a signal of the run that is read or recorded, nor a"
                 f" parameter{suggestion(name, layout.columns)}"
             )
         if variable.variability != "tunable" or not variable.is_signal or variable.array:

@@ -169,7 +169,7 @@ class Fmu(Component):
                 if file.name.casefold() == _DESCRIPTION.casefold()
             ]
             hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
-            raise FmuError(f"{self.path}: {_DESCRIPTION} is missing; this is no FMU{hint}")
+            raise FmuError(f"{self.path}: {_DESCRIPTION} is missing; this is not an FMU{hint}")
         try:
             return read_description(parse_xml((self.folder / _DESCRIPTION).read_bytes()))
         except (Malformed, DescriptionFault) as fault:

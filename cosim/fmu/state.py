@@ -29,7 +29,7 @@ class StateAccess:
     version : of FMI, 2 or 3
     library : of the FMU
     instance : its address
-    on_fatal : is told the name when the FMU answers fatal
+    on_fatal : called with the name when the FMU answers fatal
     """
 
     def __init__(

@@ -127,7 +127,7 @@ class _Served:
         simulation = self._prepared
         report = (lambda t: self._reply(progress=t)) if progress else None
         result: Result = getattr(simulation, how)(**arguments, progress=report)
-        pace = simulation.pace
+        pacing = simulation.pacing
         place = self._room(result.values.shape)
         if place.ctypes.data != result.values.ctypes.data or not result.values.flags.c_contiguous:
             place[:] = result.values.copy()
@@ -138,7 +138,7 @@ class _Served:
             "stopped": result.stopped,
             "sums": result.sum_of_squares,
             "effort": dict(simulation.effort),
-            "pace": pace and [pace.looks, pace.overruns, pace.worst],
+            "pacing": pacing and [pacing.looks, pacing.overruns, pacing.worst],
         }
 
 

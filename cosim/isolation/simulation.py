@@ -23,7 +23,7 @@ from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.isolation.verdict import called
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
-from stickslip.cosim.run.real_time import Pace
+from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.system.coupling import Coupling
@@ -56,7 +56,7 @@ class IsolatedSimulation(Simulation):
         check_memory(n_steps + 1, 1 + len(spec.system.inputs) + layout.kept_per_point(record))
         self.time = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         self.order = [name for members in groups for name in members.components]
-        self.pace = None
+        self.pacing = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
         self._used_again = False  # whether a child has done a second run
@@ -122,7 +122,7 @@ class IsolatedSimulation(Simulation):
         bound.apply_defaults()
         arguments = bound.arguments
         del arguments["self"]
-        self.pace = None
+        self.pacing = None
         progress, real_time = arguments["progress"], arguments["real_time"]
         slack = max(self.spec.step, 1.0) / real_time if real_time and real_time > 0 else 0.0
         if how == "resume":
@@ -149,9 +149,9 @@ class IsolatedSimulation(Simulation):
             self._used_again |= process is self._process and process.runs > 0
             self._living().runs += 1
             self._effort = reply["effort"]
-            if real_time and reply["pace"]:
-                looks, overruns, worst = reply["pace"]
-                self.pace = Pace(real_time, looks=looks, overruns=overruns, worst=worst)
+            if real_time and reply["pacing"]:
+                looks, overruns, worst = reply["pacing"]
+                self.pacing = RealTimePacing(real_time, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:

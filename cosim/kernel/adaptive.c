@@ -22,7 +22,7 @@ static bool is_disturbed(const Run *run, const Component *c, int64_t column) {
 }
 
 /* The greatest miss in tolerances. */
-static double miss(const Run *run) {
+static double prediction_error(const Run *run) {
     const Coupling *k = run->coupling;
     double worst = 0.0;
     for (const Component *c = run->components; c != run->components + k->n_members; c++) {
@@ -66,7 +66,7 @@ bool step_adaptively(Run *run, const double *inputs, double t, double h) {
         k->share = last ? 1.0 : (reached - t) / h;
         interpolate(run, before, inputs, k->share);
         TRY(attempt(run, now, reached - now));
-        const double error = miss(run);
+        const double error = prediction_error(run);
         if (error > 1.0 && k->h > 1.01 * k->min_step) {
             TRY(restore(run, 0, k->n_members));
             k->rejected++;

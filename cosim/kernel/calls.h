@@ -186,19 +186,19 @@ INLINE bool set_start_values(Run *run, const Component *c, bool late) {
 }
 
 INLINE bool enter_initialization(Run *run, const Component *c) {
-    const bool told = c->tolerance > 0.0;
+    const bool has_tolerance = c->tolerance > 0.0;
     if (LIKELY(c->version == 2)) {
         MARK(c, "fmi2SetupExperiment");
-        const fmi2Status status = c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance,
-                                                               run->start, fmi2True, run->stop);
+        const fmi2Status status = c->call.fmi2.SetupExperiment(
+            c->instance, has_tolerance, c->tolerance, run->start, fmi2True, run->stop);
         TRY(passed(run, c, "fmi2SetupExperiment", (int)status) && set_start_values(run, c, false) &&
             CALL_OF(run, c, 2, EnterInitializationMode));
     } else {
         TRY(set_start_values(run, c, false));
         MARK(c, "fmi3EnterInitializationMode");
         TRY(passed(run, c, "fmi3EnterInitializationMode",
-                   (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
-                                                             run->start, true, run->stop)));
+                   (int)c->call.fmi3.EnterInitializationMode(
+                       c->instance, has_tolerance, c->tolerance, run->start, true, run->stop)));
     }
     return set_start_values(run, c, true);
 }

@@ -4,9 +4,9 @@
 static fmi2Status ask(GeneralComponent *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
     AnyCall *call = calling(f, GET_INTERVAL);
     *qualifier = fmi3IntervalNotYetKnown;
-    return noted(f, GET_INTERVAL,
-                 (int)((fmi3GetIntervalDecimalTYPE *)call)(f->instance, &clock->reference, 1,
-                                                           &clock->interval, qualifier));
+    return checked(f, GET_INTERVAL,
+                   (int)((fmi3GetIntervalDecimalTYPE *)call)(f->instance, &clock->reference, 1,
+                                                             &clock->interval, qualifier));
 }
 
 void schedule_ticks(GeneralComponent *f) {
@@ -39,8 +39,8 @@ fmi2Status tick_clocks(GeneralComponent *f) {
         Clock *clock = &f->clocks[i];
         if (is_due(f, clock->next, f->time)) {
             TRY_STATUS(
-                noted(f, SET_CLOCK,
-                      (int)((fmi3SetClockTYPE *)call)(f->instance, &clock->reference, 1, &tick)));
+                checked(f, SET_CLOCK,
+                        (int)((fmi3SetClockTYPE *)call)(f->instance, &clock->reference, 1, &tick)));
         }
     }
     return fmi2OK;

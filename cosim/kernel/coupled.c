@@ -35,14 +35,14 @@ double mean_over(Polynomial p, double h) { return p.a[0] + h * (p.a[1] / 2.0 + h
 static const double END = 0.125;
 
 /* The part of a step for which inputs are set. */
-enum Part { WHOLE, BEGINNING, ENDING };
+enum Part { WHOLE, FIRST_PART, LAST_PART };
 
 /* One value for a part of the step. Those of beginning and end have the mean of the whole. */
 static double held(Polynomial p, const Link *link, enum Part part, double h) {
     switch (part) {
-    case BEGINNING:
+    case FIRST_PART:
         return (mean_over(p, h) - END * value_at(p, h)) / (1.0 - END);
-    case ENDING:
+    case LAST_PART:
         return value_at(p, h);
     default:
         return link->feeds_through ? value_at(p, h) : mean_over(p, h);
@@ -105,9 +105,9 @@ static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
                do_step_over(run, c, c->version, t, h, final);
     }
     const double late = t + (1.0 - END) * h;
-    return set_held_inputs(run, i, t, h, BEGINNING) &&
+    return set_held_inputs(run, i, t, h, FIRST_PART) &&
            do_step_over(run, c, c->version, t, late - t, final) &&
-           set_held_inputs(run, i, t, h, ENDING) &&
+           set_held_inputs(run, i, t, h, LAST_PART) &&
            do_step_over(run, c, c->version, late, t + h - late, final);
 }
 

@@ -25,12 +25,12 @@ struct Integrator {
 
 static fmi2Status exchange(GeneralComponent *f, enum Call place, double *values, size_t n) {
     AnyCall *call = calling(f, place);
-    return noted(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));
+    return checked(f, place, ((int (*)(void *, double *, size_t))call)(f->instance, values, n));
 }
 
 static fmi2Status set_time(GeneralComponent *f, double t) {
     AnyCall *call = calling(f, SET_TIME);
-    return noted(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
+    return checked(f, SET_TIME, ((int (*)(void *, double))call)(f->instance, t));
 }
 
 /* How many of the times are not after t. */
@@ -113,7 +113,7 @@ static fmi2Status set_point(GeneralComponent *f, double t, double *x) {
     return f->integrator->moving ? set_moving_inputs(f, t) : fmi2OK;
 }
 
-/* What CVode is told: 0 done, 1 try a smaller step, -1 give up. */
+/* What CVode is given: 0 done, 1 try a smaller step, -1 give up. */
 static int answer(GeneralComponent *f, fmi2Status status) {
     f->integrator->status = status;
     if (status == fmi2Discard) { /* it may yet come right */
@@ -144,8 +144,8 @@ static int indicators(double t, void *states, double *z, void *component) {
     return answer(f, status);
 }
 
-static void complain(int line, const char *function, const char *file, const char *message,
-                     int code, void *component, void *context) {
+static void store_message(int line, const char *function, const char *file, const char *message,
+                          int code, void *component, void *context) {
     GeneralComponent *f = component;
     (void)line, (void)file, (void)code, (void)context;
     if (f->log.severity < fmi2Error) {
@@ -195,7 +195,7 @@ static fmi2Status count(GeneralComponent *f, enum Call place, size_t *n) {
     if (f->version == 2) {
         return fmi2OK; /* the description says */
     }
-    return noted(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
+    return checked(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
 }
 
 void seek_jump(GeneralComponent *f) {
@@ -222,17 +222,17 @@ fmi2Status begin_exchange(GeneralComponent *f) {
         return solver_failed(f);
     }
     if (f->n_states > MOST_STATES || f->n_indicators > MOST_STATES) {
-        return blamed(f, f->n_states > MOST_STATES ? COUNT_STATES : COUNT_INDICATORS,
-                      OUT_OF_MEMORY);
+        return failed_by(f, f->n_states > MOST_STATES ? COUNT_STATES : COUNT_INDICATORS,
+                         OUT_OF_MEMORY);
     }
     in->n = f->n_states ? f->n_states : 1;
     in->begin = f->time;
     cvode->SUNContext_ClearErrHandlers(in->context);
-    cvode->SUNContext_PushErrHandler(in->context, complain, f);
+    cvode->SUNContext_PushErrHandler(in->context, store_message, f);
     in->states = cvode->N_VNew_Serial((int64_t)in->n, in->context);
     in->tolerances = cvode->N_VNew_Serial((int64_t)in->n, in->context);
     if (!in->states || !in->tolerances) {
-        return blamed(f, GET_STATES, OUT_OF_MEMORY);
+        return failed_by(f, GET_STATES, OUT_OF_MEMORY);
     }
     in->x = cvode->N_VGetArrayPointer_Serial(in->states);
     in->atol = cvode->N_VGetArrayPointer_Serial(in->tolerances);
@@ -298,8 +298,8 @@ static fmi2Status completed_step(GeneralComponent *f, bool *event) {
             (int)((fmi3CompletedIntegratorStepTYPE *)call)(f->instance, true, &enter, &terminate);
     }
     *event = *event || enter;
-    TRY_STATUS(noted(f, COMPLETED_STEP, status));
-    return terminate ? blamed(f, COMPLETED_STEP, TERMINATED) : fmi2OK;
+    TRY_STATUS(checked(f, COMPLETED_STEP, status));
+    return terminate ? failed_by(f, COMPLETED_STEP, TERMINATED) : fmi2OK;
 }
 
 /* CVode may look beyond target, and is the more accurate for it, where nothing happens there: not
@@ -414,7 +414,7 @@ fmi2Status step_exchange(GeneralComponent *f, double t, double h) {
         const double next = fmin(fmin(f->next_event, f->next_tick), f->next_jump);
         bool event = false;
         if (i == MAX_EVENTS) {
-            return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+            return failed_by(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
         }
         TRY_STATUS(
             integrate(f, next < in->end && !is_due(f, in->end, next) ? next : in->end, &event));

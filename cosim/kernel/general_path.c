@@ -16,7 +16,7 @@ AnyCall *calling(const GeneralComponent *f, enum Call place) {
 }
 #endif
 
-/* A warning is noted here and OK for the kernel. */
+/* A warning is checked here and OK for the kernel. */
 fmi2Status answered(GeneralComponent *f, const char *call, int status) {
     restore_sums();
     if (status == fmi2OK) {
@@ -37,18 +37,18 @@ fmi2Status answered(GeneralComponent *f, const char *call, int status) {
     return (fmi2Status)status;
 }
 
-fmi2Status noted(GeneralComponent *f, enum Call place, int status) {
+fmi2Status checked(GeneralComponent *f, enum Call place, int status) {
     return answered(f, NAMES[f->version - 2][place], status);
 }
 
-fmi2Status blamed(GeneralComponent *f, enum Call place, int reason) {
+fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason) {
     f->called = NAMES[f->version - 2][place];
     f->log.reason = reason;
     return (fmi2Status)reason;
 }
 
 fmi2Status plain(GeneralComponent *f, enum Call place) {
-    return noted(f, place, ((int (*)(void *))calling(f, place))(f->instance));
+    return checked(f, place, ((int (*)(void *))calling(f, place))(f->instance));
 }
 
 fmi2Component general_Instantiate(fmi2String name, fmi2Type type, fmi2String token,
@@ -97,7 +97,7 @@ fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, f
     GeneralComponent *f = c;
     f->time = f->start = start;
     f->stop = stop;
-    f->told_tolerance = has_tolerance ? tolerance : 0.0;
+    f->own_tolerance = has_tolerance ? tolerance : 0.0;
     f->next_event = f->next_tick = INFINITY;
     f->running = 0;
     f->called = NULL;
@@ -105,9 +105,9 @@ fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, f
         return fmi2OK;
     }
     AnyCall *call = calling(f, SETUP_EXPERIMENT);
-    return noted(f, SETUP_EXPERIMENT,
-                 (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
-                                                        start, has_stop, stop));
+    return checked(f, SETUP_EXPERIMENT,
+                   (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
+                                                          start, has_stop, stop));
 }
 
 fmi2Status general_EnterInitializationMode(fmi2Component c) {
@@ -117,15 +117,15 @@ fmi2Status general_EnterInitializationMode(fmi2Component c) {
         TRY_STATUS(set_groups(f, &f->structure));
         TRY_STATUS(plain(f, EXIT_CONFIGURATION));
     }
-    TRY_STATUS(set_groups(f, &f->starts));
+    TRY_STATUS(set_groups(f, &f->start_values));
     if (f->version == 2) {
         TRY_STATUS(plain(f, ENTER_INITIALIZATION));
     } else {
         AnyCall *call = calling(f, ENTER_INITIALIZATION);
-        TRY_STATUS(noted(
+        TRY_STATUS(checked(
             f, ENTER_INITIALIZATION,
             (int)((fmi3EnterInitializationModeTYPE *)call)(
-                f->instance, f->told_tolerance > 0.0, f->told_tolerance, f->start, true, f->stop)));
+                f->instance, f->own_tolerance > 0.0, f->own_tolerance, f->start, true, f->stop)));
     }
     return set_groups(f, &f->late);
 }
@@ -170,8 +170,8 @@ static fmi2Status update_once(GeneralComponent *f, bool *again, bool *terminate)
     }
     f->states_changed = f->states_changed || nominals || states;
     f->next_event = defined ? next : INFINITY;
-    TRY_STATUS(noted(f, UPDATE_DISCRETE_STATES, status));
-    return isnan(f->next_event) ? blamed(f, UPDATE_DISCRETE_STATES, NO_SUCH_TIME) : fmi2OK;
+    TRY_STATUS(checked(f, UPDATE_DISCRETE_STATES, status));
+    return isnan(f->next_event) ? failed_by(f, UPDATE_DISCRETE_STATES, NO_SUCH_TIME) : fmi2OK;
 }
 
 /* Until nothing is due any more. */
@@ -182,14 +182,14 @@ fmi2Status update_discrete_states(GeneralComponent *f) {
         TRY_STATUS(again ? fmi2OK : tick_clocks(f));
         TRY_STATUS(update_once(f, &again, &terminate));
         if (terminate) {
-            return blamed(f, UPDATE_DISCRETE_STATES, TERMINATED);
+            return failed_by(f, UPDATE_DISCRETE_STATES, TERMINATED);
         }
         TRY_STATUS(again ? fmi2OK : after_ticks(f));
         if (!again && !is_due(f, f->next_tick, f->time)) {
             return fmi2OK;
         }
     }
-    return blamed(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
+    return failed_by(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
 }
 
 fmi2Status handle_event(GeneralComponent *f, bool with_inputs) {
@@ -232,15 +232,15 @@ static fmi2Status step_fmi3(GeneralComponent *f, double t, double h) {
         const Answers *answers = &f->answers;
         const double reached = answers->last_successful_time;
         if (answers->early && !(reached >= t && reached <= end + f->near)) {
-            return blamed(f, DO_STEP, NO_SUCH_TIME);
+            return failed_by(f, DO_STEP, NO_SUCH_TIME);
         }
         const bool whole = !answers->early || end - reached <= rounding_of(end);
         f->time = whole ? end : reached;
         if (answers->terminate) {
-            return blamed(f, DO_STEP, TERMINATED);
+            return failed_by(f, DO_STEP, TERMINATED);
         }
         if (answers->early && !f->event_mode) {
-            return blamed(f, DO_STEP, RETURNED_EARLY);
+            return failed_by(f, DO_STEP, RETURNED_EARLY);
         }
         if (f->event_mode && (answers->event_handling_needed || is_due(f, f->next_tick, f->time))) {
             TRY_STATUS(handle_event(f, false));
@@ -251,7 +251,7 @@ static fmi2Status step_fmi3(GeneralComponent *f, double t, double h) {
         t = f->time;
         h = last - t;
     }
-    return blamed(f, DO_STEP, TOO_MANY_EVENTS);
+    return failed_by(f, DO_STEP, TOO_MANY_EVENTS);
 }
 
 fmi2Status general_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {

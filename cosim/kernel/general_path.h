@@ -125,9 +125,9 @@ typedef struct {
     int64_t event_mode;  /* Co-Simulation: eventModeUsed and earlyReturnAllowed */
     int64_t notes_steps; /* Model Exchange: CompletedIntegratorStep is needed */
     AnyCall *call[N_CALLS];
-    Groups structure; /* start values of structural parameters */
-    Groups starts;    /* of all others */
-    Groups late;      /* those of inputs, set in Initialization Mode */
+    Groups structure;    /* start values of structural parameters */
+    Groups start_values; /* of all others */
+    Groups late;         /* those of inputs, set in Initialization Mode */
     Groups inputs, outputs;
     const Port *input_ports, *output_ports;
     size_t n_inputs;
@@ -137,7 +137,7 @@ typedef struct {
     const Course *courses;  /* n_inputs, Model Exchange */
     const Cvode *cvode;     /* Model Exchange */
     double tolerance; /* relative, of Model Exchange; times the nominal value the absolute one */
-    double told_tolerance; /* Co-Simulation: 0 where the FMU is not told one */
+    double own_tolerance; /* Co-Simulation: 0 where the FMU is given none */
     size_t n_states, n_indicators;
     void *instance;
     Integrator *integrator;
@@ -168,9 +168,9 @@ AnyCall *calling(const GeneralComponent *f, enum Call place);
 #define calling(f, place) ((f)->call[place])
 #endif
 fmi2Status plain(GeneralComponent *f, enum Call place);
-fmi2Status noted(GeneralComponent *f, enum Call place, int status);     /* what the FMU returned */
+fmi2Status checked(GeneralComponent *f, enum Call place, int status);   /* what the FMU returned */
 fmi2Status answered(GeneralComponent *f, const char *call, int status); /* likewise */
-fmi2Status blamed(GeneralComponent *f, enum Call place, int reason);    /* a Reason */
+fmi2Status failed_by(GeneralComponent *f, enum Call place, int reason); /* a Reason */
 fmi2Status step_once(GeneralComponent *f, double t,
                      double h); /* DoStep; its answers are in answers */
 fmi2Status get_state(GeneralComponent *f, void **state);

@@ -76,8 +76,9 @@ void take_stray(Log *log) {
     stray.log.severity = 0;
 }
 
-static bool graver(Log *log, int status) {
-    status = (unsigned)status > fmi2Pending ? fmi2Pending : status; /* none is no less grave */
+static bool more_severe(Log *log, int status) {
+    status = (unsigned)status > fmi2Pending ? fmi2Pending
+                                            : status; /* an unknown status is as severe as any */
     if (status <= log->severity) {
         return false;
     }
@@ -102,7 +103,7 @@ static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2
     (void)name;
     if (message && writes(message)) {
         log_fmi3(environment, (fmi3Status)status, category, message);
-    } else if (message && graver(log, (int)status)) {
+    } else if (message && more_severe(log, (int)status)) {
         va_list values;
         va_start(values, message);
         vsnprintf(log->message, sizeof log->message, message, values);
@@ -114,7 +115,7 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
               fmi3String message) {
     Log *log = log_of(environment);
     (void)category;
-    if (message && graver(log, (int)status)) {
+    if (message && more_severe(log, (int)status)) {
         snprintf(log->message, sizeof log->message, "%s", message);
     }
 }

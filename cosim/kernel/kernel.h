@@ -110,7 +110,7 @@ typedef struct {
     int32_t severity;
     int32_t reason;     /* of the general path's own, when it is what failed */
     int32_t unknown;    /* the status that no standard has, when that is why */
-    char message[1024]; /* the gravest */
+    char message[1024]; /* the most severe */
     int64_t warnings;   /* calls that returned warning; of the first of them: */
     const char *warned;
     double warned_at; /* s */
@@ -144,7 +144,7 @@ typedef struct {
     Log *log;
     size_t n_disturbances;
     Disturbance *disturbances;
-    double tolerance; /* relative, of its own solver; 0 where it is not told one */
+    double tolerance; /* relative, of its own solver; 0 where it is given none */
 } Component;
 
 /* What FMI 3.0 FMUs say about their last step. They need to be asked for all of it, but not to be

@@ -123,8 +123,8 @@ static double norm(const Loop *loop, const double *r, const double *w) {
     return result;
 }
 
-/* dw = - inverse r. Whether it is within the tolerance; the worst is noted. */
-static bool propose(Loop *loop) {
+/* dw = - inverse r. Whether it is within the tolerance; the worst is checked. */
+static bool newton_step(Loop *loop) {
     const Work x = view(loop);
     const int64_t n = loop->n;
     double worst = -1.0;
@@ -170,7 +170,7 @@ bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
             loop->change = x.r[0];
             return unsolved(run, loop);
         }
-        if (propose(loop) && known && (error <= loop->tolerance || !falling)) {
+        if (newton_step(loop) && known && (error <= loop->tolerance || !falling)) {
             return true; /* w is found, and G(w) as near as rounding lets it come */
         }
         if (k == loop->max_iterations) {
@@ -188,7 +188,7 @@ bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
         const double before = error;
         error = norm(loop, x.r, x.w);
         falling = error < 0.5 * before;
-        loop->known = falling || propose(loop);
+        loop->known = falling || newton_step(loop);
     }
     return true;
 }

@@ -144,7 +144,7 @@ static bool trace_back(Run *run, int64_t first) {
     return false;
 }
 
-/* Note which components have moved in the rows first to last; one that is noted is not looked at.
+/* Note which components have moved in the rows first to last; one that is checked is not looked at.
  */
 static void note_moved(Run *run, int64_t first, int64_t last) {
     for (int64_t i = 0; run->moved && i < run->n_components; i++) {

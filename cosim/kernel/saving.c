@@ -15,12 +15,12 @@ static size_t inputs_size(const GeneralComponent *f) { return f->n_inputs * size
 static size_t clocks_size(const GeneralComponent *f) { return f->n_clocks * sizeof(Clock); }
 
 fmi2Status get_state(GeneralComponent *f, void **state) {
-    TRY_STATUS(noted(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, state)));
-    return *state ? fmi2OK : blamed(f, GET_STATE, NO_STATE);
+    TRY_STATUS(checked(f, GET_STATE, ((StateCall *)calling(f, GET_STATE))(f->instance, state)));
+    return *state ? fmi2OK : failed_by(f, GET_STATE, NO_STATE);
 }
 
 fmi2Status set_state(GeneralComponent *f, void *state) {
-    return noted(f, SET_STATE, ((RestoreCall *)calling(f, SET_STATE))(f->instance, state));
+    return checked(f, SET_STATE, ((RestoreCall *)calling(f, SET_STATE))(f->instance, state));
 }
 
 /* As the standard wants it, *state is NULL or an earlier one, which is overwritten. */
@@ -31,7 +31,7 @@ fmi2Status general_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
         saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f) + clocks_size(f));
     }
     if (!saved) {
-        return blamed(f, GET_STATE, OUT_OF_MEMORY);
+        return failed_by(f, GET_STATE, OUT_OF_MEMORY);
     }
     saved->time = f->time;
     saved->next_event = f->next_event;
@@ -73,7 +73,7 @@ fmi2Status general_FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     if (saved) {
         if (saved->state && f->instance) {
             StateCall *call = (StateCall *)calling(f, FREE_STATE);
-            status = noted(f, FREE_STATE, call(f->instance, &saved->state));
+            status = checked(f, FREE_STATE, call(f->instance, &saved->state));
         }
         free(saved);
     }

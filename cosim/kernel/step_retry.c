@@ -18,7 +18,7 @@ static int do_step(GeneralComponent *f, double t, double h) {
 
 fmi2Status step_once(GeneralComponent *f, double t, double h) {
     if (!f->retries_steps) {
-        return noted(f, DO_STEP, do_step(f, t, h));
+        return checked(f, DO_STEP, do_step(f, t, h));
     }
     for (int done = 0, parts = 1; done < parts;) {
         const double from = t + h * done / parts, to = t + h * (done + 1) / parts;
@@ -30,7 +30,7 @@ fmi2Status step_once(GeneralComponent *f, double t, double h) {
             done *= 2;
             continue;
         }
-        TRY_STATUS(noted(f, DO_STEP, status));
+        TRY_STATUS(checked(f, DO_STEP, status));
         if (f->answers.terminate || f->answers.early ||
             (f->event_mode && f->answers.event_handling_needed)) {
             f->answers.early = f->answers.early || done + 1 < parts;

@@ -24,7 +24,7 @@ from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.unrolled import unroll
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.exclusive import Exclusive
-from stickslip.cosim.run.real_time import Pace
+from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.coupling import Coupling
@@ -49,7 +49,7 @@ class Prepared:
 
     def __init__(self, spec: Specification, room: Room = np.empty) -> None:
         self.spec = spec
-        self.pace: Pace | None = None
+        self.pacing: RealTimePacing | None = None
         self._room = room
         self._variables: dict[str, Variable] = {}  # those that runs have set
         self._retries: set[str] = set()  # components that discarded a step and can take it back

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 
 @dataclass
-class Pace:
+class RealTimePacing:
     """Keeps step with the clock and notes where that failed.
 
     Attributes

@@ -31,7 +31,7 @@ class Simulation(Repeated):
     spec : Specification
     time : (n_steps + 1,) float64, s
     order : names of the components as they step
-    pace : how well the last run kept real time, None when it did not have to
+    pacing : how well the last run kept real time, None when it did not have to
     """
 
     def run(
@@ -60,7 +60,7 @@ class Simulation(Repeated):
         scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
-        real_time : simulated s per s; as fast as can be if left out. ``pace`` tells how well the
+        real_time : simulated s per s; as fast as can be if left out. ``pacing`` tells how well the
             clock was kept
         progress : is called with the time reached (s) now and then
 

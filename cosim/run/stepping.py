@@ -17,7 +17,7 @@ from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationEr
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.prepared import Prepared
-from stickslip.cosim.run.real_time import Pace
+from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.termination import last_outputs, terminated
 from stickslip.cosim.signals.scenario import Scenario
@@ -130,11 +130,11 @@ class Stepping(Prepared):
         """Step to the last of the points in time, and look up on the way if asked to."""
         if real_time is not None and not 0 < real_time < math.inf:
             raise ExperimentError(f"real_time is {real_time}, expected a positive number")
-        self.pace = None if real_time is None else Pace(real_time)
+        self.pacing = None if real_time is None else RealTimePacing(real_time)
         look = last - first
-        if self.pace:
-            look = max(1, round(self.pace.interval / self.spec.step))
-            self.pace.begin(self.time[first])
+        if self.pacing:
+            look = max(1, round(self.pacing.interval / self.spec.step))
+            self.pacing.begin(self.time[first])
         elif progress:
             look = max(1, look // 100)
         halt = first
@@ -143,8 +143,8 @@ class Stepping(Prepared):
                 halt = min(halt + look, last)
                 if end := self._advance(halt):
                     return self._ended(end, first)
-                if self.pace:
-                    self.pace.keep(self.time[halt])
+                if self.pacing:
+                    self.pacing.keep(self.time[halt])
                 if progress:
                     progress(float(self.time[halt]))
         finally:

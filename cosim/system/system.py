@@ -313,14 +313,14 @@ class System:
         coupling : a Coupling, or the name of its method: ``gauss_seidel`` steps components in the
             order of their direct feedthrough, each seeing what was computed before it; ``jacobi``
             delays every connection by one step; ``iterative`` repeats steps until all agree
-        constant_step : whether the FMUs are told ``step``, to the bit, as their step size. By
-            default they are told the distance of the two points in time (as FMPy does), so that
+        constant_step : whether the FMUs are given exactly ``step`` as their step size. By
+            default they are given the distance of the two points in time (as FMPy does), so that
             point and step size add up exactly
         compiled : whether to compile the steps of this system into C of their own: about a second
             once, then up to a sixth less for cheap FMUs. The values are the same
         tolerance : relative, of the solver of Model Exchange and of those within FMUs.
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
-            takes 1e-5 (as FMPy does) and Co-Simulation is told none
+            takes 1e-5 (as FMPy does) and Co-Simulation is given none
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
         isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
             an Isolation says how long and how much memory they may take

@@ -86,7 +86,7 @@ def _simulate(options: argparse.Namespace) -> None:
             result = simulation.run(**how)
         if options.save:
             simulation.save(options.save)
-        pace = simulation.pace
+        pacing = simulation.pacing
     if options.out:
         write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv
         write(options.out)
@@ -94,8 +94,8 @@ def _simulate(options: argparse.Namespace) -> None:
     for name in result.names if len(result.time) else ():  # a resumed run may keep no point
         signal, unit = result[name], result.units[name] or ""
         print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
-    if pace:
+    if pacing:
         print(
-            f"real time: late {pace.overruns} of {pace.looks} times by more than"
-            f" {pace.interval} s, at most {max(0.0, pace.worst):.3g} s"
+            f"real time: late {pacing.overruns} of {pacing.looks} times by more than"
+            f" {pacing.interval} s, at most {max(0.0, pacing.worst):.3g} s"
         )

@@ -77,7 +77,7 @@ def test_events_on_one_signal_act_in_their_order(simulation):
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
-        (Scenario().set("sensor.z", 1.0, at=0.0), "no signal of the run"),
+        (Scenario().set("sensor.z", 1.0, at=0.0), "not a signal of the run"),
         (Scenario().override("x", np.nan), "not finite"),
         (Scenario().override("x", np.zeros(3)), "shape"),
     ],

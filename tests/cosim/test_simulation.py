@@ -1,9 +1,7 @@
 from __future__ import annotations
 
 import gc
-import pickle
 import signal
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -75,14 +73,6 @@ def test_run_parameters_hold_for_one_run(oscillator):
     assert not np.array_equal(fresh, other)
 
 
-def test_start_values_of_every_type_arrive(make):
-    for version in (2, 3):
-        system = cosim.System()
-        system.add("a", make("gain", version), {"n": 4, "flag": True, "text": "ab"})
-        result = system.prepare(step=0.1, stop=1.0).run()
-        assert set(result["a.sum"]) == {214.0}
-
-
 def test_an_input_left_out_keeps_its_start_value(make):
     system = cosim.System()
     system.add("a", make("gain"), {"u": 5.0})
@@ -91,29 +81,11 @@ def test_an_input_left_out_keeps_its_start_value(make):
     assert set(system.prepare(step=0.1, stop=1.0).run({"a.u": 7.0})["a.y"]) == {7.0}
 
 
-def test_specification_pickles_and_prepares_the_same(oscillator):
-    simulation = oscillator.prepare(step=1e-2, stop=1.0)
-    twin = pickle.loads(pickle.dumps(simulation.spec)).prepare()  # noqa: S301 - our own bytes
-    np.testing.assert_array_equal(simulation.run().values, twin.run().values)
-
-
 def test_a_changed_system_does_not_change_what_was_prepared(oscillator):
     simulation = oscillator.prepare(step=1e-2, stop=1.0)
     before = simulation.run().values
     oscillator.set("spring.k", -9.0)
     np.testing.assert_array_equal(simulation.run().values, before)
-
-
-def test_threads_run_side_by_side_with_equal_results(oscillator):
-    spec = oscillator.prepare(step=1e-3, stop=5.0).spec
-
-    def work(k):
-        with spec.prepare() as simulation:
-            return [simulation.run({"spring.k": k}).values[-1, 0] for _ in range(5)]
-
-    alone = [work(k) for k in (-1.0, -2.0, -3.0)]
-    with ThreadPoolExecutor(3) as pool:
-        assert list(pool.map(work, (-1.0, -2.0, -3.0))) == alone
 
 
 def test_a_closed_simulation_runs_again(oscillator):

@@ -101,12 +101,6 @@ def test_start_values_that_cannot_be(system, name, value, message):
         system.set(name, value)
 
 
-def test_text_is_read_as_the_type_that_is_due(system):
-    for name, text, value in (("k", "2.5", 2.5), ("n", "3", 3), ("flag", "true", True)):
-        system.set(f"drive.{name}", text)
-        assert system.parameters[f"drive.{name}"] == value
-
-
 def test_pickles(system):
     system.connect("drive.y", "controller.u")
     system.expose("force", "drive.u")

@@ -44,7 +44,7 @@ def _system(name: str, about: str, says: str, ssd: str, command: str = "simulate
 _ROOT = f'<s:SystemStructureDescription xmlns:s="{_SSD}" version="1.0" name="a">'
 
 _FILES = [
-    _packed("missing", "no description", "is missing; this is no FMU", lambda: members(2, [DESCRIPTION])),
+    _packed("missing", "no description", "is missing; this is not an FMU", lambda: members(2, [DESCRIPTION])),
     _packed("wrong-case", "ModelDescription.xml", "there is 'ModelDescription.xml'", lambda: _elsewhere("ModelDescription.xml")),
     _packed("in-a-folder", "packed with its folder", "there is 'model/modelDesc", lambda: _elsewhere(f"model/{DESCRIPTION}")),
     _packed("two", "two descriptions", "occurs twice", lambda: [*members(), *_elsewhere(DESCRIPTION)[:1]]),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import one
+from tests.cosim.single import by_fmpy, one
 
 MATRIX = np.array([[-1.0, 0.5, 0.0], [0.0, -2.0, 1.0], [0.3, 0.0, -0.5]])
 
@@ -20,14 +19,9 @@ def test_arrays_as_start_values_equal_fmpy(export):
     x0 = [1.0, 2.0, 3.0]
     system = system_of(export, {"A": MATRIX, "x0": x0, "u": (0.1, 0.2, 0.3)})
     ours = system.prepare(step=0.125, stop=2.0).run()
-    theirs = fmpy.simulate_fmu(
-        str(export("state_space", 3, "CS")),
-        stop_time=2.0,
-        output_interval=0.125,
-        step_size=0.125,
-        start_values={"A": MATRIX.reshape(-1), "x0": x0, "u": [0.1, 0.2, 0.3]},
-        output=["y"],
-    )
+    starts = {"A": MATRIX.reshape(-1), "x0": x0, "u": [0.1, 0.2, 0.3]}
+    path = export("state_space", 3, "CS")
+    theirs = by_fmpy(path, 0.125, 2.0, "y", step_size=0.125, start_values=starts)
     assert ours.names == ("a.y[1]", "a.y[2]", "a.y[3]")
     np.testing.assert_array_equal(ours["a.y"], theirs["y"])
 

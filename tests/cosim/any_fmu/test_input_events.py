@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
 from stickslip.cosim.signals.span import slack
-from tests.cosim.single import one
+from tests.cosim.single import by_fmpy, one
 
 STEP, STOP = 0.1, 2.0
 KINDS = {"force": "f8", "trigger": "?"}
@@ -23,13 +22,9 @@ def both(path, name, time, values, kind="CoSimulation", **prepared):
     model = path.stem
     system = one(path)
     system.expose("u", f"a.{name}")
-    table = np.array(
-        list(zip(time, values, strict=True)), dtype=[("time", "f8"), (name, KINDS[name])]
-    )
-    theirs = fmpy.simulate_fmu(
-        str(path), fmi_type=kind, stop_time=STOP, output_interval=STEP, input=table,
-        output=OUTPUTS[model], record_events=False, relative_tolerance=prepared.get("tolerance"),
-    )  # fmt: skip
+    signals = [time, (name, KINDS[name], values)]
+    how = {"record_events": False, "relative_tolerance": prepared.get("tolerance")}
+    theirs = by_fmpy(path, STEP, STOP, *OUTPUTS[model], inputs=signals, fmi_type=kind, **how)
     with system.prepare(step=STEP, stop=STOP, **prepared) as simulation:
         ours = simulation.run(inputs={"u": cosim.Table(time, values)})
     regular = [np.argmin(abs(theirs["time"] - t)) for t in ours.time]

@@ -91,7 +91,7 @@ def test_changes_go_on_in_a_resumed_run(export, tmp_path):
     [
         (Scenario().set("a.fault_time", 1.0, 0.5), "a.fault_time is a fixed parameter"),
         (Scenario().set("a.k", 1e9, 0.5), "outside its range -1000.0 .. 1000.0"),
-        (Scenario().set("a.q", 1.0, 0.5), "no signal of the run .* and no parameter"),
+        (Scenario().set("a.q", 1.0, 0.5), "not a signal of the run .* nor a parameter"),
         (Scenario().set("a.text", 1.0, 0.5), "a.text is a fixed parameter"),
     ],
 )

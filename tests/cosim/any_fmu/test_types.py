@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import one
+from tests.cosim.single import by_fmpy, one
 
 ALL = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64"]
 ALL += ["UInt64", "Boolean", "Enumeration", "discrete"]
@@ -25,18 +24,8 @@ def test_a_signal_of_any_type_equals_fmpy(export, version, name):
     with system.prepare(step=0.1, stop=1.0) as simulation:
         ours = simulation.run(inputs={"u": cosim.Table(time, values)})
     kind = {"Float64": "f8", "Float32": "f4", "discrete": "f8", "Boolean": "?"}.get(name, "i8")
-    table = np.array(
-        list(zip(time, values, strict=True)), dtype=[("time", "f8"), (f"{name}_in", kind)]
-    )
-    theirs = fmpy.simulate_fmu(
-        str(path),
-        fmi_type="CoSimulation",
-        stop_time=1.0,
-        output_interval=0.1,
-        step_size=0.1,
-        input=table,
-        output=[f"{name}_out"],
-    )
+    signals = [time, (f"{name}_in", kind, values)]
+    theirs = by_fmpy(path, 0.1, 1.0, f"{name}_out", inputs=signals, step_size=0.1)
     np.testing.assert_array_equal(ours[f"a.{name}_out"], theirs[f"{name}_out"].astype(float))
 
 
@@ -86,14 +75,10 @@ def test_the_ends_of_64_bits_are_reached(export):
         system.expose(name, f"a.{name}_in")
     with system.prepare(step=0.5, stop=2.0) as simulation:
         ours = simulation.run(inputs={n: cosim.Table([0.0, 1.0], x) for n, x in ends.items()})
-    table = np.array(
-        [(0.0, -(2**63), 0), (1.0, 2**63 - 1, 2**64 - 1)],
-        dtype=[("time", "f8"), ("Int64_in", "i8"), ("UInt64_in", "u8")],
-    )
-    theirs = fmpy.simulate_fmu(
-        str(path), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.5, input=table,
-        output=["Int64_out", "UInt64_out"],
-    )  # fmt: skip
+    kinds = {"Int64": "i8", "UInt64": "u8"}
+    signals = [(f"{name}_in", kinds[name], values) for name, values in ends.items()]
+    outputs = [f"{name}_out" for name in ends]
+    theirs = by_fmpy(path, 0.5, 2.0, *outputs, inputs=[[0.0, 1.0], *signals])
     for name in ends:
         np.testing.assert_array_equal(ours[f"a.{name}_out"], theirs[f"{name}_out"].astype(float))
 

@@ -110,7 +110,7 @@ def test_state_progress_and_pace(tmp_path):
         assert reached[-1] == STOP
         assert reached == sorted(reached)
         there.run(inputs={"u": 20.0}, real_time=50.0)
-        assert there.pace.looks == 50
+        assert there.pacing.looks == 50
 
 
 def test_mistakes_of_the_caller_are_those_of_the_caller(fmus):

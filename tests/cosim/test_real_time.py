@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cosim.run.real_time import Pace
+from stickslip.cosim.run.real_time import RealTimePacing
 
 
 @pytest.fixture
@@ -18,24 +18,24 @@ def simulation(make):
 
 def test_real_time_passes_as_fast_as_asked_and_changes_no_value(simulation):
     free = simulation.run(inputs={"x": np.sin})
-    assert simulation.pace is None
+    assert simulation.pacing is None
     paced = simulation.run(inputs={"x": np.sin}, real_time=2.0)
     np.testing.assert_array_equal(paced.values, free.values)
-    assert simulation.pace.looks == 10
-    assert simulation.pace.clock() - simulation.pace._start >= 0.05
+    assert simulation.pacing.looks == 10
+    assert simulation.pacing.clock() - simulation.pacing._start >= 0.05
 
 
 def test_overruns_are_counted_and_the_worst_is_kept():
     now = [0.0]
     slept = []
-    pace = Pace(1.0, clock=lambda: now[0], sleep=slept.append)
-    pace.begin(5.0)
+    pacing = RealTimePacing(1.0, clock=lambda: now[0], sleep=slept.append)
+    pacing.begin(5.0)
     for clock, t in ((0.005, 5.01), (0.02, 5.02), (0.05, 5.03), (0.045, 5.04)):
         now[0] = clock
-        pace.keep(t)
+        pacing.keep(t)
     assert slept == [pytest.approx(0.005)]
-    assert (pace.looks, pace.overruns) == (4, 1)
-    assert pace.worst == pytest.approx(0.02)
+    assert (pacing.looks, pacing.overruns) == (4, 1)
+    assert pacing.worst == pytest.approx(0.02)
 
 
 def test_progress_is_told_the_time_reached(simulation):
