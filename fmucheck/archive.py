@@ -47,7 +47,7 @@ class Archive:
 
     @property
     def files(self) -> list[zipfile.ZipInfo]:
-        """The members that are no folders."""
+        """The members that are files."""
         return [m for m in self.members if not m.orig_filename.endswith("/")]
 
     @property
@@ -93,8 +93,8 @@ def read_archive(path: Path) -> Archive:
             if len(archive.members) != stated:
                 archive.fault = f"{len(archive.members)} members listed, {stated} stated at its end"
     except (*FAULTS, OSError) as fault:
-        said = getattr(fault, "strerror", None) or str(fault)
-        archive.fault = said.partition(";")[0]  # the advice of a rule follows
+        message = getattr(fault, "strerror", None) or str(fault)
+        archive.fault = message.partition(";")[0]  # the advice of a rule follows
     return archive
 
 
@@ -132,7 +132,7 @@ _LONGEST = 200  # characters of a path
 
 @error("2.3", "2.5", "export the FMU again; it must be a zip archive")
 def not_a_zip(archive: Archive) -> Claims:
-    """The file is no zip archive, or cannot be read."""
+    """The file is not a zip archive, or cannot be read."""
     if archive.fault and not archive.is_zip:
         yield str(archive.path), archive.fault
 

@@ -134,12 +134,12 @@ def unknown_platform(fmu: Fmu) -> Claims:
     """A folder below binaries/ has a name that the standard does not define."""
     for folder in folders(fmu):
         if target(folder, fmu.description.version) is None:
-            yield f"binaries/{folder}", "is no platform of the standard; it was not looked at"
+            yield f"binaries/{folder}", "is not a platform of the standard; it was not checked"
 
 
 @error("2.3", "2.5.1.4", "build it as a shared library")
 def not_a_library(fmu: Fmu) -> Claims:
-    """A binary is no shared library at all."""
+    """A binary is not a shared library."""
     for _, _, name in binaries(fmu):
         if name in fmu.members:
             try:
@@ -150,7 +150,7 @@ def not_a_library(fmu: Fmu) -> Claims:
 
 @error("2.3", "2.5.1.4", "put it into the folder of its platform")
 def wrong_architecture(fmu: Fmu) -> Claims:
-    """A binary is built for another system or processor than its folder says."""
+    """A binary is built for another system or processor than that of its folder."""
     for tuple_, _, name, library in _libraries(fmu):
         # FMI 2.0 has one folder for macOS, older than its second processor.
         mac = fmu.description.version == 2 and tuple_.endswith("-darwin")

@@ -54,7 +54,7 @@ def schemas() -> Path:
 
 
 def violations(document: Document, schema: str) -> list[tuple[str, str]]:
-    """Return place and message of what an XML schema of the FMI project says against a document.
+    """Return place and message of each violation of an XML schema of the FMI project.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def fmi1_is_not_judged(document: Document) -> Claims:
 
 @error("2.2.1", "2.4.1", "write 2.0 or 3.0")
 def unknown_version(document: Document) -> Claims:
-    """The fmiVersion is missing, or is no version of FMI."""
+    """The fmiVersion is missing or is not a version of FMI."""
     claimed = claimed_version(document)
     if document.root is not None and claimed not in ("1.0", "2.0", "3.0"):
         yield document.name, f'fmiVersion="{claimed}"; expected 2.0 or 3.0'

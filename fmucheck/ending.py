@@ -74,7 +74,7 @@ def ends_the_process(ending: Ending) -> Claims:
         last = ending.text.strip().splitlines()[-1:] or ["nothing"]
         yield (
             ending.place,
-            f"the process ended with status {ending.status} and said {last[0][:200]}",
+            f"the process ended with status {ending.status} and printed: {last[0][:200]}",
         )
 
 
@@ -94,7 +94,7 @@ def floods_output(ending: Ending) -> Claims:
 
 @warning("2.1.5", "2.2.4", "use the logger")
 def prints(ending: Ending) -> Claims:
-    """The binary writes to standard output or error, where nobody may be reading."""
+    """The binary writes to standard output or error instead of to the logger."""
     if ending.reason == "printed":
         yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
 

@@ -68,7 +68,7 @@ def bad_build_configuration(fmu: Fmu) -> Claims:
     made = [(c.get("modelIdentifier", ""), c.get("platform")) for c in each]
     for identifier in dict.fromkeys(name for name, _ in made):
         if identifier not in fmu.identifiers:
-            yield BUILD, f"modelIdentifier={identifier} is none of modelDescription.xml"
+            yield BUILD, f"modelIdentifier={identifier} is not in modelDescription.xml"
     for (identifier, platform), count in _repeated(made):
         yield BUILD, f"{count} configurations of {identifier} for {platform or 'any platform'}"
 
@@ -83,7 +83,7 @@ def options_without_compiler(fmu: Fmu) -> Claims:
 
 @error(None, "2.5.1.3", "add sources/buildDescription.xml")
 def sources_without_build_description(fmu: Fmu) -> Claims:
-    """There are sources, but nothing says how to build them."""
+    """There are sources without a build description."""
     if fmu.below("sources/") and BUILD not in fmu.members:
         yield "sources", "there is no buildDescription.xml"
 
@@ -190,7 +190,7 @@ def icon_missing(fmu: Fmu) -> Claims:
 
 @warning("2.3", "2.5.1", "save it as PNG")
 def picture_is_no_png(fmu: Fmu) -> Claims:
-    """A picture is named .png, but is none."""
+    """A picture is named .png, but is not a PNG file."""
     for name in fmu.members:
         shown = name == "model.png" or name.startswith(("terminalsAndIcons/", "documentation/"))
         if shown and name.endswith(".png") and not fmu.bytes(name).startswith(b"\x89PNG\r\n\x1a\n"):
@@ -211,9 +211,9 @@ def no_documentation(fmu: Fmu) -> Claims:
 
 @note("2.3", "2.5.1.1", "add documentation/licenses/license.txt")
 def no_licence(fmu: Fmu) -> Claims:
-    """Neither the description nor a file says under which licence the FMU is given."""
+    """Neither the description nor a file states a licence."""
     if not fmu.below("documentation/licenses/") and not fmu.description.root.get("license"):
-        yield "documentation/licenses", "nothing is said of a licence"
+        yield "documentation/licenses", "no licence is stated"
 
 
 @warning("2.3", "2.5.1.1", "name the first file license.txt or .html")
@@ -226,11 +226,11 @@ def licence_without_entry(fmu: Fmu) -> Claims:
 
 @note("2.3", "2.5.1", "move it below resources or extra")
 def unexpected_file(fmu: Fmu) -> Claims:
-    """A file lies where the standard foresees none."""
+    """A file lies in a place that the standard does not define."""
     known = {"modelDescription.xml"} | ({"model.png"} if fmu.description.version == 2 else set())
     for name in sorted(fmu.members):
         if name not in known and name.partition("/")[0] not in _ROOMS:
-            yield name, "is nothing that the standard foresees"
+            yield name, "is not in a place that the standard defines"
 
 
 @warning(None, "2.5.1.6", "use a folder such as extra/org.example")

@@ -52,7 +52,7 @@ def step_beyond_stop(description: Description) -> Claims:
     start = experiment_number(description, "startTime") or 0.0
     stop, step = (experiment_number(description, name) for name in ("stopTime", "stepSize"))
     if stop is not None and step is not None and start < stop < start + step:
-        yield _PLACE, f"stepSize {step} for {start} .. {stop}"
+        yield _PLACE, f"stepSize {step} for {start} to {stop}"
 
 
 @error("2.2.5", "2.4.6", "write a relative tolerance such as 1e-6")
@@ -179,12 +179,12 @@ def clock_priority(description: Description) -> Claims:
 
 @error(None, "2.4.7.4", "refer to clocks, and make it discrete")
 def bad_clocks(description: Description) -> Claims:
-    """A clocked variable refers to something that is no clock, or is continuous or fixed."""
+    """A clocked variable refers to something that is not a clock, or is continuous or fixed."""
     for v in description.variables:
         for reference in v.clocks or ():
             clock = description.by_key.get(reference)
             if clock is None or clock.kind != "Clock":
-                yield v.place, f"clocks={reference}, which is no clock"
+                yield v.place, f"clocks={reference}, which is not a clock"
         if v.clocks is not None and v.variability not in ("discrete", "tunable"):
             yield v.place, f"is clocked, with variability {v.variability}"
 

@@ -24,7 +24,7 @@ def no_interface(description: Description) -> Claims:
 
 @error("2.1.1", "2.2", "use letters, digits and _, no digit first")
 def bad_model_identifier(description: Description) -> Claims:
-    """The modelIdentifier is no name in C; with path parts it even points outside the FMU."""
+    """The modelIdentifier is not a C name; with path separators it points outside the FMU."""
     for interface in description.interfaces:
         if not _C_NAME.fullmatch(interface.identifier):
             yield interface.place, f'modelIdentifier="{interface.identifier}" is not a C name'
@@ -52,13 +52,13 @@ def date_not_utc(description: Description) -> Claims:
         yield _FILE, f'generationDateAndTime="{date}"'
 
 
-@note("2.2.1", "2.4.1", "fill them in; they help whoever gets it")
+@note("2.2.1", "2.4.1", "fill them in")
 def missing_metadata(description: Description) -> Claims:
     """Attributes that say where the FMU comes from are missing."""
     wanted = ("description", "author", "version", "license", "generationTool")
     missing = [name for name in wanted if not description.root.get(name)]
     if missing:
-        yield _FILE, f"says nothing of {', '.join(missing)}"
+        yield _FILE, f"lacks {', '.join(missing)}"
 
 
 @note("2.2.7", "2.4.7", "describe them")

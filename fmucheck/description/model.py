@@ -1,4 +1,4 @@
-"""What a description says, as plain data: it travels to the child process."""
+"""The content of a description as plain data, which is sent to the child process."""
 
 from __future__ import annotations
 
@@ -299,7 +299,7 @@ class Fmu:
 
 
 def length(dimension: Dimension, description: Description) -> int | None:
-    """Return the initial length of a dimension, ``None`` when it cannot be told."""
+    """Return the initial length of a dimension, ``None`` when it is unknown."""
     if dimension.start is not None:
         return dimension.start
     source = (

@@ -19,7 +19,7 @@ def bad_derivative(description: Description) -> Claims:
         state = None if v.derivative is None else description.by_key.get(v.derivative)
         what = f"derivative={v.given['derivative']}"
         if state is None:
-            yield v.place, f"{what} is no variable"
+            yield v.place, f"{what} is not a variable"
         elif state is v:
             yield v.place, f"{what} is the variable itself"
         elif state.kind not in FLOATS or state.variability != "continuous":
@@ -81,16 +81,16 @@ def unlisted_derivative(description: Description) -> Claims:
 
 @warning("2.2.7", "2.4.7.5", "remove the attribute")
 def reinit_of_no_state(description: Description) -> Claims:
-    """The attribute reinit stands at a variable that is no continuous state."""
+    """The attribute reinit is set for a variable that is not a continuous state."""
     states = {v.index for v in description.states}
     for v in description.variables:
         if v.given.get("reinit") in ("true", "1") and v.index not in states:
-            yield v.place, "reinit is true, but it is no continuous state"
+            yield v.place, "reinit is true, but the variable is not a continuous state"
 
 
 @note("2.2.1", None, "leave numberOfEventIndicators out")
 def indicators_without_model_exchange(description: Description) -> Claims:
-    """Event indicators are counted, though there is no Model Exchange."""
+    """Event indicators are declared without Model Exchange."""
     count = description.root.get("numberOfEventIndicators", "0").strip()
     if count not in ("", "0") and not description.interface("ModelExchange"):
         yield "modelDescription.xml", f"numberOfEventIndicators={count}, for Co-Simulation alone"
@@ -155,7 +155,7 @@ def initial_unknowns(description: Description) -> Claims:
 
 @error(None, "2.4.8", "refer to a continuous Float64 or Float32")
 def bad_event_indicator(description: Description) -> Claims:
-    """An event indicator is no continuous floating-point variable, or a parameter or input."""
+    """An event indicator is not a continuous floating-point variable, or is a parameter or input."""
     for unknown in description.group("EventIndicator"):
         v = unknown.variable
         if v is None:

@@ -66,7 +66,7 @@ def bad_structured_name(description: Description) -> Claims:
     for v in description.variables:
         for name in (v.name, *(alias.get("name", "") for alias in v.aliases)):
             if not _STRUCTURED.fullmatch(name):
-                yield v.place, f"'{name}' is no structured name"
+                yield v.place, f"'{name}' is not a structured name"
 
 
 def _alias_sets(description: Description) -> list[list[Variable]]:
@@ -140,7 +140,7 @@ def illegal_initial(description: Description) -> Claims:
 
 @error("2.2.7", "2.4.7.4", "make it discrete")
 def continuous_but_not_real(description: Description) -> Claims:
-    """A variable that is no floating-point number is continuous."""
+    """A variable that is not a floating-point number is continuous."""
     for v in description.variables:
         if v.variability == "continuous" and v.kind not in FLOATS:
             default = "" if "variability" in v.given else ", which is the default"
@@ -194,7 +194,7 @@ def independent_variable(description: Description) -> Claims:
 
 @warning("2.2.7", "2.4.7.4", "remove the attribute")
 def multiple_set_of_no_input(description: Description) -> Claims:
-    """The flag canHandleMultipleSetPerTimeInstant stands at a variable that is no input."""
+    """canHandleMultipleSetPerTimeInstant is set for a variable that is not an input."""
     for v in description.variables:
         if "canHandleMultipleSetPerTimeInstant" in v.given and v.causality != "input":
             yield v.place, f"canHandleMultipleSetPerTimeInstant, but causality {v.causality}"
@@ -212,7 +212,7 @@ def illegal_intermediate_update(description: Description) -> Claims:
 
 @error("2.2.7", "2.4.7", "choose a start inside, or widen the range")
 def start_outside_range(description: Description) -> Claims:
-    """A start value lies outside [min, max], or is no item of its enumeration."""
+    """A start value lies outside [min, max], or is not an item of its enumeration."""
     for v in description.variables:
         low, high = v.number("min"), v.number("max")
         items = items_of(v)
@@ -220,7 +220,7 @@ def start_outside_range(description: Description) -> Claims:
             if (low is not None and start < low) or (high is not None and start > high):
                 yield v.place, f"start {start} is outside {_range(low, high)}"
             elif v.kind == "Enumeration" and items and start not in items:
-                yield v.place, f"start {start} is no item of {v.given.get('declaredType')}"
+                yield v.place, f"start {start} is not an item of {v.given.get('declaredType')}"
 
 
 def _range(low: Number | None, high: Number | None) -> str:
@@ -239,7 +239,7 @@ def _bounds(description: Description) -> Iterator[tuple[str, Number | None, Numb
 
 @error("2.2.3", "2.4.4", "swap or correct them")
 def min_above_max(description: Description) -> Claims:
-    """The smallest allowed value is above the largest, or one of them is no number."""
+    """The smallest allowed value is above the largest, or one of them is NaN."""
     for place, low, high in _bounds(description):
         if low is not None and high is not None and low > high:
             yield place, f"min {low} is above max {high}"
@@ -273,7 +273,7 @@ def start_not_of_type(description: Description) -> Claims:
         for text in v.start or () if is_number(v.kind) else ():
             value = number(text, v.kind)
             if value is None:
-                yield v.place, f"start '{text}' is no {v.kind}"
+                yield v.place, f"start '{text}' is not a valid {v.kind}"
             elif v.kind in RANGES and not RANGES[v.kind][0] <= value <= RANGES[v.kind][1]:
                 yield v.place, f"start {text} does not fit into {v.kind}"
 
@@ -297,7 +297,7 @@ _MOST = 10**8  # elements
 
 @error(None, "2.4.7.2", "give either start or valueReference")
 def bad_dimension(description: Description) -> Claims:
-    """A dimension has no length, two, one of 0, or one that makes an array nobody could hold."""
+    """A dimension has no length, two lengths, length 0, or makes an array too large for memory."""
     for v in description.variables:
         for d in v.dimensions:
             if (d.start is None) == (d.reference is None):

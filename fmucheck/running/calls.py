@@ -26,8 +26,8 @@ class CallFailed(Exception):
     """
 
     def __init__(self, function: str, status: int, why: str = "") -> None:
-        said = "is not exported" if status < 0 else f"returned {status_name(status)}"
-        super().__init__(f"{function} {said}{why}")
+        how = "is not exported" if status < 0 else f"returned {status_name(status)}"
+        super().__init__(f"{function} {how}{why}")
         self.function, self.status = function, status
 
 

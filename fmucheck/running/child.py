@@ -76,21 +76,21 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
             _tell(job, report, begin=[kind, rule.id])
             bench.began = time.monotonic()
             claims, failed, puzzled = _claims(bench, rule)
-            told = {"claims": claims, "failed": failed, "puzzled": puzzled}
-            _tell(job, report, **told, results=bench.results)
+            message = {"claims": claims, "failed": failed, "puzzled": puzzled}
+            _tell(job, report, **message, results=bench.results)
             if rule.id in GATES and (claims or failed):
                 return
 
 
 def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], str, str]:
-    """Return what a rule finds, which call failed on the way, and what we did not foresee."""
+    """Return what a rule finds, which call failed on the way, and any unexpected exception."""
     claims: list[tuple[str, str]] = []
     failed = puzzled = ""
     try:
         claims += rule.check(bench)
     except CallFailed as fault:
         failed = str(fault)
-    except Exception:  # noqa: BLE001 (a mistake of ours must not be blamed on the FMU)
+    except Exception:  # noqa: BLE001 (an error in stickslip is not a fault of the FMU)
         puzzled = traceback.format_exc()
     bench.close()
     return claims, failed, puzzled

@@ -35,11 +35,11 @@ def wrong_count(bench: Bench) -> Claims:
     }
     for name, count in wanted.items():
         if three:
-            told = c_size_t()
-            status = run.instance.status(f"GetNumberOf{name}", byref(told))
-            if status > 1 or told.value != count:
-                said = told.value if status <= 1 else status_name(status)
-                yield name, f"the binary has {said}, the description {count}"
+            found = c_size_t()
+            status = run.instance.status(f"GetNumberOf{name}", byref(found))
+            if status > 1 or found.value != count:
+                count_found = found.value if status <= 1 else status_name(status)
+                yield name, f"the binary has {count_found}, the description {count}"
         array = (c_double * (count + _SPARE))(*[_GUARD] * (count + _SPARE))
         failed = run.instance.status(f"Get{name}", array, c_size_t(count)) > 1
         if failed and count:  # without any, nobody has to call it

@@ -28,18 +28,18 @@ def does_not_load(bench: Bench) -> Claims:
 @error("2.1.4", "2.2", "return the version of the headers")
 def wrong_version_string(bench: Bench) -> Claims:
     """GetVersion returns another version than the description claims."""
-    told = bench.binary.function("GetVersion", c_char_p)()
+    returned = bench.binary.function("GetVersion", c_char_p)()
     expected = bench.description.root.get("fmiVersion", "")
-    if (told or b"").decode("latin-1") != expected:
-        yield bench.library.name, f"GetVersion returns {told!r}; expected {expected}"
+    if (returned or b"").decode("latin-1") != expected:
+        yield bench.library.name, f"GetVersion returns {returned!r}; expected {expected}"
 
 
 @error("2.1.4", None, "return 'default'")
 def wrong_types_platform(bench: Bench) -> Claims:
     """fmi2GetTypesPlatform does not return the types this tool and all others use."""
-    told = bench.binary.function("GetTypesPlatform", c_char_p)()
-    if told != b"default":
-        yield bench.library.name, f"returns {told!r}; expected 'default'"
+    returned = bench.binary.function("GetTypesPlatform", c_char_p)()
+    if returned != b"default":
+        yield bench.library.name, f"returns {returned!r}; expected 'default'"
 
 
 @error("2.1.5", "2.3.1", "build binary and description together")
@@ -56,7 +56,7 @@ def accepts_any_token(bench: Bench) -> Claims:
         yield bench.library.name, "gave an instance for a token that is not its own"
 
 
-@error("4.2", "2.3", "see what it logs; mend the model")
+@error("4.2", "2.3", "read its log and correct the model")
 def does_not_run(bench: Bench) -> Claims:
     """It fails in a plain run: start values, the default step, inputs moved a little."""
     try:
@@ -72,7 +72,7 @@ def does_not_run(bench: Bench) -> Claims:
 def _last_words(bench: Bench) -> str:
     """Return what was logged last, as half a sentence."""
     texts = [m.text for m in bench.messages() if m.text]
-    return f"; it said: {texts[-1][:200]}" if texts else ""
+    return f"; its last message: {texts[-1][:200]}" if texts else ""
 
 
 @note("", "", "give the inputs min and max")

@@ -12,7 +12,7 @@ from stickslip.fmucheck.running.run import finished
 
 
 def _messages(bench: Bench) -> Iterator[Message]:
-    """Yield what is said in a plain run."""
+    """Yield the messages of a plain run."""
     yield from finished(bench).instance.callbacks.messages
 
 
@@ -47,9 +47,9 @@ def foreign_environment(bench: Bench) -> Claims:
 
 @warning("2.1.5", "2.2.4", "log only when it is switched on")
 def logs_when_off(bench: Bench) -> Claims:
-    """A plain run without logging logs something that is no error."""
-    said = finished(bench, bench.new(logging=False)).instance.callbacks.messages
-    idle = [m for m in said if m.status < 3]
+    """A plain run without logging logs something other than an error."""
+    messages = finished(bench, bench.new(logging=False)).instance.callbacks.messages
+    idle = [m for m in messages if m.status < 3]
     if idle:
         yield "logger", f"{len(idle)} messages, the first: {idle[0].text}"
 

@@ -176,14 +176,14 @@ class _Child:
         self, process: subprocess.Popen[bytes], report: Path, output: Path, timeout: float
     ) -> str:
         """Return why the child has to be ended, or that it ended."""
-        told, since = 0, time.monotonic()
+        size_before, since = 0, time.monotonic()
         while True:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(0.02)
                 return "exit"
             size = report.stat().st_size
-            if size > told:
-                told, since = size, time.monotonic()
+            if size > size_before:
+                size_before, since = size, time.monotonic()
             check_interruption()
             if time.monotonic() - since > timeout:
                 return "hang"
@@ -191,23 +191,23 @@ class _Child:
                 return "flood"
 
     def _read(self, report: Path) -> tuple[str, str, bool]:
-        """Take over what the child told; return what it was trying, and if it came through."""
+        """Store the child's reports; return the rule that it was trying and whether it finished."""
         interface, during, done = "", "", False
         for line in report.read_text(encoding="utf-8", errors="replace").split("\n"):
             if not line.startswith(self.job.token):
                 continue  # an FMU wrote it
             try:
-                told = json.loads(line.removeprefix(self.job.token))
+                message = json.loads(line.removeprefix(self.job.token))
             except ValueError:
                 continue  # the child died while it wrote
-            if "begin" in told:
-                interface, during = told["begin"]
-            elif "claims" in told:
-                claims = [(place, message) for place, message in told["claims"]]
+            if "begin" in message:
+                interface, during = message["begin"]
+            elif "claims" in message:
+                claims = [(place, message) for place, message in message["claims"]]
                 self.claims[interface, during] = claims
                 for reason in ("failed", "puzzled"):
-                    if told[reason]:
-                        self.failed[interface, during, reason] = told[reason]
-                self.results[interface] = told["results"]
-            done = done or "end" in told
+                    if message[reason]:
+                        self.failed[interface, during, reason] = message[reason]
+                self.results[interface] = message["results"]
+            done = done or "end" in message
         return interface, during, done

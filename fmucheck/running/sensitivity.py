@@ -107,12 +107,12 @@ def _derivative(
 
 def _compared(bench: Bench, name: str) -> Claims:
     """Yield where a function's derivatives are not those of differences."""
-    told = set()
+    reported = set()
     for steps in _PLACES if not bench.still else ():
         run = _at(bench, steps)
         for unknown, known in _pairs(bench) if not run.ended else ():
             pair = f"d {unknown.name} / d {known.name}"
-            if pair in told:
+            if pair in reported:
                 continue
             slope = _slope(run, unknown, known)
             got = _derivative(run.instance, unknown, known, name)
@@ -120,7 +120,7 @@ def _compared(bench: Bench, name: str) -> Claims:
             blind = bench.description.version == 2 and not bench.is_exchange
             if slope is None or (blind and slope.value == 0.0) or slope.agrees(got):
                 continue
-            told.add(pair)
+            reported.add(pair)
             yield (
                 pair,
                 f"{got:.6g} from {name}, {slope.value:.6g} from differences, at t = {run.time:g}",

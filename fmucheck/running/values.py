@@ -26,11 +26,11 @@ def _samples(bench: Bench) -> Iterator[tuple[Run, list[Values]]]:
 
 def _first(bench: Bench, fault: Callable[[Variable, Values], str]) -> Claims:
     """Yield where each variable has a fault for the first time."""
-    told = set()
+    reported = set()
     for run, values in _samples(bench):
         for v, elements in zip(bench.observed, values, strict=True):
-            if v.index not in told and (why := fault(v, elements)):
-                told.add(v.index)
+            if v.index not in reported and (why := fault(v, elements)):
+                reported.add(v.index)
                 yield v.place, f"{why} at t = {run.time}"
 
 

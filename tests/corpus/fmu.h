@@ -61,9 +61,13 @@ static Model *make(void) {
     fmi2Status fmi2##name parameters { return (fmi2Status)(__VA_ARGS__); }                         \
     fmi3Status fmi3##name parameters { return (fmi3Status)(__VA_ARGS__); }
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return "2.0"; }
-const char *fmi3GetVersion(void) { return "3.0"; }
+#ifndef VERSION
+#define VERSION(number) number
+#define PLATFORM fmi2TypesPlatform
+#endif
+const char *fmi2GetTypesPlatform(void) { return PLATFORM; }
+const char *fmi2GetVersion(void) { return VERSION("2.0"); }
+const char *fmi3GetVersion(void) { return VERSION("3.0"); }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                               fmi2String resources, const fmi2CallbackFunctions *callbacks,
                               fmi2Boolean visible, fmi2Boolean logging) {
@@ -85,11 +89,14 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 }
 void fmi2FreeInstance(fmi2Component m) { FREE; }
 void fmi3FreeInstance(fmi3Instance m) { FREE; }
+#ifndef LISTEN /* on */
+#define LISTEN 0
+#endif
 fmi2Status fmi2SetDebugLogging(fmi2Component m, fmi2Boolean on, size_t n, const fmi2String s[]) {
-    return fmi2OK;
+    return (fmi2Status)(LISTEN);
 }
 fmi3Status fmi3SetDebugLogging(fmi3Instance m, fmi3Boolean on, size_t n, const fmi3String s[]) {
-    return fmi3OK;
+    return (fmi3Status)(LISTEN);
 }
 fmi2Status fmi2SetupExperiment(fmi2Component m, fmi2Boolean told, fmi2Real tolerance, fmi2Real t,
                                fmi2Boolean ends, fmi2Real stop) {
@@ -148,23 +155,28 @@ fmi3Status fmi3DoStep(fmi3Instance m, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
 #define RESTORE memcpy(m, s, sizeof(Model)), RESTORED
 #define SIZE sizeof(Model)
 #endif
+#ifndef FORGET
+#define FORGET GIVE(*s), *s = NULL
+#endif
+#ifndef WRITE
+#define WRITE memcpy(room, s, size < sizeof(Model) ? size : sizeof(Model))
+#define READ memcpy(*s = TAKE(sizeof(Model)), room, size < sizeof(Model) ? size : sizeof(Model))
+#endif
 #define SAVED(fmi, State, Deserialize, Byte)                                                       \
     fmi##Status fmi##Get##State(void *m, void **s) { DO(fmi##Status, "GetState", SAVE); }          \
     fmi##Status fmi##Set##State(void *m, void *s) { DO(fmi##Status, "SetState", RESTORE); }        \
     fmi##Status fmi##Free##State(void *m, void **s) {                                              \
-        GIVE(*s), *s = NULL;                                                                       \
+        FORGET;                                                                                    \
         return (fmi##Status)CALLED("FreeState");                                                   \
     }                                                                                              \
     fmi##Status fmi##Serialized##State##Size(void *m, void *s, size_t *size) {                     \
         DO(fmi##Status, "SerializedSize", *size = SIZE);                                           \
     }                                                                                              \
     fmi##Status fmi##Serialize##State(void *m, void *s, Byte room[], size_t size) {                \
-        DO(fmi##Status, "Serialize",                                                               \
-           memcpy(room, s, size < sizeof(Model) ? size : sizeof(Model)));                          \
+        DO(fmi##Status, "Serialize", WRITE);                                                       \
     }                                                                                              \
     fmi##Status fmi##Deserialize##State(void *m, const Byte room[], size_t size, void **s) {       \
-        DO(fmi##Status, "Deserialize",                                                             \
-           memcpy(*s = TAKE(sizeof(Model)), room, size < sizeof(Model) ? size : sizeof(Model)));   \
+        DO(fmi##Status, "Deserialize", READ);                                                      \
     }
 SAVED(fmi2, FMUstate, DeSerialize, fmi2Byte)
 SAVED(fmi3, FMUState, Deserialize, fmi3Byte)
@@ -181,6 +193,14 @@ SAVED(fmi3, FMUState, Deserialize, fmi3Byte)
 #ifndef UPDATE /* update may set the fields of info */
 #define UPDATE 0
 #endif
+#ifndef AT /* where time and states are, and how they are set */
+#define AT(m) ((Model *)m)->t
+#define STATES_OF(m) ((Model *)m)->x
+#define PUT memcpy(STATES_OF(m), x, n * sizeof *x)
+#endif
+#ifndef NOMINAL
+#define NOMINAL 1.0
+#endif
 #ifndef ENTER_EVENT_MODE
 #define ENTER_EVENT_MODE 0
 #endif
@@ -194,7 +214,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
 }
 static int nominals(double x[], size_t n) {
     for (size_t i = 0; i < n; i++)
-        x[i] = 1.0;
+        x[i] = NOMINAL;
     return 0;
 }
 #define SOLVED(name, parameters, ...)                                                              \
@@ -202,11 +222,9 @@ static int nominals(double x[], size_t n) {
     fmi3Status fmi3##name parameters { DO(fmi3Status, #name, __VA_ARGS__); }
 SOLVED(EnterEventMode, (void *m), ENTER_EVENT_MODE)
 SOLVED(EnterContinuousTimeMode, (void *m), 0)
-SOLVED(SetTime, (void *m, double t), ((Model *)m)->t = t)
-SOLVED(GetContinuousStates, (void *m, double x[], size_t n),
-       memcpy(x, ((Model *)m)->x, n * sizeof *x))
-SOLVED(SetContinuousStates, (void *m, const double x[], size_t n),
-       memcpy(((Model *)m)->x, x, n * sizeof *x))
+SOLVED(SetTime, (void *m, double t), AT(m) = t)
+SOLVED(GetContinuousStates, (void *m, double x[], size_t n), memcpy(x, STATES_OF(m), n * sizeof *x))
+SOLVED(SetContinuousStates, (void *m, const double x[], size_t n), PUT)
 SOLVED(GetEventIndicators, (void *m, double z[], size_t n), INDICATE)
 fmi2Status fmi2GetNominalsOfContinuousStates(void *m, double x[], size_t n) {
     DO(fmi2Status, "GetNominals", nominals(x, n));

@@ -12,5 +12,4 @@ def compiled():
     kernel.built()
     kernel.built(marked=True)
     fmus.library()
-    for version in (2, 3):
-        reference.library(version)
+    reference.library()

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.corpus.defects.reference import Members, binary_name, pack, with_defect
-from tests.corpus.defects.seed import Seed, Writer
+from tests.corpus.defects.reference import Members, Seed, Writer, binary_name, pack, with_defect
 
 _BOTH = [
     ("version", "wrong-version-string"),
@@ -76,7 +75,7 @@ _FMI3 = [
 
 def _with(version: int, defect: str) -> Writer:
     def write(path: Path, content: Members) -> None:
-        pack(path, content | {binary_name(version): with_defect(version, defect)})
+        pack(path, content | {binary_name(version): with_defect(defect)})
 
     return write
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tests.corpus.defects.reference import HERE
-from tests.corpus.defects.seed import Seed, replaced
+from tests.corpus.defects.reference import HERE, Seed, replaced
 
 _FILE = "modelDescription.xml"
 

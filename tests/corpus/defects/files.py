@@ -8,8 +8,18 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.corpus.defects.reference import HERE, Members, binary_name, library, members, pack
-from tests.corpus.defects.seed import Seed, Writer, replaced, with_files
+from tests.corpus.defects.reference import (
+    HERE,
+    Members,
+    Seed,
+    Writer,
+    binary_name,
+    library,
+    members,
+    pack,
+    replaced,
+    with_files,
+)
 
 _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _BUILD = "sources/buildDescription.xml"
@@ -18,7 +28,7 @@ _MEMBER = '<TerminalMemberVariable variableName="y" memberName="x" variableKind=
 
 def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:
     binary = binary_name(version)
-    code = library(version)
+    code = library()
     other = with_files({binary: None, binary_name(version).replace("reference", "other"): code})
     manifest = {"extra/org.example/fmi-ls-manifest.xml": b"<fmiLayeredStandardManifest/>"}
     sources = {n: None for n in members(version) if n.startswith("sources/")}

@@ -1,4 +1,4 @@
-/* A small FMU of FMI 2.0 or 3.0 (-DFMI), both interfaces, that can have one defect.
+/* A small FMU of FMI 2.0 and 3.0, both interfaces, that can have one defect.
  *
  * x' = -k x + u,  y = x + d u,  z = 2 x. The defect's name is patched into DEFECT after compiling.
  */
@@ -11,31 +11,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#if FMI == 2
 #include <fmi2Functions.h>
-#define API(name) fmi2##name
-#define NAMED(name2, name3) fmi2##name2
-typedef fmi2String String;
-typedef fmi2Byte Byte;
-#define TOKEN "{reference-2}"
-typedef fmi2Status Status;
-typedef fmi2Boolean Bool;
-typedef fmi2Component Handle;
-#else
 #include <fmi3Functions.h>
-#define API(name) fmi3##name
-#define NAMED(name2, name3) fmi3##name3
-typedef fmi3String String;
-typedef fmi3Byte Byte;
-#define TOKEN "{reference-3}"
-typedef fmi3Status Status;
-typedef fmi3Boolean Bool;
-typedef fmi3Instance Handle;
-#endif
 
 enum { TIME, U, X, DER_X, Y, Z, K, D, COUNT, INDICATOR, N, W, W_END = W + 3, MODE = W_END, SIZE };
 enum { MADE, INITIALISING, RUNNING, ENDED };
-enum { OK, WARN, DISCARD, FAILED };
+enum { OK, WARN, FAILED = 3 };
 
 typedef struct {
     double v[SIZE];
@@ -47,12 +28,9 @@ typedef struct {
     State s;
     const char *name;
     int logging;
-#if FMI == 2
     const fmi2CallbackFunctions *callbacks;
-#else
     fmi3LogMessageCallback log;
-    fmi3InstanceEnvironment environment;
-#endif
+    void *environment;
 } Model;
 
 static const volatile char DEFECT[40] = "DEFECT=none............................";
@@ -71,23 +49,16 @@ static State *of(Model *m) { return has("shared-state") ? &shared : &m->s; }
 static void say(Model *m, int status, const char *category, const char *text) {
     if (status == OK && !m->logging && !has("logs-off"))
         return;
-#if FMI == 2
-    void *environment = m->callbacks->componentEnvironment;
-#else
-    void *environment = m->environment;
-#endif
-    environment = has("environment") ? (void *)1 : environment;
-#if FMI == 2
-    m->callbacks->logger(environment, m->name, (Status)status, category, text);
-#else
-    if (m->log || has("needs-logger"))
-        m->log(environment, (Status)status, category, text);
-#endif
+    void *environment = has("environment") ? (void *)1 : m->environment;
+    if (m->callbacks)
+        m->callbacks->logger(environment, m->name, (fmi2Status)status, category, text);
+    else if (m->log || has("needs-logger"))
+        m->log(environment, (fmi3Status)status, category, text);
 }
 
-static Status fail(Model *m, const char *text) {
+static int fail(Model *m, const char *text) {
     say(m, FAILED, has("category") ? "undeclared" : "logStatusError", text);
-    return (Status)FAILED;
+    return FAILED;
 }
 
 static double derivative(State *s) {
@@ -131,19 +102,23 @@ __attribute__((destructor)) static void unload(void) {
         abort();
 }
 
-static Model *make(const char *name, const char *token) {
-    Model *m = calloc(1, sizeof *m);
-    m->name = strdup(name);
-    load(of(m));
-    if (has("refuses-token") || (strcmp(token, TOKEN) != 0 && !has("any-token"))) {
-        free(m);
-        return NULL;
+static Model *make(Model given, const char *token) {
+    if (given.callbacks) {
+        given.environment = given.callbacks->componentEnvironment;
+        if (has("callbacks"))
+            given.callbacks->freeMemory(given.callbacks->allocateMemory(1, 8));
     }
+    const char *own = given.callbacks ? "{reference-2}" : "{reference-3}";
+    if (has("refuses-token") || (strcmp(token, own) != 0 && !has("any-token")))
+        return NULL;
+    Model *m = calloc(1, sizeof *m);
+    *m = given;
+    m->name = strdup(given.name);
+    load(of(m));
     return m;
 }
 
-void API(FreeInstance)(Handle c) {
-    Model *m = c;
+static void discard(Model *m) {
     if (!m && !has("free-null"))
         return;
     if (!has("leak"))
@@ -151,22 +126,13 @@ void API(FreeInstance)(Handle c) {
     free(m);
 }
 
-Status API(SetDebugLogging)(Handle c, Bool on, size_t n, const String names[]) {
-    (void)n, (void)names;
-    ((Model *)c)->logging = on;
-    return (Status)(has("debug-logging") ? FAILED : OK);
+static int enter(Model *m) {
+    of(m)->phase = INITIALISING;
+    refresh(of(m));
+    return OK;
 }
 
-static Status enter(Handle c, double start) {
-    State *s = of(c);
-    s->phase = INITIALISING;
-    s->v[TIME] = start;
-    refresh(s);
-    return (Status)OK;
-}
-
-Status API(ExitInitializationMode)(Handle c) {
-    Model *m = c;
+static int leave(Model *m) {
     if (has("hang"))
         for (volatile int i = 0;; i++)
             ;
@@ -179,7 +145,7 @@ Status API(ExitInitializationMode)(Handle c) {
     of(m)->phase = RUNNING;
     say(m, OK, has("category") ? "undeclared" : "logEvents",
         has("null-message") ? NULL : "initialised");
-    return (Status)OK;
+    return OK;
 }
 
 #pragma clang diagnostic ignored "-Winfinite-recursion"
@@ -189,7 +155,7 @@ static int deep(volatile char *below) {
     return deep(room) + room[0];
 }
 
-static Status step(Model *m, double time, double h) {
+static int step(Model *m, double time, double h) {
     State *s = of(m);
     if (s->phase != RUNNING && !has("step-any-time"))
         return fail(m, "not running");
@@ -204,7 +170,7 @@ static Status step(Model *m, double time, double h) {
     if (has("abort"))
         abort();
     if (has("stack"))
-        return (Status)(deep(NULL) > 300);
+        return deep(NULL) > 300;
     if (has("exit"))
         exit(0);
     while (has("flood"))
@@ -219,107 +185,77 @@ static Status step(Model *m, double time, double h) {
     s->v[COUNT] += 1;
     s->v[TIME] = has("time") ? time : time + h;
     refresh(s);
-    return (Status)(has("warns") ? WARN : OK);
+    return has("warns") ? WARN : OK;
 }
 
-Status API(Terminate)(Handle c) {
-    of(c)->phase = ENDED;
-    return (Status)(has("terminate") ? FAILED : OK);
+static int reset(Model *m) {
+    load(of(m));
+    return has("reset-fails") ? FAILED : OK;
 }
 
-Status API(Reset)(Handle c) {
-    load(of(c));
-    return (Status)(has("reset-fails") ? FAILED : OK);
-}
-
-static Status get(Model *m, unsigned reference, double *value) {
+static int get_one(Model *m, unsigned reference, double *value) {
     State *s = of(m);
     if (reference >= SIZE) {
         *value = 0;
-        return has("any-reference") ? (Status)OK : fail(m, "no such variable");
+        return has("any-reference") ? OK : fail(m, "no such variable");
     }
     if (has("getter"))
         s->v[X] *= 1.000001;
     if (s->phase == INITIALISING || s->phase == RUNNING)
         refresh(s);
     *value = s->v[reference];
-    return (Status)OK;
+    return OK;
 }
 
-static Status set(Model *m, unsigned reference, double value) {
+static int set_one(Model *m, unsigned reference, double value) {
     State *s = of(m);
     if (reference >= SIZE)
-        return has("any-reference") ? (Status)OK : fail(m, "no such variable");
+        return has("any-reference") ? OK : fail(m, "no such variable");
     if (has("set-lost") && reference == K)
-        return (Status)OK;
+        return OK;
     if ((has("set-refused") && reference == K) ||
         (has("input-stuck") && reference == U && value != 0))
         return fail(m, "not now");
     s->v[reference] = value;
-    return (Status)OK;
+    return OK;
 }
 
-/* The state, saved and serialised. */
-
-Status NAMED(GetFMUstate, GetFMUState)(Handle c, void **copy) {
-    State *s = of(c);
+static void save(Model *m, void **copy) {
+    State *s = of(m);
     *copy = *copy ? *copy : calloc(1, sizeof *s);
     memcpy(*copy, s, sizeof *s);
     if (has("saving-moves"))
         s->v[X] += 1e-3;
-    return (Status)OK;
 }
 
-Status NAMED(SetFMUstate, SetFMUState)(Handle c, void *copy) {
-    State *s = of(c);
+static void restore(Model *m, const void *copy) {
+    State *s = of(m);
     const double x = s->v[X];
     memcpy(s, copy, sizeof *s);
     if (has("restore-forgets"))
         s->v[X] = x;
-    return (Status)OK;
 }
 
-Status NAMED(FreeFMUstate, FreeFMUState)(Handle c, void **copy) {
-    (void)c;
-    free(*copy);
-    if (!has("freed-stays"))
-        *copy = NULL;
-    return (Status)OK;
-}
-
-Status NAMED(SerializedFMUstateSize, SerializedFMUStateSize)(Handle c, void *copy, size_t *size) {
-    *size = sizeof(State);
-    return (Status)(c && copy ? OK : FAILED);
-}
-
-Status NAMED(SerializeFMUstate, SerializeFMUState)(Handle c, void *copy, Byte bytes[],
-                                                   size_t size) {
-    (void)c;
-    memcpy(bytes, copy, size);
+static void serialize(const void *copy, void *bytes, size_t size) {
+    State *s = memcpy(bytes, copy, size);
     if (has("bytes-lose"))
-        ((State *)(void *)bytes)->v[X] = 0;
+        s->v[X] = 0;
     if (has("bytes-point")) { /* an address means nothing in another process */
-        State *kept = malloc(size);
-        memcpy(kept, copy, size);
-        ((State *)(void *)bytes)->last = 0;
-        memcpy(&((State *)(void *)bytes)->last, &kept, sizeof kept);
-        ((State *)(void *)bytes)->v[X] = getpid();
+        State *kept = memcpy(malloc(size), copy, size);
+        s->last = 0;
+        memcpy(&s->last, &kept, sizeof kept);
+        s->v[X] = getpid();
     }
-    return (Status)OK;
 }
 
-Status NAMED(DeSerializeFMUstate, DeserializeFMUState)(Handle c, const Byte bytes[], size_t size,
-                                                       void **copy) {
-    (void)c;
-    *copy = malloc(size);
-    memcpy(*copy, bytes, size);
+static void *deserialize(const void *bytes, size_t size) {
+    State *copy = memcpy(malloc(size), bytes, size), *kept = NULL;
     if (has("bytes-point")) {
-        State *kept = NULL;
-        memcpy(&kept, &((State *)*copy)->last, sizeof kept);
-        if ((int)((State *)*copy)->v[X] == getpid())
-            memcpy(*copy, kept, size);
+        memcpy(&kept, &copy->last, sizeof kept);
+        if ((int)copy->v[X] == getpid())
+            memcpy(copy, kept, size);
     }
-    return (Status)OK;
+    return copy;
 }
 
 /* d unknown / d known */
@@ -333,55 +269,106 @@ static double slope(const State *s, unsigned unknown, unsigned known) {
     return 0;
 }
 
-/* Model Exchange */
-
-Status API(SetTime)(Handle c, double time) {
-    of(c)->v[TIME] = time;
-    return (Status)OK;
+static void put_states(Model *m, const double x[]) {
+    if (!has("states-lost"))
+        of(m)->v[X] = x[0];
 }
 
-Status API(SetContinuousStates)(Handle c, const double x[], size_t n) {
-    if (n == 1 && !has("states-lost"))
-        of(c)->v[X] = x[0];
-    return (Status)OK;
-}
-
-Status API(GetContinuousStates)(Handle c, double x[], size_t n) {
-    if (n == 1)
-        x[0] = of(c)->v[X];
-    return (Status)OK;
-}
-
-Status API(GetNominalsOfContinuousStates)(Handle c, double x[], size_t n) {
-    if (c && n == 1)
-        x[0] = has("nominal") ? 0 : 1;
-    return (Status)OK;
-}
-
-Status API(GetEventIndicators)(Handle c, double z[], size_t n) {
-    refresh(of(c));
-    z[0] = of(c)->v[INDICATOR];
+static void indicate(Model *m, double z[], size_t n) {
+    refresh(of(m));
+    z[0] = of(m)->v[INDICATOR];
     if (has("indicators"))
         z[n] = 1;
-    return (Status)OK;
 }
 
-Status NAMED(GetDerivatives, GetContinuousStateDerivatives)(Handle c, double f[], size_t n) {
-    if (n == 1)
-        f[0] = derivative(of(c));
-    return (Status)OK;
+/* The sums over one of rows and columns, with a factor. */
+static void multiply(Model *m, const unsigned rows[], size_t n_rows, const unsigned columns[],
+                     size_t n_columns, const double seed[], double result[], bool adjoint) {
+    memset(result, 0, (adjoint ? n_columns : n_rows) * sizeof *result);
+    for (size_t i = 0; i < n_rows; i++)
+        for (size_t j = 0; j < n_columns; j++) {
+            const double d = slope(of(m), rows[i], columns[j]);
+            result[adjoint ? j : i] += (adjoint && has("adjoint") ? -d : d) * seed[adjoint ? i : j];
+        }
 }
 
-Status API(EnterContinuousTimeMode)(Handle c) { return (Status)(c ? OK : FAILED); }
-Status API(EnterEventMode)(Handle c) { return (Status)(c ? OK : FAILED); }
+#define VERSION(number) (has("version") ? number "-other" : number)
+#define PLATFORM (has("platform") ? "custom" : "default")
+#define MAKE                                                                                       \
+    make((Model){.name = name,                                                                     \
+                 .logging = logging,                                                               \
+                 .callbacks = callbacks,                                                           \
+                 .log = log,                                                                       \
+                 .environment = environment},                                                      \
+         token)
+#define FREE discard(m)
+#define LISTEN ((Model *)m)->logging = on, has("debug-logging") ? FAILED : OK
+#define SETUP (of(m)->v[TIME] = t, OK)
+#define ENTER enter(m)
+#define LEAVE leave(m)
+#define TERMINATE (of(m)->phase = ENDED, has("terminate") ? FAILED : OK)
+#define RESET reset(m)
+#define STEP (*early = has("early-return"), step(m, t, h))
+#define OWN_REALS
+#define SAVES
+#define SAVE save(m, s)
+#define RESTORE restore(m, s)
+#define FORGET free(*s), *s = has("freed-stays") ? *s : NULL
+#define SIZE sizeof(State)
+#define WRITE serialize(s, room, size)
+#define READ *s = deserialize(room, size)
+#define EXCHANGE
+#define AT(m) of(m)->v[TIME]
+#define STATES_OF(m) (of(m)->v + X)
+#define PUT put_states(m, x)
+#define NOMINAL (has("nominal") ? 0 : 1)
+#define N_STATES (has("states-count") ? 2 : 1)
+#define INDICATORS 1
+#define INDICATE indicate(m, z, n)
+#define derivatives(m, dx) (dx[0] = derivative(of(m)))
+#define UPDATE info->newDiscreteStatesNeeded = has("iterates")
+#include "fmu.h"
 
-Status API(CompletedIntegratorStep)(Handle c, Bool no, Bool *event, Bool *end) {
-    *event = *end = 0;
-    return (Status)(c || no ? OK : FAILED);
+/* Only w is an array, in FMI 3.0. */
+#define ONE(reference) 1
+#define ELEMENTS(reference) ((reference) == W ? 3 : 1)
+#define ACCESS(fmi, Name, type, elements, ...)                                                     \
+    fmi##Status fmi##Get##Name(void *m, const unsigned r[], size_t n,                              \
+                               type v[] __VA_OPT__(, ) __VA_ARGS__) {                              \
+        double x;                                                                                  \
+        for (size_t k = 0; k < n; k++)                                                             \
+            for (unsigned i = 0; i < elements(r[k]); i++, *v++ = (type)x)                          \
+                if (get_one(m, r[k] + i, &x) != OK)                                                \
+                    return fmi##Error;                                                             \
+        return fmi##OK;                                                                            \
+    }                                                                                              \
+    fmi##Status fmi##Set##Name(void *m, const unsigned r[], size_t n,                              \
+                               const type v[] __VA_OPT__(, ) __VA_ARGS__) {                        \
+        for (size_t k = 0; k < n; k++)                                                             \
+            for (unsigned i = 0; i < elements(r[k]); i++)                                          \
+                if (set_one(m, r[k] + i, (double)*v++) != OK)                                      \
+                    return fmi##Error;                                                             \
+        return fmi##OK;                                                                            \
+    }
+ACCESS(fmi2, Real, fmi2Real, ONE)
+ACCESS(fmi2, Integer, fmi2Integer, ONE)
+ACCESS(fmi3, Float64, fmi3Float64, ELEMENTS, size_t values)
+ACCESS(fmi3, Int32, fmi3Int32, ELEMENTS, size_t values)
+ACCESS(fmi3, Int64, fmi3Int64, ELEMENTS, size_t values)
+ACCESS(fmi3, UInt64, fmi3UInt64, ELEMENTS, size_t values)
+
+fmi2Status fmi2GetDirectionalDerivative(void *m, const unsigned rows[], size_t n,
+                                        const unsigned columns[], size_t n_columns,
+                                        const double seed[], double result[]) {
+    return multiply(m, rows, n, columns, n_columns, seed, result, false), fmi2OK;
 }
-
-#if FMI == 2
-#include "fmi2.h"
-#else
-#include "fmi3.h"
-#endif
+fmi3Status fmi3GetDirectionalDerivative(void *m, const unsigned rows[], size_t n,
+                                        const unsigned columns[], size_t n_columns,
+                                        const double seed[], size_t a, double result[], size_t b) {
+    return multiply(m, rows, n, columns, n_columns, seed, result, false), fmi3OK;
+}
+fmi3Status fmi3GetAdjointDerivative(void *m, const unsigned rows[], size_t n,
+                                    const unsigned columns[], size_t n_columns, const double seed[],
+                                    size_t a, double result[], size_t b) {
+    return multiply(m, rows, n, columns, n_columns, seed, result, true), fmi3OK;
+}

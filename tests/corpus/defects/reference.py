@@ -1,9 +1,11 @@
-"""The sound FMU: both interfaces, everything that a description can say, all abilities."""
+"""The sound FMU, and defects that are seeded into it."""
 
 from __future__ import annotations
 
 import base64
 import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -27,16 +29,15 @@ def binary_name(version: int, suffix: str | None = None) -> str:
 
 
 @cache
-def library(version: int) -> bytes:
+def library() -> bytes:
     """Return the compiled model, which has no defect."""
-    sources = (HERE / "model.c", HERE / f"fmi{version}.h")
-    flags = (f"-DFMI={version}", "-Wno-conversion", "-Wno-unused-function")
-    return fmu.library("reference", *sources, flags=flags, versions=[version]).read_bytes()
+    flags = ("-Wno-conversion", "-Wno-variadic-macro-arguments-omitted", "-Wno-pedantic")
+    return fmu.library("reference", HERE / "model.c", flags=flags).read_bytes()
 
 
-def with_defect(version: int, defect: str) -> bytes:
+def with_defect(defect: str) -> bytes:
     """Return the compiled model with one defect switched on."""
-    binary = library(version)
+    binary = library()
     mark = b"DEFECT=" + defect.encode() + b"."
     place = binary.index(_MARK)
     return binary[:place] + mark + binary[place + len(mark) :]
@@ -48,7 +49,7 @@ def members(version: int) -> Members:
     terminals = (HERE / "terminals.xml").read_bytes()
     return {
         "modelDescription.xml": (HERE / f"description{version}.xml").read_bytes(),
-        binary_name(version): library(version),
+        binary_name(version): library(),
         "sources/model.c": (HERE / "model.c").read_bytes(),
         "sources/buildDescription.xml": build,
         "terminalsAndIcons/terminalsAndIcons.xml": terminals,
@@ -65,3 +66,59 @@ def pack(path: Path, content: Members) -> Path:
         for name, data in content.items():
             archive.writestr(name, data)
     return path
+
+
+Writer = Callable[[Path, Members], None]
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A defect.
+
+    Attributes
+    ----------
+    rule : the one that must find it
+    what : a few words for the table
+    write : writes the defective FMU, given the files of the sound one
+    """
+
+    theme: str
+    version: int
+    rule: str
+    what: str
+    write: Writer
+
+    @property
+    def name(self) -> str:
+        """A name for the test."""
+        return f"{self.version}-{self.rule}-{self.what}".replace(" ", "_")
+
+    def make(self, folder: Path) -> Path:
+        """Write the defective FMU."""
+        path = folder / "reference.fmu"
+        self.write(path, members(self.version))
+        return path
+
+
+def replaced(file: str, *pairs: tuple[str, str]) -> Writer:
+    """Return a writer that replaces texts in one file, every time they occur."""
+
+    def write(path: Path, content: Members) -> None:
+        text = content[file].decode()
+        for old, new in pairs:
+            if old not in text:
+                raise ValueError(f"{file} has no {old}")
+            text = text.replace(old, new)
+        pack(path, content | {file: text.encode()})
+
+    return write
+
+
+def with_files(files: dict[str, bytes | None]) -> Writer:
+    """Return a writer that adds files, and removes those that are ``None``."""
+
+    def write(path: Path, content: Members) -> None:
+        kept = {name: data for name, data in content.items() if name not in files}
+        pack(path, kept | {name: data for name, data in files.items() if data is not None})
+
+    return write

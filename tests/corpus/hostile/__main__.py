@@ -14,7 +14,7 @@ import fmpy
 
 from stickslip.fmi.files import atomic_write
 from tests.corpus.hostile import CASES, GROUPS, Case
-from tests.corpus.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, judge
+from tests.corpus.hostile.verdicts import KINDS, LONGEST, PATIENCE, Verdict, verdicts_of
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "hostile.md"
 
@@ -42,7 +42,7 @@ def rows(cases: Iterable[Case], workers: int) -> list[Row]:
     with tempfile.TemporaryDirectory(prefix="hostile-cache-") as cache:
 
         def one(case: Case) -> Row:
-            row = (case, *judge(case, Path(cache)))
+            row = (case, *verdicts_of(case, Path(cache)))
             print(f"{case}: {row[1].words} | {row[2].words}", file=sys.stderr, flush=True)
             return row
 
