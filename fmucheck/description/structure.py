@@ -155,7 +155,7 @@ def initial_unknowns(description: Description) -> Claims:
 
 @error(None, "2.4.8", "refer to a continuous Float64 or Float32")
 def bad_event_indicator(description: Description) -> Claims:
-    """An event indicator is not a continuous floating-point variable, or is a parameter or input."""
+    """An event indicator is not a continuous floating-point variable, or a parameter or input."""
     for unknown in description.group("EventIndicator"):
         v = unknown.variable
         if v is None:

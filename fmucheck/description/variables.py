@@ -194,7 +194,7 @@ def independent_variable(description: Description) -> Claims:
 
 @warning("2.2.7", "2.4.7.4", "remove the attribute")
 def multiple_set_of_no_input(description: Description) -> Claims:
-    """canHandleMultipleSetPerTimeInstant is set for a variable that is not an input."""
+    """A variable that is not an input has the flag canHandleMultipleSetPerTimeInstant."""
     for v in description.variables:
         if "canHandleMultipleSetPerTimeInstant" in v.given and v.causality != "input":
             yield v.place, f"canHandleMultipleSetPerTimeInstant, but causality {v.causality}"
