@@ -23,13 +23,7 @@ class Names:
         self._left = _MOST_TEXT
 
     def at(self, place: int) -> str:
-        """Return the name that begins at a byte.
-
-        Raises
-        ------
-        ValueError
-            When it does not end soon, or all that were asked for are too much.
-        """
+        """Return the name that begins at a byte; ValueError where names are too long."""
         end = self._data.find(b"\0", place, place + _LONGEST)
         if end < 0:
             raise ValueError(f"a name at byte {place:#x} that does not end within {_LONGEST} bytes")
@@ -40,13 +34,7 @@ class Names:
 
 
 def checked(count: int, what: str, most: int = MOST_SYMBOLS) -> int:
-    """Return a number of things that a header states.
-
-    Raises
-    ------
-    ValueError
-        When they are more than any library has.
-    """
+    """Return a number that a header states; ValueError where no library has so many."""
     if count > most:
         raise ValueError(f"{count} {what}; at most {most} are read")
     return count

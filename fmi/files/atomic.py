@@ -49,13 +49,7 @@ def atomic_write(path: Path, content: bytes | str) -> Path:
 
 
 def require_regular_file(path: Path) -> None:
-    """Refuse to put a file where there is something other than a plain file.
-
-    Raises
-    ------
-    OSError
-        When there is a link, a folder or a device of that name.
-    """
+    """Raise OSError where there is a link, a folder or a device of that name."""
     try:
         mode = path.lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):

@@ -11,10 +11,7 @@ from typing import IO, Any
 def lock(file: IO[Any]) -> bool:
     """Lock an open file until it is closed; return False if someone else has it.
 
-    Raises
-    ------
-    OSError
-        When the file system knows no locks.
+    OSError where the file system knows no locks.
     """
     if sys.platform == "win32":
         import msvcrt

@@ -26,17 +26,7 @@ _BETWEEN_KEYS = re.compile(r"[,{}\[\]=\n]")
 
 
 def read_limited(path: str | os.PathLike[str], most: int) -> bytes:
-    """Return what a file holds.
-
-    Parameters
-    ----------
-    most : bytes that it may have
-
-    Raises
-    ------
-    OSError
-        When it cannot be read, is no regular file (a pipe would never end) or is larger.
-    """
+    """Return what a file holds; OSError where it has more bytes than ``most``."""
     with open_regular_file(path) as file:
         stated = os.fstat(file.fileno()).st_size
         data = file.read(most + 1) if stated <= most else b""
@@ -48,25 +38,13 @@ def read_limited(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def digest(path: str | os.PathLike[str]) -> str:
-    """Return the SHA-256 of what a file holds, in hexadecimal.
-
-    Raises
-    ------
-    OSError
-        When it cannot be read, or is no regular file.
-    """
+    """Return the SHA-256 of what a file holds, in hexadecimal."""
     with open_regular_file(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def open_regular_file(path: str | os.PathLike[str]) -> BufferedReader:
-    """Open a regular file; a pipe or a device may never end.
-
-    Raises
-    ------
-    OSError
-        When it cannot be opened, or is none.
-    """
+    """Open a regular file; OSError where it is none: a pipe or a device may never end."""
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
         number = os.open(path, flags)
@@ -81,10 +59,7 @@ def open_regular_file(path: str | os.PathLike[str]) -> BufferedReader:
 def parse_json(data: bytes) -> Any:
     """Return the content of JSON in UTF-8.
 
-    Raises
-    ------
-    ValueError
-        When it is none, names a key twice, holds NaN or Infinity, or is nested too deeply.
+    ValueError where it is none, names a key twice, holds NaN or Infinity, or is nested too deeply.
     """
     text = _text(data)
     try:
@@ -96,13 +71,7 @@ def parse_json(data: bytes) -> Any:
 
 
 def parse_toml(data: bytes) -> dict[str, Any]:
-    """Return the content of TOML.
-
-    Raises
-    ------
-    ValueError
-        When it is none, or is nested too deeply.
-    """
+    """Return the content of TOML; ValueError where it is none, or is nested too deeply."""
     text = _text(data)
     # tomllib takes minutes for a name of 100,000 parts
     if any(part.count(".") > DEEPEST for part in _BETWEEN_KEYS.split(_STRINGS.sub("", text))):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,8 @@ from stickslip.ga.algorithms.optimiser import Optimiser
 from stickslip.ga.algorithms.settings import DEFAULT, Settings
 from stickslip.ga.arrays import Array
 from stickslip.ga.execution.checkpoint import seed_of
-from stickslip.ga.operators.breeding import Brood, breed, first_generation
+from stickslip.ga.operators.crossover import CROSSOVERS
+from stickslip.ga.operators.mutation import MUTATIONS
 from stickslip.ga.operators.rates import MutationRate
 from stickslip.ga.operators.surrogates import BRED, Origins, Surrogates
 from stickslip.ga.problem.encoding import Encoding
@@ -28,6 +29,16 @@ COLLAPSED = 1e-3
 SETTLED = 6
 """Generations without 1 % of progress that it then has to go on, and as many again to find another
 valley along the genes, before it restarts."""
+
+
+@dataclass(frozen=True)
+class Brood:
+    """Children, in the order of the places that they compete for."""
+
+    strings: Array  # what the operators work on, (n, k), 0 to 1
+    values: Array  # what is evaluated, (n, k), in the genes' units
+    rates: Array  # of their mutation, (n, 1)
+    origins: Origins  # where each comes from, (n,)
 
 
 class GeneticAlgorithm(Optimiser):
@@ -119,8 +130,12 @@ class GeneticAlgorithm(Optimiser):
 
         The first restart is around where the cost is lowest by and large, the second anywhere,
         and so on in turns.
+
+        Source
+        ------
+        Paper, Step 1.
         """
-        n = self.settings.population
+        settings, n = self.settings, self.settings.population
         start: Array | None = self._encoding.encode(self.problem.start)
         if self._restarts:
             start = None
@@ -129,13 +144,17 @@ class GeneticAlgorithm(Optimiser):
         if start is None:
             strings = self._rng.random((n, len(self.genes)))
         else:
-            strings = first_generation(start, self.settings, self._rng)
+            near = round(settings.near_share * (n - 1))
+            around = settings.near_spread * self._rng.standard_normal((near, start.size))
+            anywhere = self._rng.random((n - 1 - near, start.size))
+            strings = np.vstack([start, start + around, anywhere])
         return self._settled(strings, np.empty((n, 1)), np.full(n, BRED))
 
     def _next(self, current: Generation) -> Brood:
-        settings = self.settings
+        settings, strings = self.settings, current.strings
         rates = self._mutation.draw(settings.population - settings.elites, self._rng)
-        strings = breed(current.strings, current.costs, rates, settings, self._rng)
+        children = CROSSOVERS[settings.crossover](strings, current.costs, settings, self._rng)
+        strings = MUTATIONS[settings.mutation](children, strings, rates, self._rng)
         origins = np.full(len(strings), BRED)
         if self._surrogates is not None:
             origins = self._surrogates.place(strings, self._rng, spread=self._settled_for < SETTLED)

@@ -2,7 +2,8 @@
 
 A checkpoint holds what was told, not what an optimiser keeps inside: any optimiser that is asked
 and told the same again is where it was. Floats survive JSON exactly. Infinity has no place in JSON,
-so a cost of inf is written as null.
+so a cost of inf is written as null. What is not a checkpoint, or is of another run,
+raises `StateError`.
 """
 
 from __future__ import annotations
@@ -54,12 +55,7 @@ def pack(head: Mapping[str, Any], record: Record) -> dict[str, Any]:
 
 
 def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
-    """Yield what was told, generation after generation.
-
-    Raises
-    ------
-    StateError : the state is of another run than `head`, or is no state
-    """
+    """Yield what was told, generation after generation."""
     seed_of(state)
     for part, expected in head.items():
         if expected != state.get(part):
@@ -84,12 +80,7 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
 
 
 def seed_of(state: Mapping[str, Any]) -> int:
-    """Return the seed of a checkpoint.
-
-    Raises
-    ------
-    StateError : the state is no state
-    """
+    """Return the seed of a checkpoint."""
     if not isinstance(state, Mapping) or state.get("format") != FORMAT:
         raise StateError(
             f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
@@ -101,23 +92,12 @@ def seed_of(state: Mapping[str, Any]) -> int:
 
 
 def write(path: Path, state: Mapping[str, Any], about: str) -> None:
-    """Write a checkpoint atomically.
-
-    Raises
-    ------
-    OSError : the folder cannot be written or the disk is full; the old checkpoint is then whole
-    """
+    """Write a checkpoint atomically."""
     atomic_write(path, json.dumps({"about": about, **state}, allow_nan=False) + "\n")
 
 
 def read(path: Path, about: str) -> dict[str, Any]:
-    """Read the state from a checkpoint.
-
-    Raises
-    ------
-    StateError : the file is no JSON object, or its costs are about something else
-    OSError : it cannot be read
-    """
+    """Read the state from a checkpoint."""
     state = _load(path)
     if state.get("about", about) != about:
         raise StateError(
@@ -128,13 +108,7 @@ def read(path: Path, about: str) -> dict[str, Any]:
 
 
 def check(path: Path) -> None:
-    """Check that a file is a checkpoint, of whatever run.
-
-    Raises
-    ------
-    StateError : it is none
-    OSError : it cannot be read
-    """
+    """Check that a file is a checkpoint, of whatever run."""
     state = _load(path)
     try:
         seed_of(state)

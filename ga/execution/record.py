@@ -13,39 +13,22 @@ from stickslip.ga.arrays import Array
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One candidate that was evaluated.
+    """One candidate that was evaluated."""
 
-    Parameters
-    ----------
-    generation : 1 for the first
-    index : row in what ``ask`` returned
-    values : k of them, in the genes' order and units
-    cost : inf if it failed
-    reason : why it failed, or empty
-    """
-
-    generation: int
-    index: int
-    values: tuple[float, ...]
-    cost: float
-    reason: str = ""
+    generation: int  # 1 for the first
+    index: int  # row in what ``ask`` returned
+    values: tuple[float, ...]  # k of them, in the genes' order and units
+    cost: float  # inf if it failed
+    reason: str = ""  # why it failed
 
 
 @dataclass(frozen=True)
 class Summary:
-    """One generation.
+    """One generation; ``mean_cost`` is over its finite costs, the elite included, or inf."""
 
-    Parameters
-    ----------
-    generation : 1 for the first
-    evaluations : so far
-    best_cost : of the run so far
-    mean_cost : over the generation's finite costs, the elite included; inf if there is none
-    """
-
-    generation: int
-    evaluations: int
-    best_cost: float
+    generation: int  # 1 for the first
+    evaluations: int  # so far
+    best_cost: float  # so far
     mean_cost: float
 
 
