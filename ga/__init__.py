@@ -41,9 +41,7 @@ from stickslip.ga.errors import (
 from stickslip.ga.execution.executors import executor
 from stickslip.ga.execution.learning import Learned, learn
 from stickslip.ga.operators.crossover import crossover_probability, fitness
-from stickslip.ga.problem.gene import Gene
-from stickslip.ga.problem.problem import Problem
-from stickslip.ga.problem.repair import AtLeast
+from stickslip.ga.problem.problem import AtLeast, Gene, Problem
 
 if TYPE_CHECKING:
     from stickslip.ga.problem.candidates import SimulatedCost

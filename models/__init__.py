@@ -1,7 +1,4 @@
-"""Friction laws, plants, compensators and controllers, and the exporter that makes FMUs of them.
-
-The errors are drawn in ``models/errors.py``.
-"""
+"""Friction laws, plants, compensators and controllers, and the exporter that makes FMUs of them."""
 
 from stickslip.models.errors import (
     DescriptionError,

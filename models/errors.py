@@ -1,12 +1,4 @@
-"""Errors of the models package.
-
-ModelError(Fault)
-    UnknownModel(ValueError)      no folder of that name in models/
-    UnknownLaw(ValueError)        no folder of that name in models/laws, or a model without a law
-    DescriptionError(ValueError)  model.toml or law.toml says something that cannot be built
-    LtiError(ValueError)          a linear system that cannot be an FMU
-    StartValueError(ValueError)   a start value for a variable that has none, or out of its range
-"""
+"""Errors of the models package."""
 
 from stickslip.fmi.errors import Fault
 

@@ -19,9 +19,7 @@ from stickslip.ga.operators.mutation import MUTATIONS
 from stickslip.ga.operators.rates import MutationRate
 from stickslip.ga.operators.surrogates import BRED, Origins, Surrogates
 from stickslip.ga.problem.encoding import Encoding
-from stickslip.ga.problem.gene import Gene
-from stickslip.ga.problem.problem import Problem
-from stickslip.ga.problem.repair import Repair
+from stickslip.ga.problem.problem import Gene, Problem, Repair
 
 COLLAPSED = 1e-3
 """A population whose strings all lie within this of each other has found the bottom of a valley."""

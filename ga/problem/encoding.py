@@ -14,8 +14,7 @@ import numpy as np
 
 from stickslip.ga.arrays import Array
 from stickslip.ga.errors import SettingsError
-from stickslip.ga.problem.gene import Gene
-from stickslip.ga.problem.problem import Problem
+from stickslip.ga.problem.problem import Gene, Problem
 
 
 class Encoding:

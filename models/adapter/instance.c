@@ -15,22 +15,13 @@
 #define OUTPUTS(i) ((Outputs *)(i->now.values + OUTPUTS_AT))
 
 static const char *phase_name(Phase phase) {
-    switch (phase) {
-    case INSTANTIATED:
-        return "instantiated";
-    case INITIALIZATION:
-        return "initialization mode";
-    case STEPPING:
-        return "step mode";
-    case ENDED:
-        return "terminated";
-    case EVENT:
-        return "event mode";
-    case CONTINUOUS:
-        return "continuous-time mode";
-    default:
-        return "failed";
-    }
+    static const char *const NAMES[] = {
+        "instantiated", "initialization mode", "step mode",           "terminated",
+        "failed",       "event mode",          "continuous-time mode"};
+    int bit = 0;
+    while ((int)phase >> bit > 1)
+        bit++;
+    return NAMES[bit];
 }
 
 Status instance_report(Instance *i, Status status, const char *category, const char *format, ...) {

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
-from stickslip.models.export.law import Law, merge, read_toml
+from stickslip.models.export.law import Law, merge, read_toml, require_known
 from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
@@ -34,6 +34,7 @@ _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
     *("output", "derivative", "depends", "uses", "held", "variability"),
 }
+_VARIABILITY = {"memory": "discrete", "parameter": "fixed"}
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -158,24 +159,26 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
     content.setdefault("parameters", {})
     if law is not None:
         merge(content, law)
-    variables = [Variable("time", "time", "Simulation time", unit="s")]
-    fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
-    for section, role in _SECTIONS.items():
-        tables = content.pop(section, {})
-        # Reals first among the parameters, so that each type is one range of value references.
-        order = sorted(tables, key=lambda name: _TYPES.index(tables[name].get("type", "real")))
-        fields[role] = tuple((name, tuple(tables[name].get("size", ()))) for name in order)
-        if role == "state":
-            fields["derivative"] = tuple(
-                (name, ()) for name in order if "derivative" in tables[name]
-            )
-        for name in order:
-            variables += _variables(f"{folder.name}/model.toml", name, role, tables[name])
-        if role == "state":
-            variables += (
-                _derivative(name, table) for name, table in tables.items() if "derivative" in table
-            )
     try:
+        variables = [Variable("time", "time", "Simulation time", unit="s")]
+        fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
+        for section, role in _SECTIONS.items():
+            tables = content.pop(section, {})
+            # Reals first among the parameters, so that each type is one range of value references.
+            order = sorted(tables, key=lambda name: _TYPES.index(tables[name].get("type", "real")))
+            fields[role] = tuple((name, tuple(tables[name].get("size", ()))) for name in order)
+            if role == "state":
+                fields["derivative"] = tuple(
+                    (name, ()) for name in order if "derivative" in tables[name]
+                )
+            for name in order:
+                variables += _variables(f"{folder.name}/model.toml", name, role, tables[name])
+            if role == "state":
+                variables += (
+                    _derivative(name, table)
+                    for name, table in tables.items()
+                    if "derivative" in table
+                )
         return Model(
             name=content.get("name", folder.name),
             title=content["title"],
@@ -199,34 +202,27 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
 def _ports(table: dict[str, Any] | None, law: Law | None) -> Ports | None:
     if table is None:
         return None
-    if unknown := sorted({*table["inputs"].values()} - ROLES):
-        raise DescriptionError(f"[loop]: unknown role {unknown[0]}; known are {sorted(ROLES)}")
-    named = {value for value in table["axis"].values() if isinstance(value, str)}
-    if unknown := sorted(named - AXIS):
-        raise DescriptionError(f"[loop]: unknown quantity {unknown[0]}; known are {sorted(AXIS)}")
+    require_known("[loop]", table["inputs"].values(), ROLES)
+    require_known("[loop]", (v for v in table["axis"].values() if isinstance(v, str)), AXIS)
     tuned = (*table["tuned"], *(law.parameters if law else ()))
     return Ports(table["inputs"], table["output"], tuned, table["axis"])
 
 
 def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:
-    terminals = {name: Terminal(t["description"], t["members"]) for name, t in tables.items()}
-    for name, terminal in terminals.items():
-        if strangers := set(terminal.members.values()) - known:
-            raise DescriptionError(f"terminal {name}: there is no variable {min(strangers)}")
-    return terminals
+    for name, table in tables.items():
+        require_known(f"terminal {name}", table["members"].values(), known)
+    return {name: Terminal(t["description"], t["members"]) for name, t in tables.items()}
 
 
 def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Iterator[Variable]:
     """Yield one variable, or one for each element of an array in C order."""
     where = f"{file}, variable {name}"
-    if unknown := sorted(table.keys() - _KEYS):
-        raise DescriptionError(f"{where}: unknown key {unknown[0]}; known are {sorted(_KEYS)}")
-    if "description" not in table:
-        raise DescriptionError(f"{where}: a description is missing")
-    if table.get("unit", "1") not in UNITS:
-        raise DescriptionError(f"{where}: unknown unit {table['unit']}; known are {list(UNITS)}")
-    if (shown := table.get("display")) and shown not in DISPLAY.get(table.get("unit", "1"), {}):
-        raise DescriptionError(f"{where}: {shown} is no display unit of {table.get('unit')}")
+    require_known(where, table, _KEYS)
+    require_known(where, filter(None, [table.get("unit")]), UNITS)
+    require_known(
+        where, filter(None, [table.get("display")]), DISPLAY.get(table.get("unit", "1"), {})
+    )
+    require_known(where, table.get("depends", {}).values(), _KINDS)
     unit: str | None = table.get("unit")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
@@ -246,10 +242,10 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             maximum=table.get("max"),
             nominal=table.get("nominal", None if role == "parameter" else NOMINAL.get(unit or "")),
             is_output=role == "output" or table.get("output", False),
-            depends=_depends(where, table),
+            depends=table.get("depends", {}),
             uses=tuple(table.get("uses", ())),
             held=table.get("held", False),
-            variability=table.get("variability", _default_variability(role)),
+            variability=table.get("variability", _VARIABILITY.get(role, "continuous")),
         )
         _check_range(variable, variable.start, DescriptionError, file)
         yield variable
@@ -261,22 +257,10 @@ def _derivative(state: str, table: dict[str, Any]) -> Variable:
         role="derivative",
         description=f"Derivative of: {table['description']}",
         unit=rate_unit(table["unit"]),
-        depends=_depends(state, {"depends": table["derivative"]}),
+        depends=table["derivative"],
         uses=tuple(table.get("uses", ())),
         of=state,
     )
-
-
-def _depends(where: str, table: dict[str, Any]) -> dict[str, Kind]:
-    depends: dict[str, Kind] = table.get("depends", {})
-    for name, kind in depends.items():
-        if kind not in _KINDS:
-            raise DescriptionError(f"{where}: depends on {name} as {kind}; known are {_KINDS}")
-    return depends
-
-
-def _default_variability(role: Role) -> str:
-    return {"memory": "discrete", "parameter": "fixed"}.get(role, "continuous")
 
 
 def _flat(value: Any) -> list[float]:

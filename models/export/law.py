@@ -112,6 +112,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     return content
 
 
+def require_known(where: str, words: Iterable[str], known: Iterable[str]) -> None:
+    """Raise DescriptionError where a word is not among those that are known."""
+    allowed = list(known)
+    if unknown := sorted(set(words) - set(allowed)):
+        raise DescriptionError(f"{where}: {unknown[0]} is unknown; expected one of {allowed}")
+
+
 def read_law(folder: Path) -> Law:
     """Read ``law.toml`` in a law's folder.
 
@@ -144,13 +151,9 @@ def read_law(folder: Path) -> Law:
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/law.toml: key {missing} is missing") from None
-    for parameter in law.parameters.values():
-        for key in ("at_least", "requires"):
-            if getattr(parameter, key) not in (None, *law.parameters):
-                raise DescriptionError(
-                    f"{folder.name}/law.toml, parameter {parameter.name}: {key} names "
-                    f"{getattr(parameter, key)}, which is not a parameter; there are {list(tables)}"
-                )
+    for p in law.parameters.values():
+        where = f"{folder.name}/law.toml, parameter {p.name}"
+        require_known(where, filter(None, (p.at_least, p.requires)), law.parameters)
     return law
 
 

@@ -17,7 +17,7 @@ from stickslip.catalog.parameters import LUGRE, UNITS
 from stickslip.evaluation.motions import windows
 from stickslip.evaluation.validation import Run, Validation, run_command
 from stickslip.fmi.process import Threads
-from stickslip.ga.problem.repair import Repair
+from stickslip.ga.problem.problem import Repair
 from stickslip.identification.stages import Estimate
 from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.measurement import CUTOFF, Array

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
 import zlib
 from pathlib import Path
@@ -139,10 +140,25 @@ def streamed():
     return stream.getvalue()
 
 
+def zip64_end(at=0):
+    """Return an archive whose end says nothing but where the end of a zip64 is."""
+    plain = lawful()
+    size, offset = struct.unpack("<2L", plain[-10:-2])
+    end = struct.pack("<4sQ2H2L4Q", b"PK\x06\x06", 44, 45, 45, 0, 0, 3, 3, size, offset)
+    end += struct.pack("<4sLQL", b"PK\x06\x07", 0, len(plain) - 22 + at, 1)
+    return plain[:-22] + end + b"PK\x05\x06\0\0\0\0" + b"\xff" * 12 + b"\0\0"
+
+
+@pytest.mark.parametrize(("at", "message"), [(99, "points behind itself"), (-1, "end is missing")])
+def test_a_zip64_whose_end_is_elsewhere_is_damaged(tmp_path, at, message):
+    with pytest.raises(Refused, match=message):
+        extract(io.BytesIO(zip64_end(at)), tmp_path / "new")
+
+
 @pytest.mark.parametrize(
     "data",
-    [lawful(), lawful(comment=b"c" * 0xFFFF), zip64(), streamed()],
-    ids=["plain", "a huge comment", "zip64", "streamed"],
+    [lawful(), lawful(comment=b"c" * 0xFFFF), zip64(), zip64_end(), streamed()],
+    ids=["plain", "a huge comment", "zip64", "zip64 at its end", "streamed"],
 )
 def test_lawful_but_odd_archives_are_taken(tmp_path, data):
     checks = extract(io.BytesIO(data), tmp_path / "new")
