@@ -1,4 +1,4 @@
-/* From a folder of components to instances, and back; what they say. */
+/* Instances of the components, and their messages. */
 #include "inside.h"
 #include "library.h"
 #include <stdarg.h>

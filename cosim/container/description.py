@@ -72,8 +72,8 @@ def model_description(
         **flags,
         fixedInternalStepSize=internal,
     )
-    # Old releases of the FMI Library want a start value for time, which FMI 2.0 forbids; but there
-    # it may be left out.
+    # Old releases of the FMI Library require a start value for time, which FMI 2.0 forbids; there
+    # time may be left out.
     listed = {place: v for place, v in enumerate(shown) if version == 3 or v.role != "TIME"}
     _add_units(root, listed.values())
     categories = child(root, "LogCategories")

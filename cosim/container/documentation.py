@@ -27,8 +27,8 @@ all components.</p>
 <h2>Connections{delay}</h2>
 {connections}
 <h2>Licence</h2>
-<p>The components lie in <code>resources/</code> as they came, each under the licence that it states
-itself: <a href="licenses/license.txt">licenses/license.txt</a>.</p>
+<p>The components are unchanged in <code>resources/</code>, each under its own licence:
+<a href="licenses/license.txt">licenses/license.txt</a>.</p>
 </body>
 </html>
 """
@@ -44,12 +44,12 @@ def index(system: System, order: Sequence[str], step: float, *, jacobi: bool) ->
         step=step,
         components=_table(("component", "model", "standard", "token"), components),
         connections=_table(("from", "to"), connections),
-        delay=", each late by one step" if jacobi else "",
+        delay=", each delayed by one step" if jacobi else "",
     )
 
 
 def licences(system: System) -> str:
-    """Return what the components say of their licences, a line each."""
+    """Return the licence that each component declares."""
     lines = ["The FMUs in resources/ stay under their own licences:", ""]
     for name, fmu in system.fmus("a container").items():
         lines.append(f"{name} ({fmu.name}): {fmu.description.licence or 'not stated'}")

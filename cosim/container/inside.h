@@ -1,4 +1,4 @@
-/* A whole system in one FMU: its components, which lie in the resources, and the kernel's loop.
+/* A whole system in one FMU: its components, in the resources, and the kernel's loop.
  *
  * The C files beside this one know the system from system.h, which tables.py writes; the faces give
  * them the names and types of a standard. Variables of the container are places in a row of the
@@ -30,7 +30,7 @@ typedef struct {
     double start;       /* of an input or parameter */
 } Variable;
 
-/* A component: where it lies, and how the kernel finds its signals. */
+/* A component: its files, and how the kernel finds its signals. */
 typedef struct {
     const char *name, *token;
     const char *folder;     /* in the resources */

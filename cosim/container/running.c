@@ -47,14 +47,14 @@ Status instance_set_up(Instance *x, double start_time, bool stop_defined, double
 
 static bool enter(Instance *x, Component *c) {
     Run *run = &x->run;
-    const bool stops = x->stop_defined, told = c->tolerance > 0.0;
+    const bool stops = x->stop_defined, limited = c->tolerance > 0.0;
     if (c->version == 3) {
         return passed(run, c, "fmi3EnterInitializationMode",
-                      (int)c->call.fmi3.EnterInitializationMode(c->instance, told, c->tolerance,
+                      (int)c->call.fmi3.EnterInitializationMode(c->instance, limited, c->tolerance,
                                                                 run->start, stops, run->stop));
     }
     return passed(run, c, "fmi2SetupExperiment",
-                  (int)c->call.fmi2.SetupExperiment(c->instance, told, c->tolerance, run->start,
+                  (int)c->call.fmi2.SetupExperiment(c->instance, limited, c->tolerance, run->start,
                                                     stops, run->stop)) &&
            passed(run, c, "fmi2EnterInitializationMode",
                   (int)c->call.fmi2.EnterInitializationMode(c->instance));

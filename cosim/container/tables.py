@@ -1,4 +1,4 @@
-"""A system as C: what ``container.c`` knows of it."""
+"""A system as C tables for ``container.c``."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def system_header(
     ----------
     run : as ``wire`` returns it
     order : components as they step
-    folders : component -> where it lies in the resources
+    folders : component -> folder in the resources
 
     Raises
     ------
@@ -128,7 +128,7 @@ def _table(head: str, rows: Sequence[str]) -> str:
 
 
 def _text(text: str) -> str:
-    """Return a string of C; JSON's is one, but for what is not ASCII."""
+    """Return a string literal of C: that of JSON, with other than ASCII escaped."""
     return "".join(
         c if c.isascii() else "".join(f"\\{byte:03o}" for byte in c.encode())
         for c in json.dumps(text, ensure_ascii=False)

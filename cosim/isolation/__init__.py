@@ -1,12 +1,12 @@
-"""FMUs in a process of their own, which they may end without harm.
+"""FMUs in a child process, whose crash does not end the caller.
 
-    simulation  the face of `cosim.Simulation`, on the side of the caller
-    process     the child as its parent sees it: started, asked, watched, ended
-    shared      memory that both see: results, and which call an FMU is in
-    parcel      a specification on its way to the child
+    simulation  `cosim.Simulation` in the parent process
+    process     the child in the parent: started, asked, watched, ended
+    shared      shared memory: results, and the present call of an FMU
+    parcel      a specification as bytes for the child
     verdict     the error when the child died
     start       the child's first lines; imports `child` and nothing else
-    child       prepares a simulation and runs it as it is told
+    child       prepares a simulation and runs it on request
 
-Requests go down as pickles. Answers come back as JSON, so that nothing the child says is executed.
+Requests are pickles. Answers are JSON, so that nothing from the child is executed.
 """

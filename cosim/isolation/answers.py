@@ -36,7 +36,7 @@ class Answers:
     Parameters
     ----------
     requests, replies : file descriptors, for writing and for reading
-    token : that the child was given; bytes without it are no answer
+    token : of the child; bytes without it are not an answer
     """
 
     def __init__(self, requests: int, replies: int, token: bytes) -> None:
@@ -56,12 +56,12 @@ class Answers:
         self._poll.register(self._requests, select.POLLOUT)
 
     def get(self, timeout: float) -> Reply | None:
-        """Return the next answer, None when there will be no more.
+        """Return the next answer, None at the end of the pipe.
 
         Raises
         ------
         queue.Empty
-            When no whole one came within ``timeout`` (s).
+            When no complete answer arrived within ``timeout`` (s).
         """
         end = time.monotonic() + timeout
         while (reply := self._taken()) is None:
@@ -110,7 +110,7 @@ class Answers:
 
 
 class ThreadedAnswers(Answers):
-    """The same by threads, for systems that cannot wait for a pipe."""
+    """The same by threads, for systems that cannot poll a pipe."""
 
     def _open(self) -> None:
         self._parts: SimpleQueue[bytes] = SimpleQueue()
@@ -134,7 +134,7 @@ class ThreadedAnswers(Answers):
 
 
 def message(token: bytes, content: bytes) -> bytes:
-    """Return content behind what tells the other side that it is a message, whole and as sent."""
+    """Return content after a header of token, length and CRC-32."""
     return _HEAD.pack(token, len(content), zlib.crc32(content)) + content
 
 
@@ -157,7 +157,7 @@ def receive(file: int, token: bytes) -> bytes:
     Raises
     ------
     OSError
-        When there is none, or what comes is not one.
+        When the pipe ends, or holds something else.
     """
     head = _read(file, _HEAD.size)
     if len(head) == _HEAD.size:

@@ -228,7 +228,7 @@ class Process:
         while self._process.returncode is None:
             try:
                 ended, status, usage = os.wait4(self._process.pid, os.WNOHANG)
-            except ChildProcessError:  # the program takes no interest in its children
+            except ChildProcessError:  # the program ignores SIGCHLD
                 self._process.returncode = 0
                 break
             if ended:

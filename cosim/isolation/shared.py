@@ -38,7 +38,7 @@ class Shared:
 
     @classmethod
     def open(cls, name: str, size: int) -> Self:
-        """Return what the parent has made, by its name; a process that forks off has it not."""
+        """Map the memory of the parent by its name; processes that fork do not inherit it."""
         if sys.platform == "win32":
             return cls(mmap.mmap(-1, size, tagname=name))
         memory = mmap.mmap(int(name), size)

@@ -41,7 +41,7 @@ _BIND_RESUME = inspect.signature(Simulation.resume).bind
 class IsolatedSimulation(Simulation):
     """Runs a system in a child process: a simulation like any other, at nearly its speed.
 
-    What an FMU does to its process, it does to the child. A crash, an exit or a hang becomes
+    A crash, an exit or a hang of the child becomes
     FmuCrashed, which names component, call and time; the next run starts another child. What FMUs
     print is shown in that error only.
     """

@@ -19,7 +19,7 @@ _INDEX = re.compile(r"__index_level_\d+__")  # of a frame, which pandas stores a
 
 
 class Unreadable(ValueError):
-    """The bytes are no Parquet file of columns; the message lacks the file's name."""
+    """The bytes are not a Parquet file of columns; the message does not name the file."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,7 +66,7 @@ class Disturbance:
         """Return the value that each point has if the signal sticks there."""
         stuck = np.isnan(self.keep)
         free = np.where(stuck, values, self.keep * values + self.add)
-        stuck[0] = False  # there is no step before
+        stuck[0] = False  # the first point follows no step
         held: Array = free[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))]
         return held
 

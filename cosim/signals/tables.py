@@ -101,7 +101,7 @@ def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
     except SignalError as fault:
         raise SignalError(f"{label}: {fault}") from None
     except (TypeError, ValueError) as fault:
-        raise SignalError(f"{label}: holds what is no number: {fault}") from None
+        raise SignalError(f"{label}: holds a value that is not a number: {fault}") from None
 
 
 def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:

@@ -70,7 +70,7 @@ def _change_in_place(
     members: Members,
     package: Origin | None,
 ) -> bool:
-    """Change a value where it is written, if what is written there is what arrives."""
+    """Change a value where it is written, if no mapping or scaling changes it on the way."""
     arrives, element = given
     written = next(element.iterchildren(tag("ssv:*")))
     text = written.get("value")

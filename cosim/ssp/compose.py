@@ -12,7 +12,7 @@ from stickslip.cosim.ssp.names import NAMESPACES, OSP, tag
 from stickslip.fmi.description.units import BASE_UNITS, Unit
 from stickslip.fmi.description.variables import Variable
 
-# How the schemas sort what lies in a description, a system and a component.
+# Order of the elements of a description, a system and a component in the schemas.
 _ORDER = (
     "Connectors ElementGeometry ParameterBindings Elements Connections SignalDictionaries"
     " SystemGeometry GraphicalElements System Parameters Enumerations Units DefaultExperiment"
@@ -38,7 +38,7 @@ def add(parent: Any, name: str, /, **attributes: str) -> Any:
 
 
 def group(parent: Any, name: str) -> Any:
-    """Return the child of this name; where there is none, a new one in the place of the schema."""
+    """Return the child of this name, a new one in the order of the schemas if there is none."""
     found = parent.find(tag(name))
     if found is not None:
         return found

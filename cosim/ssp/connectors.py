@@ -1,4 +1,4 @@
-"""What SSP says of connectors and of entries of dictionaries: type, unit, items, dimensions."""
+"""Connectors and entries of signal dictionaries: type, unit, items, dimensions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Definitions:
         )
 
     def within(self, outer: Definitions) -> Definitions:
-        """Return these and, where they say nothing, those of another file."""
+        """Return these definitions, completed by those of another file."""
         units = {**outer.units, **self.units}
         return Definitions(units, {**outer.enumerations, **self.enumerations})
 
@@ -65,9 +65,9 @@ class Connector:
 
     Attributes
     ----------
-    type : of SSP; None where it is not said
+    type : of SSP; None where it is not declared
     items : of its enumeration
-    dimensions : of an array; None for a length that the file does not say
+    dimensions : of an array; None for a length that the file does not declare
     """
 
     name: str
@@ -105,12 +105,12 @@ def _read(element: Any, kind: str, definitions: Definitions) -> tuple[Connector,
     dimensions = tuple(None if n is None else integer(n, element) for n in lengths)
     if any(n is not None and n < 0 for n in dimensions):
         raise SspError(f"{place(element)}: the dimensions of {shown(name)} are {dimensions}")
-    said = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
-    if said is None:
+    typed = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
+    if typed is None:
         return Connector(name, kind, dimensions=dimensions), element
-    unit = definitions.unit(said.get("unit"))
-    items = definitions.enumerations.get(said.get("name", ""), {})
-    return Connector(name, kind, unit, local(said), items, dimensions), element
+    unit = definitions.unit(typed.get("unit"))
+    items = definitions.enumerations.get(typed.get("name", ""), {})
+    return Connector(name, kind, unit, local(typed), items, dimensions), element
 
 
 def _items(enumeration: Any) -> Items:

@@ -26,7 +26,7 @@ class Editor:
     ----------
     graph : of the description
     document : of the outermost system
-    has_arrays : whether the version of SSP knows arrays
+    has_arrays : whether the version of SSP has arrays
     """
 
     def __init__(self, graph: Graph, version: str) -> None:
@@ -118,7 +118,7 @@ class Editor:
         return target
 
     def _new_connector(self, path: Path, kind: str, like: End) -> End:
-        name = f"{like[0][-1]}_{like[1]}"  # with a dot FMPy takes it for what is inside
+        name = f"{like[0][-1]}_{like[1]}"  # FMPy reads a dot as a path
         while self.graph.connector((path, name)):
             name += "_"
         self._declare((path, name), kind, like)

@@ -144,7 +144,7 @@ class Graph:
         return self.fmus[end[0]].unit(variable) if variable else None
 
     def scaling(self, way: list[Edge], unit: Unit | None) -> Transform:
-        """Return what is done to a number in ``unit`` on a way, up to the FMU at its end."""
+        """Return the transformation of a number in ``unit`` on a way, up to the FMU at its end."""
         total: Transform = IDENTITY
         last = self.inner_unit(way[-1].target)
         unit = unit and unit.like(last)
@@ -345,7 +345,7 @@ def _shape(graph: Graph, end: End, edge: Edge, seen: tuple[End, ...]) -> Shape:
     for other in (*before, *(e.target for e in graph.onward[end])):
         if other not in seen:
             return _shape(graph, other, edge, (*seen, end))
-    raise SspError(f"{place(edge.element)}: nothing says how long the array {label(end)} is")
+    raise SspError(f"{place(edge.element)}: the length of the array {label(end)} is not declared")
 
 
 def _is_parameter(graph: Graph, end: End) -> bool:

@@ -53,8 +53,8 @@ def check(root: Any, part: str) -> None:
     if fault := violation(root, part, version):
         newer = version == "1.0" and not violation(root, part, "2.0")
         hint = "; SSP 2.0 allows this: set version='2.0'" if newer else ""
-        said = printable(short(fault[1]), 400).rstrip(".")
-        raise SspError(f"{_file_name(root)}, line {fault[0]}: {said}{hint}")
+        text = printable(short(fault[1]), 400).rstrip(".")
+        raise SspError(f"{_file_name(root)}, line {fault[0]}: {text}{hint}")
 
 
 def violation(root: Any, part: str, version: str) -> tuple[int, str] | None:
@@ -119,7 +119,7 @@ def integer(text: str, element: Any) -> int:
     try:
         return int(text)
     except ValueError:
-        raise SspError(f"{place(element)}: {shown(text)} is no integer") from None
+        raise SspError(f"{place(element)}: {shown(text)} is not an integer") from None
 
 
 def truth(element: Any, name: str) -> bool:

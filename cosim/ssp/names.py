@@ -27,7 +27,7 @@ NESTED = ("application/x-ssp-definition", "application/x-ssp-package")
 ANNOTATION = "com.opensimulationplatform"
 OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
 
-# Between a nested system and what is in it. A dot would not do: it begins the variable.
+# Between a nested system and its elements; a dot separates the variable.
 SEPARATOR = "/"
 
 Path = tuple[str, ...]

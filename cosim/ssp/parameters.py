@@ -33,7 +33,7 @@ _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter
 _WORDS = {"true": 1, "false": 0}
 
 Raw = float | str | tuple[float, ...]
-"""A number, the numbers of an array, or any other value as the file writes it."""
+"""A number, the numbers of an array, or any other value as text."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Given:
     Attributes
     ----------
     value : a number, numbers or text; of an enumeration the name of the item
-    unit : of the number, None where none is said
+    unit : of the number, None where it is not declared
     element : for messages
     convert : whether the number is converted to the unit of what it is given to
     scaling : applied to it after that
@@ -175,8 +175,8 @@ def _mapped(entry: Any, given: dict[str, Given]) -> Given:
     if pairs := pairs_of_names(entry):
         if value.items is None:
             raise SspError(
-                f"{place(entry)}: an EnumerationMappingTransformation is for enumerations,"
-                f" {source!r} is none"
+                f"{place(entry)}: {source!r} is not an enumeration, as an"
+                " EnumerationMappingTransformation expects"
             )
         return replace(value, value=pairs.get(str(value.value), value.value), element=entry)
     convert = not truth(entry, "suppressUnitConversion")

@@ -39,8 +39,7 @@ def read_ssp(
     Raises
     ------
     SspError
-        When the file is no SSP package, or holds what cannot be run, such as components that are
-        no FMUs.
+        When the file is not an SSP package, or a component is not an FMU.
     """
     package = Package.open(path, variant)
     try:
@@ -50,7 +49,7 @@ def read_ssp(
 
 
 def read_package(package: Origin) -> tuple[System, DefaultExperiment, Graph]:
-    """Read a system, the times it proposes and the graph that it was laid flat from."""
+    """Read a system, its default experiment and the graph that it was flattened from."""
     top = read_structure(package.folder / package.structure, package.folder)
     system = System(top.body.get("name") or "system")
     fmus: dict[Path, Fmu] = {}
@@ -114,9 +113,8 @@ def _connect(system: System, graph: Graph) -> None:
         kind = system.variable(name).causality
         if kind != "input":
             if graph.is_component(source):
-                raise SspError(
-                    f"{place(way[-1].element)}: {label(source)} cannot feed {name}: it is a {kind}"
-                )
+                ends = f"{label(source)} to {name}"
+                raise SspError(f"{place(way[-1].element)}: cannot connect {ends}: it is a {kind}")
             continue  # a parameter that a binding sets through a connector
         link = graph.link(way)
         with _blaming(way[-1].element):
@@ -150,7 +148,7 @@ def _time(element: Any, name: str) -> float | None:
 
 @contextmanager
 def _blaming(element: Any) -> Iterator[None]:
-    """Let errors name the line that they come from."""
+    """Add file and line of an element to errors."""
     try:
         yield
     except CosimError as fault:

@@ -33,7 +33,7 @@ class Document:
 
     Attributes
     ----------
-    file : where it lies; its URIs start from there
+    file : its path, from which its URIs start
     top : the unpacked package, which no URI may leave
     root : SystemStructureDescription
     definitions : of units and enumerations

@@ -72,9 +72,9 @@ def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
                     f" {name} is of the type {kind}"
                 )
     if (found is None or _kind(found) == "Linear") and len({family for *_, family in known}) > 1:
-        said = " and ".join(f"{name} ({kind})" for name, kind, _ in known)
+        both = " and ".join(f"{name} ({kind})" for name, kind, _ in known)
         raise SspError(
-            f"{place(element)}: cannot connect {said}: only equal types connect; integers and"
+            f"{place(element)}: cannot connect {both}: only equal types connect; integers and"
             " enumerations do by an IntegerMappingTransformation"
         )
 
@@ -87,7 +87,7 @@ def add_transformation(
     Raises
     ------
     SspError
-        When SSP has no words for it.
+        When SSP cannot express it.
     """
     if isinstance(transform, Scaling):
         line = {"factor": repr(transform.factor), "offset": repr(transform.offset)}
@@ -134,8 +134,10 @@ def _value(kind: str, text: str, entry: Any, items: Items) -> int:
     if text in known:
         return known[text]
     if known:
-        raise SspError(f"{place(entry)}: {text!r} is no value of its type{suggestion(text, known)}")
+        raise SspError(
+            f"{place(entry)}: {text!r} is not a value of its type{suggestion(text, known)}"
+        )
     raise SspError(
-        f"{place(entry)}: what is {text!r}? neither ssd:Enumerations nor the FMU says which items"
-        " the enumeration at this end has"
+        f"{place(entry)}: the items of the enumeration with {text!r} are defined neither in"
+        " ssd:Enumerations nor in the FMU"
     )

@@ -57,9 +57,8 @@ def write_ssp(
 ) -> File:
     """Write a system with its FMUs, start values, units and times; return the path.
 
-    Connectors are written for all outputs and for the inputs that are fed: a tool that wants a
-    source for each connector finds one. Components called ``outer/inner`` come into nested
-    systems.
+    Connectors are written for all outputs and for the connected inputs, since some tools require a
+    source for each connector. Components called ``outer/inner`` are written into nested systems.
 
     Parameters
     ----------
@@ -72,7 +71,7 @@ def write_ssp(
     ------
     SspError
         When an FMU is no longer where it was read from, a nested system that lies in a file of its
-        own would have to be changed, or the package holds what the version cannot say.
+        own would have to be changed, or the version cannot express the package.
     OSError
         When the file cannot be written.
     """
@@ -275,7 +274,7 @@ def _verify(members: Members, structure: str, system: System) -> None:
 
 
 def _meaning(system: System, parameters: Iterable[str]) -> dict[str, object]:
-    """Return what a package must tell of a system."""
+    """Return what a package and a system must agree in."""
     scalings = {
         f"the scaling of {target}": system.scaling(source, target)
         for target, source in system.sources().items()

@@ -38,7 +38,7 @@ def test_all_sources_give_the_same_signals(tmp_path, kind):
     ("frame", "message"),
     [
         (pd.DataFrame({"v": [1.0]}), "'time' among them"),
-        (pd.DataFrame({"time": [0.0], "v": ["x"]}), "no number"),
+        (pd.DataFrame({"time": [0.0], "v": ["x"]}), "not a number"),
         (pd.DataFrame({"time": [1.0, 0.0], "v": [0.0, 0.0]}), "time falls"),
         (pd.DataFrame({"time": [0.0, 1.0], "v": [0.0, np.nan]}), "not finite"),
     ],

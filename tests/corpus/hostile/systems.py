@@ -123,7 +123,7 @@ CONNECTIONS = [
     _case("connector-twice", "two connectors of one name", "two connectors 'v'", structure(A, connectors=V + V)),
     _case("component-twice", "two components of one name", "two elements 'a'", structure(A + A)),
     _case("name-with-dot", "a component called a.b", "a name without '.'", structure(component("a.b"))),
-    _connected("parameter", "an output led to a parameter", r"a\.y cannot feed b\.k: it is a parameter", connection("a.y", "b.k")),
+    _connected("parameter", "an output led to a parameter", r"cannot connect a\.y to b\.k: it is a parameter", connection("a.y", "b.k")),
     _case("no-dictionary-entry", "an entry that the dictionary has not", "no entry 'z'",
           structure(A + '<ssd:SignalDictionaryReference name="d" dictionary="bus"/>',
                     [connection("a.y", "d.z")],

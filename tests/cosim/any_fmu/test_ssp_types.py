@@ -254,7 +254,7 @@ def elements(source, target, /, *more, size="", **indices):
         (mapped("Int8", pairs("Integer", (1, 3), (1, 4))), "maps '1' twice"),
         (
             mapped("Enumeration", pairs("Enumeration", ("a", "bb"))),
-            "'bb' is no value of its type; did you mean 'b'",
+            "'bb' is not a value of its type; did you mean 'b'",
         ),
         (
             ("feedthrough", two(connection("a.Boolean_out", "b.Int8_in"))),
