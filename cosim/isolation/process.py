@@ -21,7 +21,7 @@ from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
 from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from stickslip.cosim.isolation.parcel import pack
-from stickslip.cosim.isolation.shared import Made
+from stickslip.cosim.isolation.shared import Shared
 from stickslip.cosim.isolation.verdict import crashed, ending
 from stickslip.cosim.run import resets
 from stickslip.cosim.system.isolation import Isolation
@@ -77,23 +77,23 @@ class Process:
         parcel = pack(
             specification, kernel=str(library), memory=limits.memory, resets=dict(resets.lines)
         )
-        made = Made(n)
-        self.shared = made.shared
+        self.shared = shared = Shared.make(n)
         token = secrets.token_bytes(TOKEN_SIZE)
+        modules = os.pathsep.join(path for path in sys.path if path)
         try:
             with held():
                 self._process = subprocess.Popen(
-                    [sys.executable, "-P", str(_START), made.name, str(made.size), token.hex()],
+                    [sys.executable, "-P", str(_START), shared.name, str(shared.size), token.hex()],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     stderr=subprocess.PIPE,
                     bufsize=0,
-                    pass_fds=made.files,
+                    pass_fds=shared.files,
                     start_new_session=True,
-                    env=_environment(),
+                    env=os.environ | {"PYTHONPATH": modules, "OPENBLAS_NUM_THREADS": "1"},
                 )
         finally:
-            made.close_files()
+            shared.close_files()
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
         requests, replies, printed = (pipe for pipe in pipes if pipe)
         kind = ThreadedAnswers if sys.platform == "win32" else Answers
@@ -276,11 +276,3 @@ def _hung(seconds: float) -> str:
 
 def _too_long(limit: float) -> str:
     return f"was going on when the {limit:g} s for all were over"
-
-
-def _environment() -> dict[str, str]:
-    """Return ours, with the path of our modules, and without threads that are not needed."""
-    return os.environ | {
-        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
-        "OPENBLAS_NUM_THREADS": "1",
-    }

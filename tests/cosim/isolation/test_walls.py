@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.cosim.isolation.shared import Made
+from stickslip.cosim.isolation.shared import Shared
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
 
-def in_a_child(code: str, made: Made, **options: object) -> subprocess.CompletedProcess[str]:
+def in_a_child(code: str, made: Shared, **options: object) -> subprocess.CompletedProcess[str]:
     """Run code in a process that inherits shared memory; it knows ``name`` and ``size``."""
     begin = "import os, sys; from stickslip.cosim.isolation.shared import Shared;"
     begin += "name, size = sys.argv[1], int(sys.argv[2]);"
@@ -32,7 +32,7 @@ def in_a_child(code: str, made: Made, **options: object) -> subprocess.Completed
 
 @pytest.fixture
 def made():
-    made = Made(3)
+    made = Shared.make(3)
     yield made
     made.close_files()
 
@@ -40,7 +40,7 @@ def made():
 def test_a_child_writes_numbers_where_the_parent_reads_them(made):
     done = in_a_child("Shared.open(name, size).numbers[:] = 1.0, 2.0, 3.0", made)
     assert done.returncode == 0, done.stderr
-    np.testing.assert_array_equal(made.shared.numbers, [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(made.numbers, [1.0, 2.0, 3.0])
 
 
 def test_memory_that_is_shared_cannot_be_cut_short(made):
@@ -48,7 +48,7 @@ def test_memory_that_is_shared_cannot_be_cut_short(made):
     code = "file = os.dup(int(name)); Shared.open(name, size); os.ftruncate(file, 0)"
     done = in_a_child(code, made)
     assert "PermissionError" in done.stderr
-    np.testing.assert_array_equal(made.shared.numbers, 0.0)
+    np.testing.assert_array_equal(made.numbers, 0.0)
 
 
 def test_memory_that_is_shared_cannot_be_written_as_a_file(made):
@@ -56,7 +56,7 @@ def test_memory_that_is_shared_cannot_be_written_as_a_file(made):
     code = "file = os.dup(int(name)); Shared.open(name, size); os.pwrite(file, b'x' * 8, 4096)"
     done = in_a_child(code, made)
     assert "PermissionError" in done.stderr
-    np.testing.assert_array_equal(made.shared.numbers, 0.0)
+    np.testing.assert_array_equal(made.numbers, 0.0)
 
 
 def test_what_a_child_forks_has_no_part_in_the_results(made):
@@ -65,7 +65,7 @@ def test_what_a_child_forks_has_no_part_in_the_results(made):
     code += "\nelse: print(os.WTERMSIG(os.waitpid(child, 0)[1])); shared.numbers[1] = 1.0"
     done = in_a_child(code, made)
     assert done.stdout.strip() == str(int(signal.SIGSEGV)), done.stderr
-    np.testing.assert_array_equal(made.shared.numbers, [0.0, 1.0, 0.0])
+    np.testing.assert_array_equal(made.numbers, [0.0, 1.0, 0.0])
 
 
 def test_a_crash_leaves_no_core_file(hostile):
