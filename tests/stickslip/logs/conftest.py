@@ -5,10 +5,20 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import scipy.io
 
 sys.path.insert(0, str(Path(__file__).parent))  # rigid_drive
 
 from rigid_drive import rigid_drive
+
+from stickslip.catalog.parameters import PAPER
+from stickslip.cli import main
+from stickslip.logs import Recording
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.rig import Rig
+from stickslip.servo.systems import build_fmus
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 
@@ -43,3 +53,37 @@ def table() -> pd.DataFrame:
             "velocity_command": drive.velocity,
         }
     )
+
+
+@pytest.fixture
+def check_log(tmp_path, capsys):
+    """Return a function that checks a log: status, errors, standard output, standard error."""
+
+    def run(table, *options, file="log.csv"):
+        path = tmp_path / file
+        if path.suffix == ".mat":
+            scipy.io.savemat(path, {name: table[name].to_numpy() for name in table})
+        elif path.suffix == ".parquet":
+            table.to_parquet(path)
+        else:
+            table.to_csv(path, index=False)
+        status = main(["learn", "--log", str(path), "--check", *options])
+        out, err = capsys.readouterr()
+        return status, [line for line in out.splitlines() if line.startswith("error: ")], out, err
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def drive_log(tmp_path_factory):
+    """Return a function that records the paper's drive under a velocity command (n,)."""
+    folder = tmp_path_factory.mktemp("rig")
+    build_fmus(folder, {})
+    rig = Rig(folder, Datasheet(), LOOP.T_s)
+    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
+
+    def record(v) -> Recording:
+        log = rig.follow(v, loop)
+        return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
+
+    return record

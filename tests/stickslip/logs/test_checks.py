@@ -1,4 +1,4 @@
-"""What a recording suffers from, and what it can show, is said before anything is learned."""
+"""Faults of a recording, and what it can show, are reported before anything is learned."""
 
 from dataclasses import replace
 
@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 from rigid_drive import rigid_drive
 
-from stickslip.catalog.parameters import PAPER
 from stickslip.logs import Controller, Recording, check_recording, excitation
 from stickslip.planning import plan
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
-from stickslip.servo.rig import Rig
-from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.datasheet import LOOP, TRAINING
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
 
@@ -25,7 +20,7 @@ def findings(recording, severity=None, **more) -> str:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "found"),
     [
         ({"position": None, "velocity": None}, "neither position nor velocity"),
         ({"force": None}, "neither force nor friction"),
@@ -35,13 +30,13 @@ def findings(recording, severity=None, **more) -> str:
         ({"force": np.zeros(10)}, "10 values, expected 8000"),
     ],
 )
-def test_nothing_can_be_learned(change, said):
-    assert said in findings(replace(DRIVE, **change), "error")
+def test_nothing_can_be_learned(change, found):
+    assert found in findings(replace(DRIVE, **change), "error")
 
 
 def test_a_controller_without_its_command():
-    said = findings(DRIVE, "error", controller=Controller("PI", K_p=1.0, K_i=1.0))
-    assert "no velocity_command" in said
+    found = findings(DRIVE, "error", controller=Controller("PI", K_p=1.0, K_i=1.0))
+    assert "no velocity_command" in found
     known = Controller("P", P_x=1.0)
     assert not findings(DRIVE, "error", controller=known)
     assert not findings(replace(DRIVE, force=None), "error", controller=known)
@@ -63,42 +58,29 @@ def test_short_slow_and_coarse():
         replace(DRIVE, position=np.round(DRIVE.position / 1e-3) * 1e-3, encoder_step=1e-3)
     )
     steady = replace(DRIVE, position=0.01 * DRIVE.t, velocity=None)
-    said = findings(steady, "warning")
-    assert "b and F_c are hard to separate" in said
-    assert "0 reversals" in said
+    found = findings(steady, "warning")
+    assert "b and F_c are hard to separate" in found
+    assert "0 reversals" in found
 
 
-def test_a_rotary_drive_speaks_of_radians():
-    said = findings(replace(DRIVE, motion="rotary"))
-    assert "rad/s^2" in said
-    assert " m/s" not in said
-
-
-@pytest.fixture(scope="module")
-def rig(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("checks")
-    build_fmus(folder, {})
-    return Rig(folder, Datasheet(), LOOP.T_s)
-
-
-def run(rig, v) -> Recording:
-    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
-    log = rig.follow(v, loop)
-    return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
+def test_findings_on_a_rotary_drive_are_in_radians():
+    found = findings(replace(DRIVE, motion="rotary"))
+    assert "rad/s^2" in found
+    assert " m/s" not in found
 
 
 @pytest.mark.slow
-def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(rig):
-    planned = run(rig, plan()["velocity_command"].to_numpy())
+def test_the_plan_shows_all_and_the_sweep_not_f_s_and_v_s(drive_log):
+    planned = drive_log(plan()["velocity_command"].to_numpy())
     assert not findings(planned, "warning")
     assert "sigma_0 and sigma_1 may be identifiable" in findings(planned, "note")
-    swept = run(rig, TRAINING.sample(rig.samples(10.0)))
+    swept = drive_log(TRAINING.sample(np.arange(20_001) * LOOP.T_s))
     assert "F_s and v_s are poorly identifiable" in findings(swept, "warning")
     assert "m is identifiable" in findings(swept, "note")
 
 
-def test_reversals_are_those_of_the_command(rig):
-    swept = run(rig, TRAINING.sample(rig.samples(10.0)))
+def test_reversals_are_those_of_the_command(drive_log):
+    swept = drive_log(TRAINING.sample(np.arange(20_001) * LOOP.T_s))
     v = TRAINING.sample(swept.t)
     expected = np.sum(np.diff(np.sign(v[np.abs(v) > 1e-3])) != 0)
     assert abs(excitation(swept).reversals - expected) <= 1

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import scipy.io
 from rigid_drive import rigid_drive
 from scipy import signal
 
@@ -14,8 +13,8 @@ GAINS = ("--controller", "PI", "--gain", "K_p=100", "K_i=100")
 
 
 @pytest.fixture
-def check(tmp_path, capsys):
-    """Return a function that checks a log of a rigid drive and returns status, findings, error.
+def check(check_log):
+    """Return a function that checks a log of a rigid drive: status, errors, output, errors.
 
     Columns are divided by the units of ``given``: {"position": 1e-3} writes them in mm.
     """
@@ -36,28 +35,14 @@ def check(tmp_path, capsys):
         if whole:
             table[whole] = table[whole].round()
         table = table[list(only)] if only else table
-        table = table.rename(columns=dict(names))
-        path = tmp_path / file
-        if path.suffix == ".mat":
-            scipy.io.savemat(path, {name: table[name].to_numpy() for name in table})
-        elif path.suffix == ".parquet":
-            table.to_parquet(path)
-        else:
-            table.to_csv(path, index=False)
-        status = main(["learn", "--log", str(path), "--check", *options])
-        said = capsys.readouterr()
-        return status, said.out, said.err
+        return check_log(table.rename(columns=dict(names)), *options, file=file)
 
     return run
 
 
-def errors(out: str) -> list[str]:
-    return [line for line in out.splitlines() if line.startswith("error: ")]
-
-
-def test_what_agrees_is_no_error(check):
-    status, out, err = check(*GAINS, "T_s=0.001", "--sample-period", "0.001")
-    assert (status, errors(out), err) == (0, [], "")
+def test_consistent_signals_are_no_error(check):
+    status, errors, out, err = check(*GAINS, "T_s=0.001", "--sample-period", "0.001")
+    assert (status, errors, err) == (0, [], "")
     assert "differ in scale" not in out
     scaled = check("--unit", "time=ms", "position=mm", time=1e-3, position=1e-3)
     assert scaled[0] == 0
@@ -85,9 +70,9 @@ CONTRADICTIONS = {
 @pytest.mark.parametrize("name", CONTRADICTIONS)
 def test_a_factor_of_units_is_an_error_that_names_it(check, name):
     given, factor, option = CONTRADICTIONS[name]
-    status, out, err = check(**given)
+    status, errors, _, err = check(**given)
     assert status == 1
-    found = [line for line in errors(out) if "contradict" in line and option in line]
+    found = [line for line in errors if "contradict" in line and option in line]
     assert found
     assert factor in found[0]
     assert err.count("\n") == 1
@@ -95,23 +80,23 @@ def test_a_factor_of_units_is_an_error_that_names_it(check, name):
 
 def test_the_option_that_is_named_corrects_it(check):
     for role, unit, size in (("position", "mm", 1e-3), ("velocity", "rpm", TURN / 60)):
-        status, out, _ = check("--unit", f"{role}={unit}", **{role: size})
-        assert (status, errors(out)) == (0, [])
+        status, errors, *_ = check("--unit", f"{role}={unit}", **{role: size})
+        assert (status, errors) == (0, [])
 
 
 @pytest.mark.parametrize("factor", [5.0, 10.0, 50.0, 1 / 30])
 def test_a_gear_is_a_warning_that_names_its_factor(check, factor):
-    status, out, _ = check(velocity=1 / factor, velocity_command=1 / factor)
+    status, _, out, _ = check(velocity=1 / factor, velocity_command=1 / factor)
     assert status == 0
     measured = out.split("velocity is ")[1].split(" times d(position)/dt")[0]
     assert float(measured) == pytest.approx(factor, rel=0.005)
-    said = check(f"--scale=velocity={1 / factor}", f"--scale=velocity_command={1 / factor}",
-                 velocity=1 / factor, velocity_command=1 / factor)  # fmt: skip
-    assert "differ in scale" not in said[1]
+    scales = f"--scale=velocity={1 / factor}", f"--scale=velocity_command={1 / factor}"
+    corrected = check(*scales, velocity=1 / factor, velocity_command=1 / factor)
+    assert "differ in scale" not in corrected[2]
 
 
 @pytest.mark.slow
-def test_a_bad_controller_is_not_accused(tmp_path, capsys):
+def test_a_bad_controller_is_not_a_contradiction(check_log):
     """Second-order loops that lag, overshoot and lose half of their command."""
     t = np.arange(8000) * 1e-3
     command = 0.02 * np.sin(2 * np.pi * (0.2 * t + 0.2 * t**2))
@@ -124,19 +109,16 @@ def test_a_bad_controller_is_not_accused(tmp_path, capsys):
                 x = signal.lfilter(b.ravel(), a, command)
                 table = {"time": t, "position": x, "position_command": command}
                 table |= {"velocity_command": np.gradient(command, 1e-3), "force": np.sin(t)}
-                path = tmp_path / "log.csv"
-                pd.DataFrame(table).to_csv(path, index=False)
-                main(["learn", "--log", str(path), "--check"])
-                assert "contradict" not in capsys.readouterr().out
+                assert "contradict" not in check_log(pd.DataFrame(table))[2]
 
 
 @pytest.mark.parametrize("given", ["1", "1000", "1e-6"])
 def test_a_sample_period_that_the_time_contradicts(check, given):
     """In ms, a rate in Hz, in s but a thousand times too short."""
-    status, out, _ = check("--sample-period", given)
+    status, errors, *_ = check("--sample-period", given)
     assert status == 1
-    assert "--sample-period 0.001" in errors(out)[0]
-    assert "10^" in errors(out)[0]
+    assert "--sample-period 0.001" in errors[0]
+    assert "10^" in errors[0]
     alone = check("--sample-period", "0.001", "--column", "time=none")
     assert alone[0] == 0
 
@@ -147,16 +129,16 @@ def test_a_sample_period_that_the_time_contradicts(check, given):
 def test_a_controller_may_run_faster_than_its_log_but_not_in_milliseconds(check, T_s, status):
     found = check(*GAINS, f"T_s={T_s}")
     assert found[0] == status
-    assert any("T_s" in line for line in errors(found[1])) == bool(status)
+    assert any("T_s" in line for line in found[1]) == bool(status)
 
 
 def test_an_encoder_step_that_the_position_contradicts(check):
     assert check("--encoder-step", "4e-7", step=4e-7)[0] == 0
     for given in ("4e-4", "4e-10"):
-        status, out, _ = check("--encoder-step", given, step=4e-7)
+        status, errors, *_ = check("--encoder-step", given, step=4e-7)
         assert status == 1
-        assert "10^3" in errors(out)[0]
-        assert "--encoder-step" in errors(out)[0]
+        assert "10^3" in errors[0]
+        assert "--encoder-step" in errors[0]
 
 
 STATED = {
@@ -179,17 +161,16 @@ STATED = {
 
 
 @pytest.mark.parametrize("name", STATED)
-def test_what_is_no_force_needs_a_unit_or_a_scale(check, name):
+def test_another_quantity_than_force_needs_a_unit_or_a_scale(check, name):
     only = ("time", "position", "force")
     column = f"force={name.split(' [')[0]}"
-    status, out, _ = check("--column", column, names={"force": name}, only=only)
+    status, errors, *_ = check("--column", column, names={"force": name}, only=only)
     assert status == 1
-    assert STATED[name] in errors(out)[0]
-    assert "--scale force=" in errors(out)[0]
-    said = check("--column", column, "--scale", "force=23", names={"force": name}, only=only)
-    assert said[0] == 0
-    said = check("--column", column, "--unit", "force=N", names={"force": name}, only=only)
-    assert said[0] == 0
+    assert STATED[name] in errors[0]
+    assert "--scale force=" in errors[0]
+    for correction in (("--scale", "force=23"), ("--unit", "force=N")):
+        given = ("--column", column, *correction)
+        assert check(*given, names={"force": name}, only=only)[0] == 0
 
 
 @pytest.mark.parametrize("file", ["log.mat", "log.parquet"])
@@ -197,18 +178,18 @@ def test_a_current_in_other_files(check, file):
     if file.endswith("parquet"):
         pytest.importorskip("pyarrow")
     only = ("time", "position", "force")
-    status, out, err = check(names={"force": "iq"}, only=only, file=file)
+    status, errors, _, err = check(names={"force": "iq"}, only=only, file=file)
     assert status == 1
-    assert "current by its name" in errors(out)[0]
-    assert errors(out)[0] in err
+    assert "current by its name" in errors[0]
+    assert errors[0] in err
 
 
 def test_whole_numbers_are_counts_until_a_unit_is_stated(check):
     for role, unit, size in (("position", "um", 1e-6), ("time", "ms", 1e-3)):
         given = {"only": ("time", "position", "force"), "step": 1e-6, role: size, "whole": role}
-        status, out, _ = check(**given)
+        status, errors, *_ = check(**given)
         assert status == 1
-        assert f"{role}: column '{role}': whole numbers only" in errors(out)[0]
+        assert f"{role}: column '{role}': whole numbers only" in errors[0]
         assert check("--unit", f"{role}={unit}", **given)[0] == 0
 
 
@@ -221,19 +202,18 @@ def test_whole_numbers_are_counts_until_a_unit_is_stated(check):
     ],
 )
 def test_units_at_the_end_of_a_name_are_read(check, names, roles):
-    status, out, _ = check(names=names, **roles)
-    assert (status, errors(out)) == (0, [])
+    status, errors, out, _ = check(names=names, **roles)
+    assert (status, errors) == (0, [])
     assumed = next(line for line in out.splitlines() if "state no unit" in line)
     assert not [role for role in roles if f" {role} in" in assumed]
 
 
-def test_all_errors_are_printed_and_learn_says_the_first(check, tmp_path, capsys):
-    status, out, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
+def test_all_errors_are_printed_and_learn_reports_the_first(check, tmp_path, capsys):
+    status, errors, _, err = check(names={"force": "iq"}, position=1e-3, velocity_command=1e-3)
     assert status == 1
-    assert len(errors(out)) >= 4
+    assert len(errors) >= 4
     assert err.count("\n") == 1
-    assert errors(out)[0] in err
+    assert errors[0] in err
     assert main(["learn", "--log", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")]) == 1
-    said = capsys.readouterr()
-    assert said.err.count("error: ") == 1
+    assert capsys.readouterr().err.count("error: ") == 1
     assert not (tmp_path / "out" / "learned.json").exists()

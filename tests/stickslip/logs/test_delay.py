@@ -7,15 +7,9 @@ import pytest
 from rigid_drive import rigid_drive
 from scipy.interpolate import CubicSpline
 
-from stickslip.catalog.parameters import PAPER
 from stickslip.logs import Recording, aligned, force_delay, signal_delay
 from stickslip.planning import LINEAR, Limits, plan
-from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import smoothed
-from stickslip.servo.rig import Rig
-from stickslip.servo.systems import build_fmus
-from stickslip.servo.velocity_loop import design_velocity_loop
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.25, -0.6, 1.0, 3.4, 12.0])
@@ -30,14 +24,9 @@ def test_of_a_rigid_drive_with_a_noisy_force(delay, motion):
 
 
 @pytest.fixture(scope="module")
-def log(tmp_path_factory) -> Recording:
+def log(drive_log) -> Recording:
     """Half a standard plan, run on the paper's drive."""
-    folder = tmp_path_factory.mktemp("delay")
-    build_fmus(folder, {})
-    loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
-    v = plan(Limits(duration=10.0))["velocity_command"].to_numpy()
-    log = Rig(folder, Datasheet(), LOOP.T_s).follow(v, loop)
-    return Recording(log.t, log.x_enc, log.F_m, velocity_command=v, encoder_step=4e-7)
+    return drive_log(plan(Limits(duration=10.0))["velocity_command"].to_numpy())
 
 
 def test_of_the_drive_fmu(log):

@@ -75,25 +75,25 @@ def test_every_key_of_the_file(config):
 
 
 def test_options_go_before_the_file(config):
-    said = described(
+    given = described(
         "--config", config, "--column", "position=phi", "velocity=none", "--unit", "position=deg",
         "--scale", "force=gtau*2", "--span", 2, 3, "--motion", "linear", "--gain", "K_p=7",
         "--force-limit", 3, "--encoder-step", "1e-6", "--delimiter", "\\t", "--tau-i", 0,
     )  # fmt: skip
-    assert said.columns["position"] == Column("phi", "deg")
-    assert said.columns["velocity"] == Column("none")
-    assert said.columns["force"] == Column("Iq", "A", "gtau*2", -0.1)
-    assert said.span == (2.0, 3.0)
-    assert said.motion == "linear"
-    assert said.gains == {"K_x": "kp", "K_p": "7", "K_i": 3.5, "u_max": 5.0}
-    assert (said.force_limit, said.encoder_step) == ("3", "1e-6")
-    assert (said.delimiter, said.tau_i) == ("\t", 0.0)
-    assert said.sample_period == WHOLE.sample_period
+    assert given.columns["position"] == Column("phi", "deg")
+    assert given.columns["velocity"] == Column("none")
+    assert given.columns["force"] == Column("Iq", "A", "gtau*2", -0.1)
+    assert given.span == (2.0, 3.0)
+    assert given.motion == "linear"
+    assert given.gains == {"K_x": "kp", "K_p": "7", "K_i": 3.5, "u_max": 5.0}
+    assert (given.force_limit, given.encoder_step) == ("3", "1e-6")
+    assert (given.delimiter, given.tau_i) == ("\t", 0.0)
+    assert given.sample_period == WHOLE.sample_period
 
 
-def test_another_controller_forgets_the_files_gains(config):
-    said = described("--config", config, "--controller", "PI", "--gain", "K_p=7", "K_i=2")
-    assert said.gains == {"K_p": "7", "K_i": "2"}
+def test_another_controller_drops_the_gains_of_the_file(config):
+    given = described("--config", config, "--controller", "PI", "--gain", "K_p=7", "K_i=2")
+    assert given.gains == {"K_p": "7", "K_i": "2"}
 
 
 def test_options_alone_read_a_log(tmp_path):
@@ -115,7 +115,7 @@ def test_options_alone_read_a_log(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--column", "position"], "expected NAME=VALUE"),
         (["--column", "pos=x"], "did you mean 'position'"),
@@ -126,14 +126,14 @@ def test_options_alone_read_a_log(tmp_path):
         (["--config", "none.toml"], "none.toml: cannot be read"),
     ],
 )
-def test_wrong_options(arguments, said):
+def test_wrong_options(arguments, message):
     with pytest.raises(UsageError) as caught:
         described(*arguments)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_the_documented_file_is_one(tmp_path):
+def test_the_documented_file_is_valid(tmp_path):
     text = (Path(__file__).resolve().parents[3] / "docs" / "logs.md").read_text(encoding="utf-8")
     path = tmp_path / "log.toml"
     path.write_text(text.split("```toml\n")[1].split("```")[0], encoding="utf-8")

@@ -1,23 +1,14 @@
-"""Whatever is wrong with a log, one line says what and where."""
+"""Each fault of a log is reported in one line; tests/corpus/hostile holds more of them."""
 
 import io
 
 import numpy as np
 import pytest
 import scipy.io
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from stickslip import models
-from stickslip.errors import RecordingError, StickslipError, UsageError
-from stickslip.logs import (
-    Column,
-    Controller,
-    Description,
-    check_recording,
-    load_description,
-    read_recording,
-)
+from stickslip.errors import RecordingError, UsageError
+from stickslip.logs import Column, Controller, Description, load_description, read_recording
 
 ROWS = [f"{k * 0.001:.3f},{np.sin(k / 50):.9f},{np.cos(k / 50):.9f}" for k in range(100)]
 
@@ -39,18 +30,11 @@ def mat(content) -> bytes:
 T, X = np.arange(50) * 1e-3, np.linspace(0, 1, 50)
 
 FILES = {
-    "empty": (b"", "empty"),
     "blank": (b"\n \n\t\n", "empty"),
-    "binary": (bytes(range(256)), "binary"),
-    "header only": (b"t,x,F\n", "no row of numbers"),
     "prose": (b"once upon a time\nthere was a drive\n" * 30, "no row of numbers"),
-    "spreadsheet": (b"PK\x03\x04junk", "CSV"),
     "text in a column": (csv(row_7="0.005,abc,1"), "column 'x'", "row 7", "'abc'"),
     "text in the first row": (csv(row_2="0,abc,1"), "column 'x'", "row 2", "'abc'"),
-    "short row": (csv(row_30="0.028,1"), "row 30", "expected 3 fields", "got 2"),
     "long row": (csv(row_30="0.028,1,2,3"), "row 30", "expected 3 fields", "got 4"),
-    "time backwards": (csv(row_40="0.001,1,2"), "row 40", "time goes from 0.037 to 0.001 s"),
-    "time twice": (csv(row_40="0.037,1,2"), "row 40", "0.037 to 0.037 s", "--sample-period"),
     "time hardly moves": (csv(row_40="0.03700000000001,1,2"), "row 40", "time moves by 1e-14 s"),
     "nanoseconds as s": (csv().replace(b"t,x", b"time [ns],x"), "sample period of 1e-12 s"),
     "time not finite": (csv(row_9="nan,1,2"), "row 9", "nan"),
@@ -58,17 +42,13 @@ FILES = {
     "huge": (csv(row_12="0.010,1e300,2"), "'x'", "row 12", "1e+300"),
     "an empty column": (csv(**{f"row_{k}": f"{k},,1" for k in range(2, 102)}), "position: no"),
     "no time": (csv(header="a,x,F"), "no column of time", "--column time=NAME", "a, x, F"),
-    "no motion": (csv(header="t,a,F"), "no column of position or velocity"),
     "no header": (csv(header=ROWS[0], row_2="0.0005,0,1"), "no column of time"),
     "two positions": (csv(header="t,x,q"), "position=x or position=q"),
     "unknown unit": (csv(header="t,x [furlong],F"), "'x'", "'furlong'", "--unit position=UNIT"),
     "current without scale": (csv(header="t,x,current_A"), "force is in A", "--scale"),
     "counts without scale": (csv(header="t,x [counts],F"), "position is in counts", "--scale"),
     "wrong delimiter": (csv().replace(b",", b":"), "no row of numbers", "'0.099:"),
-    "too few rows": (csv()[:150], "samples", "at least 20"),
-    "damaged parquet": (b"PAR1 junk", "Parquet"),
     "damaged mat": (b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM junk junk junk", "MAT"),
-    "mat 7.3": (b"MATLAB 7.3 MAT-file".ljust(600), "7.3"),
     "mat of structs": (mat({"log": np.array([(1, 2), (3, 4)], dtype=[("a", "O"), ("b", "O")])}),
                        "no vectors", "log"),
     "mat without vectors": (mat({"kp": 3.0, "name": "axis"}), "no vectors", "kp, name"),
@@ -78,21 +58,15 @@ FILES = {
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_malformed_file_is_told_in_one_line(name, tmp_path):
-    content, *said = FILES[name]
+def test_a_malformed_file_is_reported_in_one_line(name, tmp_path):
+    content, *parts = FILES[name]
     path = tmp_path / "log.bin"
     path.write_bytes(content)
     with pytest.raises((RecordingError, UsageError)) as caught:
         read_recording(path)
     message = str(caught.value)
     assert "\n" not in message
-    for part in said:
-        assert part in message
-
-
-def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(RecordingError, match=r"none\.csv: cannot be read"):
-        read_recording(tmp_path / "none.csv")
+    assert all(part in message for part in parts)
 
 
 DESCRIPTIONS = {
@@ -113,17 +87,17 @@ DESCRIPTIONS = {
 
 @pytest.mark.parametrize("name", DESCRIPTIONS)
 def test_a_description_that_does_not_suit_the_file(name, tmp_path):
-    given, said = DESCRIPTIONS[name]
+    given, message = DESCRIPTIONS[name]
     path = tmp_path / "log.csv"
     path.write_bytes(csv())
     with pytest.raises((RecordingError, UsageError)) as caught:
         read_recording(path, Description(**given))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"columns": {"pos": Column(1)}}, "did you mean 'position'"),
         ({"motion": "sideways"}, "linear or rotary"),
@@ -138,18 +112,16 @@ def test_a_description_that_does_not_suit_the_file(name, tmp_path):
     ],
     ids=str,
 )
-def test_a_description_that_means_nothing(given, said):
+def test_an_invalid_description(given, message):
     with pytest.raises(UsageError) as caught:
         Description(**given)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
-        ("motion = ", "not TOML"),
         ("motion = 3", "expected a text"),
-        ("colums = 3", "did you mean 'columns'"),
         ("columns = 3", "expected a table"),
         ("[columns.position]\nnam = 'x'", "did you mean 'name'"),
         ("[columns]\nposition = {index = 0}", "a number from 1"),
@@ -160,75 +132,14 @@ def test_a_description_that_means_nothing(given, said):
         ("[controller]\nkind = 'P'\nK_p = [3]", "controller.K_p"),
     ],
 )
-def test_a_toml_file_that_is_wrong(text, said, tmp_path):
+def test_a_toml_file_that_is_wrong(text, message, tmp_path):
     path = tmp_path / "log.toml"
     path.write_text(text)
     with pytest.raises(UsageError) as caught:
         load_description(path)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
-
-
-VALID = csv()
-
-
-def mutated(edits) -> bytes:
-    data = bytearray(VALID)
-    for at, text in edits:
-        at %= len(data)
-        data[at : at + 1] = text
-    return bytes(data)
-
-
-soup = st.text(st.sampled_from('0123456789.,;\t\n eE-+txF[]"#nai'), max_size=300).map(str.encode)
-edits = st.lists(
-    st.tuples(
-        st.integers(0, 10**6), st.sampled_from([b"", b",", b"\n", b'"', b"1e999", b"x", b"9"])
-    ),
-    max_size=8,
-)
-
-
-@pytest.mark.slow
-@given(st.one_of(st.binary(max_size=300), soup, edits.map(mutated)))
-@example(b"1,2\n" * 50)
-@example(b'"' * 200_000)
-@settings(max_examples=200)
-def test_any_bytes_become_a_recording_or_one_line(tmp_path_factory, data):
-    path = tmp_path_factory.getbasetemp() / "any.csv"
-    path.write_bytes(data)
-    said = ""
-    try:
-        recording = read_recording(path).recording
-    except StickslipError as error:
-        said = str(error)
-    else:
-        assert np.isfinite(recording.t).all()
-        assert np.isfinite(recording.position if recording.velocity is None else 0.0).all()
-        said = "".join(map(str, check_recording(recording)))
-    assert "\n" not in said
-
-
-MAT = mat({"t": T, "x": X, "kp": 3.0, "s": {"a": T}, "c": np.array(["a", 1], dtype=object)})
-
-
-@pytest.mark.slow
-@given(st.lists(st.tuples(st.integers(0, len(MAT) - 1), st.integers(0, 255)), max_size=6))
-@settings(max_examples=30)
-def test_any_damage_to_a_mat_file(tmp_path_factory, changes):
-    """The reader of scipy crashes on some of these."""
-    data = bytearray(MAT)
-    for at, value in changes:
-        data[at] = value
-    path = tmp_path_factory.getbasetemp() / "any.mat"
-    path.write_bytes(data)
-    said = ""
-    try:
-        read_recording(path)
-    except StickslipError as error:
-        said = str(error)
-    assert "\n" not in said
 
 
 def test_what_a_controller_needs():
@@ -238,7 +149,7 @@ def test_what_a_controller_needs():
 
 
 def test_a_controller_sets_all_gains_of_its_fmu():
-    """What it has not is 0, whatever the FMU starts with; unknown T_s and u_max are left alone."""
+    """Missing gains are 0, whatever the FMU starts with; unknown T_s and u_max are not set."""
     given = Controller("cascade", K_x=5.0, K_p=2.0, tau_f=1e-3).parameters()
     names = {variable.name for variable in models.load_model("velocity_controller").variables}
     assert set(given) <= names

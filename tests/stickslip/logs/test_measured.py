@@ -22,11 +22,11 @@ def test_emps(emps):
     assert np.ptp(recording.position) == pytest.approx(0.246, abs=0.001)
     assert reading.controller.K_x == pytest.approx(160.18)
     assert reading.controller.K_p == pytest.approx(243.45 * 35.1507, rel=1e-5)
-    said = "\n".join(map(str, check_recording(recording, reading.controller)))
-    assert "m is identifiable" in said
-    assert "F_s and v_s are poorly identifiable" in said
-    assert "sigma_0 and sigma_1 are poorly identifiable" in said
-    assert "error" not in said
+    findings = "\n".join(map(str, check_recording(recording, reading.controller)))
+    assert "m is identifiable" in findings
+    assert "F_s and v_s are poorly identifiable" in findings
+    assert "sigma_0 and sigma_1 are poorly identifiable" in findings
+    assert "error" not in findings
 
 
 def test_the_force_of_emps_is_that_of_its_publishers(emps):
@@ -57,6 +57,6 @@ def test_tribometer(tribometer):
     assert recording.T_s == pytest.approx(5e-3, rel=1e-4)
     assert recording.encoder_step == pytest.approx(1e-7, rel=1e-6)
     assert np.ptp(recording.position) == pytest.approx(2.4e-4, rel=0.01)
-    said = "\n".join(map(str, (*reading.findings, *check_recording(recording))))
-    assert "times are uneven" in said
-    assert "99 velocity reversals" in said
+    findings = "\n".join(map(str, (*reading.findings, *check_recording(recording))))
+    assert "times are uneven" in findings
+    assert "99 velocity reversals" in findings

@@ -84,7 +84,7 @@ def test_a_header_behind_a_comment_sign(table, tmp_path):
     equals(read_recording(written(tmp_path, stream.getvalue(), "log.dat")).recording, table)
 
 
-def test_columns_of_text_do_not_hurt(table, tmp_path):
+def test_columns_of_text_are_left_out(table, tmp_path):
     table["status"] = "OK, running"
     table["note"] = ""
     equals(
@@ -116,19 +116,19 @@ def test_parquet(table, tmp_path, kind):
 @pytest.mark.parametrize("shape", ["row", "column", "struct", "matrix"])
 def test_mat(table, tmp_path, compressed, shape):
     columns = {name: table[name].to_numpy() for name in table}
-    said = None
+    given = None
     if shape == "struct":
         content = {"log": {"run": columns}, "n": 3}
     elif shape == "matrix":
         content = {"data": table.to_numpy()}
         keys = ("time", "position", "force")
-        said = Description(columns={k: Column(f"data({i})") for i, k in enumerate(keys, 1)})
+        given = Description(columns={k: Column(f"data({i})") for i, k in enumerate(keys, 1)})
     else:
         content = {**columns, "name": "axis", "parts": np.array(["a", 1.0], dtype=object)}
     one_d = "column" if shape == "column" else "row"
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, content, do_compression=compressed, oned_as=one_d)
-    equals(read_recording(path, said).recording, table)
+    equals(read_recording(path, given).recording, table)
 
 
 def test_scalars_of_a_mat_file_may_be_named(table, tmp_path):
@@ -136,26 +136,26 @@ def test_scalars_of_a_mat_file_may_be_named(table, tmp_path):
     columns["force"] = columns["force"] / 7.0
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, {**columns, "gtau": 3.5, "kp": 160.0, "kv": 240})
-    said = Description(
+    given = Description(
         columns={"force": Column("force", "V", "2*gtau")},
         controller="cascade",
         gains={"K_x": "kp", "K_p": "kv * gtau"},
     )
-    reading = read_recording(path, said)
+    reading = read_recording(path, given)
     equals(reading.recording, table)
     assert reading.controller.K_x == 160.0
     assert reading.controller.K_p == 840.0
 
 
 def test_a_rotary_drive(tmp_path):
-    """Degrees that start anew each turn, torque from a current, both by the owner's scale."""
+    """Degrees that start at 0 each turn, torque from a current, both by the owner's scale."""
     t = np.arange(1000) * 1e-3
     angle, torque = 9.0 * t**2 * np.pi, np.cos(t)
     text = pd.DataFrame(
         {"t": t, "angle [deg]": np.rad2deg(angle) % 360.0, "current_A": torque / 0.25}
     ).to_csv(index=False)
-    said = Description(columns={"force": Column(scale=0.25)})
-    recording = read_recording(written(tmp_path, text), said).recording
+    given = Description(columns={"force": Column(scale=0.25)})
+    recording = read_recording(written(tmp_path, text), given).recording
     assert recording.motion == "rotary"
     np.testing.assert_allclose(recording.position, angle, atol=1e-9)
     np.testing.assert_allclose(recording.force, torque, atol=1e-12)
@@ -163,8 +163,8 @@ def test_a_rotary_drive(tmp_path):
 
 def test_a_span_an_offset_and_a_given_period(table, tmp_path):
     path = written(tmp_path, table.to_csv(index=False))
-    said = Description(columns={"force": Column(offset=2.0)}, span=(0.1, 0.3))
-    recording = read_recording(path, said).recording
+    given = Description(columns={"force": Column(offset=2.0)}, span=(0.1, 0.3))
+    recording = read_recording(path, given).recording
     assert len(recording.t) == 201
     assert recording.t[0] == 0
     np.testing.assert_allclose(recording.force, table["force"][100:301] + 2.0)
@@ -174,7 +174,7 @@ def test_a_span_an_offset_and_a_given_period(table, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("said", "quantity", "factor"),
+    ("given", "quantity", "factor"),
     [
         ("mm", "length", 1e-3),
         ("µm", "length", 1e-6),
@@ -192,15 +192,15 @@ def test_a_span_an_offset_and_a_given_period(table, tmp_path):
         ("ms", "time", 1e-3),
     ],
 )
-def test_units(said, quantity, factor):
-    unit = unit_named(said)
+def test_units(given, quantity, factor):
+    unit = unit_named(given)
     assert unit.quantity == quantity
     assert unit.factor == pytest.approx(factor, rel=1e-15)
 
 
-@pytest.mark.parametrize("said", ["MN", "foo", "", "NM", "m^2", "N/m"])
-def test_what_is_no_unit(said):
-    assert unit_named(said) is None
+@pytest.mark.parametrize("given", ["MN", "foo", "", "NM", "m^2", "N/m"])
+def test_unknown_units(given):
+    assert unit_named(given) is None
 
 
 ROLES = {

@@ -66,7 +66,7 @@ def test_what_is_asked_for_gets_more_time(parameter, part):
     [{"stroke": 0.0}, {"speed": float("nan")}, {"duration": 1.0}, {"rate": 1e9}, {"slow": (2, 1)}],
     ids=str,
 )
-def test_limits_that_mean_nothing_are_refused(wrong):
+def test_invalid_limits_are_refused(wrong):
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Limits(**wrong)
 
@@ -158,9 +158,9 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
     out, plot = tmp_path / "plan.csv", tmp_path / "plan.png"
     arguments = ["plan", "--motion", "rotary", "--speed", "3", "--duration", "5", "--rate", "500"]
     assert main([*arguments, "--out", str(out), "--plot", str(plot)]) == 0
-    said = capsys.readouterr().out
-    assert "small moves" in said
-    assert "rad below the start" in said
+    out_text = capsys.readouterr().out
+    assert "small moves" in out_text
+    assert "rad below the start" in out_text
     assert plot.read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv(out)
     assert list(table.columns) == ["time", "velocity_command", "position_command"]
@@ -169,7 +169,7 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "message"),
     [
         (["--show", "F_x"], "F_x"),
         (["--out", "plan.xlsx"], ".csv"),
@@ -177,10 +177,10 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
         (["--out", "file/plan.csv"], "file"),
     ],
 )
-def test_what_cannot_be_planned_is_told_in_one_line(wrong, said, capsys, tmp_path, monkeypatch):
+def test_an_invalid_plan_is_reported_in_one_line(wrong, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").touch()
     assert main(["plan", *wrong]) == 1
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
-    assert said in lines[0]
+    assert message in lines[0]
