@@ -33,7 +33,7 @@ def test_a_sound_fmu_ends_with_status_0(sound, capsys):
     assert "FMI 3.0, 0 errors, 0 warnings" in capsys.readouterr().out
 
 
-def test_an_error_ends_with_status_1_and_says_what_to_do(broken, capsys):
+def test_an_error_ends_with_status_1_and_prints_what_to_do(broken, capsys):
     assert main(["check", str(broken)]) == 1
     out = capsys.readouterr().out
     assert "undefined-unit" in out
@@ -43,9 +43,9 @@ def test_an_error_ends_with_status_1_and_says_what_to_do(broken, capsys):
 
 def test_json_has_every_file_and_finding(sound, broken, capsys):
     assert main(["check", str(sound), str(broken), "--json"]) == 1
-    told = json.loads(capsys.readouterr().out)
-    assert told["version"] == 1
-    first, second = told["files"]
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["version"] == 1
+    first, second = printed["files"]
     assert first["file"] == str(sound)
     assert first["errors"] == 0
     finding = next(f for f in second["findings"] if f["rule"] == "undefined-unit")

@@ -1,4 +1,4 @@
-"""The command line: what works, and one clear line for what does not."""
+"""The command line: results, and one clear line for each error."""
 
 import json
 import subprocess
@@ -22,7 +22,7 @@ def stage(tmp_path_factory):
 
 
 def complaint(capsys, *arguments) -> str:
-    """Return the one line that a failing command says."""
+    """Return the one line that a failing command prints."""
     assert main([str(a) for a in arguments]) == 1
     lines = capsys.readouterr().err.strip().splitlines()
     assert len(lines) == 1
@@ -31,7 +31,7 @@ def complaint(capsys, *arguments) -> str:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_tells_its_options(command, capsys):
+def test_every_command_lists_its_options(command, capsys):
     with pytest.raises(SystemExit, match="0"):
         main([command, "--help"])
     assert f"usage: stickslip {command}" in capsys.readouterr().out
@@ -41,11 +41,11 @@ def test_help_and_version_come_at_once():
     """Nothing is loaded for them; a whole command takes seconds to load."""
     code = "import sys; from stickslip.cli import main; main(sys.argv[1:])"
     loaded = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {code}"
-    for option, says in (("--help", [*COMMANDS]), ("--version", [version("stickslip")])):
+    for option, shown in (("--help", [*COMMANDS]), ("--version", [version("stickslip")])):
         command = [sys.executable, "-c", loaded, option]
-        said = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
-        assert {*says} <= {*said}
-        assert not {"numpy", "stickslip.cosim", "fmpy"} & {*said}
+        run = subprocess.run(command, check=True, capture_output=True, text=True)
+        assert {*shown} <= {*run.stdout.split()}
+        assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
 
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
@@ -54,7 +54,7 @@ def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
     assert (tmp_path / "fmi3" / "drive.fmu").exists()
 
 
-def test_build_takes_a_friction_law(tmp_path, capsys):
+def test_build_takes_a_friction_law(tmp_path):
     assert main(["build", "drive", "--law", "gms", "--fmi", "3", "--out", str(tmp_path)]) == 0
     described = zipfile.ZipFile(tmp_path / "drive.fmu").read("modelDescription.xml").decode()
     assert 'name="F_e[4]"' in described
@@ -62,13 +62,9 @@ def test_build_takes_a_friction_law(tmp_path, capsys):
     assert main(everything) == 0
     built = {path.stem for path in (tmp_path / "all").iterdir()}
     assert built == {name for name in models.model_names() if models.load_model(name).law}
-    capsys.readouterr()
-    assert "no friction law 'ghost'; there are" in complaint(capsys, "build", "--law", "ghost")
-    said = complaint(capsys, "build", "nominal_loop", "--law", "gms")
-    assert "'nominal_loop' contains no friction law" in said
 
 
-def test_simulate_sets_feeds_and_records(stage, tmp_path, capsys):
+def test_simulate_sets_values_takes_input_and_records(stage, tmp_path, capsys):
     force = tmp_path / "force.csv"
     force.write_text("time,u\n0,0\n1,50\n")
     out = tmp_path / "out.csv"
@@ -92,7 +88,6 @@ def test_simulate_keeps_every_nth_point_or_the_last(stage, tmp_path, capsys):
     whole = rows()
     pd.testing.assert_frame_equal(rows("--every", 4), whole[::4].reset_index(drop=True))
     pd.testing.assert_frame_equal(rows("--last"), whole[-1:].reset_index(drop=True))
-    assert "every = 0" in complaint(capsys, "simulate", stage, "--every", "0")
 
 
 def test_design_prints_what_was_asked_for(tmp_path, capsys):
@@ -134,32 +129,6 @@ def test_export_writes_source_code_for_drive_and_plc(results, tmp_path, capsys):
         assert repr(learned) in (tmp_path / names[-1]).read_text()
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("{", "not a learned.json: Expecting property name"),
-        ("[]", "not a learned.json: F_s is missing; expected parameters F_s, F_c, v_s"),
-        ('{"parameters": {}}', "not a learned.json: F_s is missing"),
-        ('{"parameters": 1}', "parameters: expected names, each with a finite value"),
-        (-1.0, "F_c = -1 N is outside 1e-09 .. 1e+09 N"),
-        (float("nan"), "not a learned.json: NaN is no number of JSON"),
-    ],
-)
-@pytest.mark.parametrize("form", ["fmu", "c", "st"])
-def test_export_tells_what_is_wrong_with_the_parameters(content, said, form, tmp_path, capsys):
-    path = tmp_path / "learned.json"
-    if not isinstance(content, str):
-        values = {"F_s": 8.0, "F_c": content, "v_s": 1e-3, "sigma_0": 1e5, "sigma_1": 1e3}
-        content = json.dumps({"parameters": {name: {"value": v} for name, v in values.items()}})
-    path.write_text(content)
-    line = complaint(
-        capsys, "export", "compensator", "--parameters", path, "--as", form, "--out", tmp_path
-    )
-    assert str(path) in line
-    assert said in line
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
     file = tmp_path / "lag.toml"
     file.write_text('num = [2.0]\nden = [0.5, 1.0]\ninputs = { u = "N" }\noutputs = { y = "m" }')
@@ -172,19 +141,8 @@ def test_export_makes_an_fmu_of_a_linear_system(tmp_path, capsys):
     assert run["lag.y"].to_numpy() == pytest.approx(6 * (1 - np.exp(-2 * run["time"].to_numpy())))
 
 
-def test_export_tells_what_is_wrong_with_a_linear_system(tmp_path, capsys):
-    file = tmp_path / "lag.toml"
-    for content, said in (("num = [1, 2]\nden = [1]", "improper"), ("A = [", "lag.toml: ")):
-        file.write_text(content)
-        assert said in complaint(capsys, "export", "lti", file, "--out", tmp_path)
-    assert "No such file" in complaint(capsys, "export", "lti", tmp_path / "none.json")
-    assert "expected a .json or .toml" in complaint(capsys, "export", "lti", tmp_path / "a.mat")
-    file.write_text("D = [[1.0]]")
-    assert "step is 0" in complaint(capsys, "export", "lti", file, "--step", 0, "--out", tmp_path)
-
-
 @pytest.mark.slow
-def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, capsys):
+def test_validate_evaluates_given_parameters_on_a_given_drive(results, tmp_path, capsys):
     learned = str(results / "learned.json")
     assert main(["validate", "--parameters", learned, "--out", str(tmp_path)]) == 0
     same = pd.read_csv(tmp_path / "table4.csv")
@@ -200,7 +158,7 @@ def test_validate_judges_given_parameters_on_a_given_drive(results, tmp_path, ca
 
 
 @pytest.mark.slow
-def test_validate_with_a_velocity_filter_tells_what_each_part_adds(results, tmp_path, capsys):
+def test_validate_with_a_velocity_filter_prints_what_each_part_adds(results, tmp_path, capsys):
     learned = str(results / "learned.json")
     arguments = ["validate", "--parameters", learned, "--velocity-filter", "--out", str(tmp_path)]
     assert main(arguments) == 0
@@ -210,36 +168,30 @@ def test_validate_with_a_velocity_filter_tells_what_each_part_adds(results, tmp_
     assert "compensator velocity" in capsys.readouterr().out
 
 
-def test_wrong_names_are_told(stage, capsys):
-    assert "there is no model 'stag'" in complaint(capsys, "build", "stag")
-    assert "no variable 'mm'" in complaint(capsys, "simulate", stage, "--set", "mm=1")
-    assert "drive has no parameter F_x" in complaint(capsys, "reproduce", "--set", "drive.F_x=1")
-    assert "only the drive's" in complaint(capsys, "reproduce", "--set", "stage.F_c=1")
-    assert "foo" in complaint(capsys, "simulate", stage, "--record", "foo")
+@pytest.mark.parametrize(
+    ("message", "arguments"),
+    [
+        ("there is no model 'stag'", "build stag"),
+        ("no friction law 'ghost'; there are", "build --law ghost"),
+        ("'nominal_loop' contains no friction law", "build nominal_loop --law gms"),
+        ("no variable 'mm'", "simulate STAGE --set mm=1"),
+        ("outside", "simulate STAGE --set m=-1"),
+        ("foo", "simulate STAGE --record foo"),
+        ("every = 0", "simulate STAGE --every 0"),
+        ("does not divide", "simulate STAGE --stop 0.1001"),
+        ("No such file", "simulate none.fmu"),
+        ("expected a file", "simulate loop.xml"),
+        ("out of reach", "design --phase-margin 89"),
+        ("half the sample rate", "design --sample-period 1e-8"),
+        ("No such file", "export lti none.json"),
+        ("expected a .json or .toml", "export lti a.mat"),
+    ],
+)
+def test_an_error_is_one_line(message, arguments, stage, capsys):
+    assert message in complaint(capsys, *arguments.replace("STAGE", str(stage)).split())
 
 
-def test_wrong_values_are_told(stage, capsys):
-    assert "outside" in complaint(capsys, "simulate", stage, "--set", "m=-1")
-    assert "outside" in complaint(capsys, "reproduce", "--set", "drive.F_c=-1")
-    assert "must be a number" in complaint(capsys, "reproduce", "--set", "drive.F_c=x")
-    assert "expected NAME=VALUE" in complaint(capsys, "simulate", stage, "--set", "m")
-    assert "does not divide" in complaint(capsys, "simulate", stage, "--stop", "0.1001")
-    assert "out of reach" in complaint(capsys, "design", "--phase-margin", "89")
-
-
-def test_wrong_files_are_told(stage, tmp_path, capsys):
-    text = tmp_path / "text.fmu"
-    text.write_text("no zip")
-    assert "not a zip" in complaint(capsys, "simulate", text)
-    assert "No such file" in complaint(capsys, "simulate", tmp_path / "none.fmu")
-    assert "expected a file" in complaint(capsys, "simulate", tmp_path / "loop.xml")
-    assert "time" in complaint(capsys, "simulate", stage, "--input", text)
-    assert "not a learned.json" in complaint(
-        capsys, "export", "compensator", "--parameters", text, "--out", tmp_path
-    )
-
-
-def test_a_folder_that_cannot_be_written_is_told_before_the_work(tmp_path, stage, capsys):
+def test_a_folder_that_cannot_be_written_is_reported_before_the_work(tmp_path, stage, capsys):
     taken = tmp_path / "file"
     taken.write_text("here already")
     assert "cannot write there" in complaint(capsys, "reproduce", "--out", taken)
@@ -258,7 +210,7 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(tmp_path, stage
         ["reproduce", "--workers", "0"],
     ],
 )
-def test_wrong_usage_is_told_in_one_line(arguments, capsys):
+def test_wrong_usage_is_one_line(arguments, capsys):
     with pytest.raises(SystemExit) as ended:
         main(arguments)
     assert ended.value.code == 2
@@ -273,22 +225,11 @@ def test_debug_shows_the_traceback(stage):
         main(["simulate", str(stage), "--set", "mm=1", "--debug"])
 
 
-def test_a_connection_to_nothing_is_told(results, tmp_path, capsys):
+def test_a_connection_to_nothing_is_reported(results, tmp_path, capsys):
     broken = tmp_path / "broken.ssp"
-    content = rename_end(results / "loop.ssp", b'endConnector="F_ff"', b'endConnector="F_gg"')
-    broken.write_bytes(content)
+    with zipfile.ZipFile(results / "loop.ssp") as source, zipfile.ZipFile(broken, "w") as target:
+        for name in source.namelist():
+            target.writestr(name, source.read(name).replace(b'tor="F_ff"', b'tor="F_gg"'))
     line = complaint(capsys, "simulate", broken)
     assert "compensator.F_mean" in line
     assert "controller.F_gg" in line
-
-
-def rename_end(package, old: bytes, new: bytes) -> bytes:
-    import io
-    import zipfile
-
-    stream = io.BytesIO()
-    with zipfile.ZipFile(package) as source, zipfile.ZipFile(stream, "w") as target:
-        for name in source.namelist():
-            content = source.read(name)
-            target.writestr(name, content.replace(old, new) if name.endswith(".ssd") else content)
-    return stream.getvalue()

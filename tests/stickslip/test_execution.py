@@ -1,4 +1,4 @@
-"""Where learning runs and what survives: the options, and the loop of FMUs behind them."""
+"""Options on where learning runs and what is kept, and resumed learning on the FMUs."""
 
 import argparse
 import json
@@ -56,16 +56,15 @@ def test_only_a_checkpoint_that_the_user_named_is_kept(tmp_path):
         assert execution.checkpoint.exists() == kept
 
 
-def test_ctrl_c_says_on_one_line_how_to_go_on(monkeypatch, tmp_path, capsys):
+def test_ctrl_c_prints_one_line_on_how_to_continue(monkeypatch, tmp_path, capsys):
     def interrupted(*_):
         raise ga.Interrupted(tmp_path / "learning.checkpoint.json", 7, 58)
 
     monkeypatch.setattr("stickslip.commands.reproduce.reproduce", interrupted)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
-    said = capsys.readouterr().err
-    assert said.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
-    assert "--resume" in said
-    assert len(said.splitlines()) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
+    assert "--resume" in line
 
 
 def interrupt(*_):
@@ -84,8 +83,8 @@ def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr("stickslip.commands.reproduce.reproduce", searched)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     kept = tmp_path / "learning.checkpoint.json"
-    said = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
-    assert capsys.readouterr().err == f"stickslip: {said}\n"
+    message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"
+    assert capsys.readouterr().err == f"stickslip: {message}\n"
 
 
 class Stopped(Exception):

@@ -19,7 +19,7 @@ def folder(log, tmp_path_factory):
     return out
 
 
-def test_it_prints_what_is_known(log, capsys):
+def test_it_prints_parameters_with_intervals(log, capsys):
     assert main(["learn", "--log", str(log), "--criterion", "inverse"]) == 0
     lines = capsys.readouterr().out.splitlines()
     known = {line.split()[0]: line for line in lines if "known" in line or "visible" in line}
@@ -98,14 +98,7 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
 
 def test_the_compensator_has_what_was_learned(folder, tmp_path):
     learned = json.loads((folder / "learned.json").read_text())["parameters"]
-    given = [
-        "--input",
-        str(tmp_path / "v.csv"),
-        "--record",
-        "F_f",
-        "--out",
-        str(tmp_path / "F.csv"),
-    ]
+    given = ["--input", f"{tmp_path}/v.csv", "--record", "F_f", "--out", f"{tmp_path}/F.csv"]
     (tmp_path / "v.csv").write_text("time,v\n0,0.02\n1,0.02\n")
     assert main(["simulate", str(folder / "compensator.fmu"), "--stop", "1", *given]) == 0
     last = float((tmp_path / "F.csv").read_text().splitlines()[-1].split(",")[-1])
