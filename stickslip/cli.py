@@ -12,7 +12,7 @@ from contextlib import suppress
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from threadpoolctl import threadpool_limits
 
@@ -30,7 +30,7 @@ _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
 
 def _commands() -> dict[str, str]:
-    """Return what each command does, by name: the first line of its module says it."""
+    """Return what each command does, by name, from the first line of its module."""
     found = {}
     for path in sorted(Path(commands.__file__).parent.glob("*.py")):
         with path.open(encoding="utf-8") as file:
@@ -42,8 +42,8 @@ def _commands() -> dict[str, str]:
 
 COMMANDS = _commands()
 """Each is a module of ``stickslip.commands``, imported when it is called for."""
-EXPECTED = (Fault, OSError)
-"""What a user can cause; everything else is a defect of ours and shows its traceback."""
+EXPECTED = (Fault, OSError, MemoryError)
+"""Errors that a user can cause; any other is a defect and shows its traceback."""
 _LONGEST = 2000  # characters of a message, which may contain text from a file
 
 
@@ -53,11 +53,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     A SIGTERM or SIGHUP ends a command as Ctrl-C does, with 143 and 129.
     """
     open_standard_streams()  # those that cron or a service has closed
-    given = sys.argv[1:] if arguments is None else arguments
-    options = _parser(given).parse_args(given)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    debug = argparse.Namespace(debug="--debug" in given)  # anywhere
+    given = [word for word in given if word != "--debug"]
+    options = _parser(given).parse_args(given, debug)
     with interruptible():
         try:
-            return _run(options)
+            return _status(options)
         except KeyboardInterrupt as interruption:
             with suppress(OSError):  # the terminal may be gone
                 print(f"stickslip: {str(interruption) or 'interrupted'}", file=sys.stderr)
@@ -68,51 +70,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 128 + (interrupted_by() or signal.SIGINT)
 
 
-def _run(options: argparse.Namespace) -> int:
-    try:
-        return _status(options)
-    except Exception:
-        check_interruption()  # then the error is only what became of it
-        raise
-
-
 def _status(options: argparse.Namespace) -> int:
     try:
         # One thread, so that results do not depend on how many the linear algebra would take.
         with threadpool_limits(limits=1, user_api="blas"):
             status: int | None = options.run(options)
         sys.stdout.flush()
-    except BrokenPipeError:  # whoever read our output has seen enough
+    except BrokenPipeError:  # the reader of the output has ended
         _drop_output()
         return 1
-    except EXPECTED as error:
+    except Exception as error:
         check_interruption()  # which may be the cause
-        if options.debug:
+        if options.debug or not isinstance(error, EXPECTED):
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
-        return 1
-    except MemoryError:
-        if options.debug:
-            raise
-        print("stickslip: more memory is needed than there is; give it less", file=sys.stderr)
         return 1
     return status or 0
 
 
 def _drop_output() -> None:
-    """Let what is printed from now on go nowhere, so that no error follows at the exit."""
+    """Discard later output, so that no error follows at the exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that complains in one line."""
+    """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"stickslip: {message}; see '{self.prog} --help'\n")
 
 
 class _Version(argparse.Action):
-    """Shows the version of what is installed, which only this asks for."""
+    """Prints the installed version, which takes time to find."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         print(f"stickslip {version('stickslip')}")
@@ -131,27 +120,17 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         command = subparsers.add_parser(name, help=does)
         if name == called:
             import_module(f"stickslip.commands.{name}").declare(command)
-    _take_debug(subparsers)
     return parser
 
 
-def _take_debug(subparsers: argparse._SubParsersAction[Any]) -> None:
-    """Let ``--debug`` stand behind every command too."""
-    for parser in subparsers.choices.values():
-        parser.add_argument(
-            "--debug", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS
-        )
-        for action in parser._actions:  # noqa: SLF001 - argparse has no public way to them
-            if isinstance(action.choices, dict):  # commands of its own
-                _take_debug(action)
-
-
 def _line(error: BaseException) -> str:
-    """Return what an error says, in one line; only a compiler may say more."""
+    """Return the message of an error in one line; only that of a compiler has more lines."""
+    message = str(error)
     if isinstance(error, toolchain.ToolchainError):
-        return str(error)
-    said = str(error)
+        return message
+    if isinstance(error, MemoryError):
+        message = "not enough memory; reduce the size of the input"
     if isinstance(error, OSError) and error.filename:
-        said = f"{error.filename}: {error.strerror}"
-    line = " ".join(said.split()) or type(error).__name__
+        message = f"{error.filename}: {error.strerror}"
+    line = " ".join(message.split()) or type(error).__name__
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line[:_LONGEST])

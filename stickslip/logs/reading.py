@@ -13,16 +13,20 @@ from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
 from stickslip.logs.controller import Controller, controller_of
 from stickslip.logs.description import ROLES, Description, Product
-from stickslip.logs.file import read_table
 from stickslip.logs.finding import Finding
+from stickslip.logs.formats import read_table
 from stickslip.logs.grid import check_times, even_grid
-from stickslip.logs.quantisation import step_of
 from stickslip.logs.recording import Recording
 from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.table import LogTable
 from stickslip.logs.unit_factors import contradicted_period, near_factor
 from stickslip.logs.units import Unit
 from stickslip.servo.measurement import Array
+
+DIVISORS = 12
+"""Most encoder steps that the smallest difference of a signal may have."""
+SHARE = 0.98
+"""Share of the differences that must be whole steps."""
 
 
 @dataclass(frozen=True)
@@ -234,3 +238,37 @@ def _positive(table: LogTable, given_as: Product | None, what: str) -> float | N
     if value <= 0:
         raise UsageError(f"{what} = {value:g}: expected more than 0")
     return value
+
+
+def step_of(signal: Array) -> float:
+    """Return the step of which all differences of a signal (n,) are multiples; 0 if there is none.
+
+    Differences within the rounding of doubles at the size of the signal are ignored. A filtered
+    signal, or one with all its digits, has no step.
+    """
+    differences = np.abs(np.diff(signal[np.isfinite(signal)]))
+    if not len(differences):
+        return 0.0
+    floor = 256 * np.finfo(float).eps * float(np.max(np.abs(signal[np.isfinite(signal)])))
+    differences = np.sort(differences[differences > floor])
+    if len(differences) < 10:
+        return 0.0
+    smallest = float(differences[len(differences) // 100])
+    near = differences[differences < 1.02 * smallest]
+    for divisor in range(1, DIVISORS + 1):
+        step = _refined(differences, float(np.median(near)) / divisor)
+        counts = differences / step
+        whole = np.abs(counts - np.round(counts)) < 0.05 + floor / step
+        if step > 4 * floor and np.mean(whole & (counts > 0.5)) >= SHARE:
+            return step
+    return 0.0
+
+
+def _refined(differences: Array, step: float) -> float:
+    """Return a step fitted to larger and larger differences."""
+    for most in (3, 30, 300):
+        counts = np.round(differences / step)
+        some = (counts > 0) & (counts <= most)
+        if some.any():
+            step = float(differences[some] @ counts[some] / (counts[some] @ counts[some]))
+    return step

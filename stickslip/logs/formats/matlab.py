@@ -71,8 +71,8 @@ def _variables(path: str, data: bytes) -> dict[str, np.ndarray]:
         except subprocess.TimeoutExpired:
             reason = f"not read within {TIMEOUT:g} s"
         except (ValueError, OSError, KeyError, EOFError, zipfile.BadZipFile):
-            said = errors.decode("utf-8", "replace").strip().splitlines()
-            reason = said[-1][:80] if said else f"its reader ended with {process.returncode}"
+            last = errors.decode("utf-8", "replace").strip().splitlines()[-1:]
+            reason = last[0][:80] if last else f"its reader ended with {process.returncode}"
     raise RecordingError(
         f"{path}: not a MAT file, damaged, or of version 7.3 and h5py is not installed "
         f"({reason}); save it with save(..., '-v7')"

@@ -28,7 +28,7 @@ from stickslip.fmi.archive.names import Refused
 from stickslip.fmi.binary import NotALibrary, read_library, universal
 from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml
-from stickslip.logs.file import read_table
+from stickslip.logs.formats import read_table
 from tests.corpus.defects.reference import HERE, members
 from tests.corpus.fuzz.mutation import NUMBERS, TOKENS, mutated
 from tests.corpus.fuzz.parser import Parser, from_file
