@@ -47,8 +47,7 @@ def test_a_chain_passes_values_on_within_the_step(make):
     # the value of u at t[n] holds from t[n] to t[n + 1]
     np.testing.assert_array_equal(result["last.y"][1:], 8 * u[:-1])
     assert result["last.y"][0] == 8 * u[0]
-    with system.prepare(step=1.0, stop=5.0, coupling="jacobi") as simulation:
-        result = simulation.run(inputs={"u": u})
+    result = system.prepare(step=1.0, stop=5.0, coupling="jacobi").run(inputs={"u": u})
     np.testing.assert_array_equal(result["last.y"][3:], 8 * u[:-3])
 
 

@@ -23,8 +23,7 @@ def two_gains(make, source, target, link=PLAIN):
 
 
 def end(system, **inputs):
-    with system.prepare(step=0.5, stop=1.0) as simulation:
-        return simulation.run(inputs=inputs)["b.y"][-1]
+    return system.prepare(step=0.5, stop=1.0).run(inputs=inputs)["b.y"][-1]
 
 
 def test_a_unit_converts_to_itself_and_back():

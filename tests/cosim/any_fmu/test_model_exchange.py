@@ -71,8 +71,7 @@ def test_inputs_move_within_the_step_as_in_fmpy(export, version):
     system = one(path, u="force")
     time = np.linspace(0, 10, 1001)
     force = np.sin(3 * time)
-    with system.prepare(step=0.01, stop=10.0) as simulation:
-        ours = simulation.run(inputs={"u": cosim.Table(time, force)})
+    ours = system.prepare(step=0.01, stop=10.0).run(inputs={"u": cosim.Table(time, force)})
     signals = [time, ("force", "f8", force)]
     theirs = fmpy_run(path, 0.01, 10.0, "position", "gain", inputs=signals)
     exact = np.cos(2 * time) + (np.sin(2 * time) * 1.5 - np.sin(3 * time)) / 5

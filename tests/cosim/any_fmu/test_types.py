@@ -21,8 +21,7 @@ def test_a_signal_of_any_type_equals_fmpy(export, version, name):
     values = np.array([0, 1, 1, 0, 1])
     system = one(path)
     system.expose("u", f"a.{name}_in")
-    with system.prepare(step=0.1, stop=1.0) as simulation:
-        ours = simulation.run(inputs={"u": cosim.Table(time, values)})
+    ours = system.prepare(step=0.1, stop=1.0).run(inputs={"u": cosim.Table(time, values)})
     kind = {"Float64": "f8", "Float32": "f4", "discrete": "f8", "Boolean": "?"}.get(name, "i8")
     signals = [time, (f"{name}_in", kind, values)]
     theirs = by_fmpy(path, 0.1, 1.0, f"{name}_out", inputs=signals, step_size=0.1)
@@ -53,8 +52,7 @@ def test_only_equal_types_connect(export):
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_number_beyond_a_type_is_held_at_its_end(export, version):
     system = one(export("feedthrough", version), u="Int32_in")
-    with system.prepare(step=0.1, stop=0.2) as simulation:
-        result = simulation.run(inputs={"u": np.array([1e12, -1e12, 0.0])})
+    result = system.prepare(step=0.1, stop=0.2).run(inputs={"u": np.array([1e12, -1e12, 0.0])})
     np.testing.assert_array_equal(result["a.Int32_out"], [2**31 - 1, 2**31 - 1, -(2**31)])
 
 
@@ -87,8 +85,7 @@ def test_start_values_of_every_type_arrive_to_the_bit(export):
     system = one(export("feedthrough", 3), {"s": "abc", "bytes": b"\0\1\2\0", "big": 2**62 + 5})
     system.set("a.UInt8_in", 200)
     system.set("a.Boolean_in", True)
-    with system.prepare(step=0.1, stop=0.1) as simulation:
-        result = simulation.run({"a.Enumeration_in": 3})
+    result = system.prepare(step=0.1, stop=0.1).run({"a.Enumeration_in": 3})
     assert result["a.sum"][0] == 3 + 400 + (2**62 + 5) % 1000003
     assert result["a.UInt8_out"][0] == 200
     assert result["a.Boolean_out"][0] == 1

@@ -44,15 +44,13 @@ def test_two_gains_have_their_exact_solution_at_every_step(gains, k1, k2, method
 
 @pytest.mark.parametrize("method", ["gauss_seidel", "jacobi", "iterative"])
 def test_initial_values_agree_whatever_the_coupling(gains, method):
-    with gains(2.0, 3.0).prepare(step=1e-2, stop=0.1, coupling=method) as simulation:
-        result = simulation.run(inputs={"w": 0.3})
+    result = gains(2.0, 3.0).prepare(step=1e-2, stop=0.1, coupling=method).run(inputs={"w": 0.3})
     assert result["a.y1"][0] == pytest.approx(1.0 / (1.0 - 6.0), abs=1e-12)
 
 
 def test_initial_values_need_no_way_back(gains):
     system = gains(2.0, 3.0, restores=False)
-    with system.prepare(step=1e-2, stop=0.1, coupling="jacobi") as simulation:
-        result = simulation.run(inputs={"w": 0.3})
+    result = system.prepare(step=1e-2, stop=0.1, coupling="jacobi").run(inputs={"w": 0.3})
     assert result["a.y1"][0] == pytest.approx(-0.2, abs=1e-12)
 
 
@@ -148,11 +146,9 @@ def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
         return system
 
     w = np.arange(6.0)
-    with chain().prepare(step=1.0, stop=5.0) as simulation:
-        result = simulation.run(inputs={"w": w})
+    result = chain().prepare(step=1.0, stop=5.0).run(inputs={"w": w})
     np.testing.assert_allclose(result["a.y2"][1:], 30.0 * w[:-1], rtol=1e-15)
-    with chain(restores=False).prepare(step=1.0, stop=5.0) as simulation:
-        result = simulation.run(inputs={"w": w})
+    result = chain(restores=False).prepare(step=1.0, stop=5.0).run(inputs={"w": w})
     np.testing.assert_allclose(result["a.y2"][2:], 30.0 * w[:-2], rtol=1e-15)  # a step late
 
 

@@ -128,8 +128,7 @@ def test_lines_of_a_table_are_followed_exactly(linear, kind):
     """A polynomial of degree 1 between points of the run leaves no error but rounding."""
     table = Table([0.0, 1.0, 2.0], [1.0, -3.0, 5.0])
     spec = {"step": 0.1, "stop": 2.0, "coupling": "iterative", "tolerance": FINE}
-    with single(linear, kind).prepare(**spec) as simulation:
-        result = simulation.run(inputs={"u": table})
+    result = single(linear, kind).prepare(**spec).run(inputs={"u": table})
     t = result.time
     first, second = t - 2 * t**2, -1.0 + -3.0 * (t - 1) + 4 * (t - 1) ** 2
     np.testing.assert_allclose(result["a.y1"], np.where(t < 1, first, second), atol=1e-8)

@@ -16,8 +16,7 @@ def test_in_a_loop_that_is_solved(linear, method):
     system.add("b", linear(2, "d11"), {"d11": 3.0})
     system.connect("a.y1", "b.u1")
     system.connect("b.y1", "a.u1", LINK)
-    with system.prepare(step=1e-2, stop=0.5, coupling=method) as simulation:
-        a = simulation.run()["a.y1"]
+    a = system.prepare(step=1e-2, stop=0.5, coupling=method).run()["a.y1"]
     # a = 2 (-1.5 3 a + 0.25) + 0.7
     np.testing.assert_allclose(a, (2.0 * 0.25 + 0.7) / (1.0 + 2.0 * 1.5 * 3.0), atol=1e-11)
 
