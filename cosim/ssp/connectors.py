@@ -10,7 +10,6 @@ from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import attribute, find, integer, local, number, place
 from stickslip.cosim.ssp.names import NAMESPACES, tag
 from stickslip.fmi.description.units import BASE_UNITS, Unit
-from stickslip.fmi.messages import shown
 
 Items = Mapping[str, int]
 """Names of the values of an enumeration."""
@@ -81,36 +80,30 @@ class Connector:
 def read_connectors(element: Any, definitions: Definitions) -> dict[str, Connector]:
     """Return the connectors of an element by name."""
     found = element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES)
-    return _by_name("connectors", (_read(c, attribute(c, "kind"), definitions) for c in found))
+    return _read("connectors", found, definitions)
 
 
 def read_entries(root: Any, definitions: Definitions) -> dict[str, Connector]:
     """Return the entries of an ssb:SignalDictionary by name."""
-    found = root.iterfind("ssb:DictionaryEntry", NAMESPACES)
-    return _by_name("entries", (_read(entry, "inout", definitions) for entry in found))
+    return _read("entries", root.iterfind("ssb:DictionaryEntry", NAMESPACES), definitions)
 
 
-def _by_name(what: str, connectors: Any) -> dict[str, Connector]:
+def _read(what: str, elements: Any, definitions: Definitions) -> dict[str, Connector]:
     result: dict[str, Connector] = {}
-    for connector, element in connectors:
-        if connector.name in result:
-            raise SspError(f"{place(element)}: there are two {what} {connector.name!r}; rename one")
-        result[connector.name] = connector
+    for element in elements:
+        name = attribute(element, "name")
+        if name in result:
+            raise SspError(f"{place(element)}: there are two {what} {name!r}; rename one")
+        kind = attribute(element, "kind") if what == "connectors" else "inout"
+        lengths = (d.get("size") for d in element.iterfind("ssc:Dimension", NAMESPACES))
+        dimensions = tuple(None if n is None else integer(n, element) for n in lengths)
+        typed = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
+        attributes = {} if typed is None else typed.attrib
+        unit = definitions.unit(attributes.get("unit"))
+        items = definitions.enumerations.get(attributes.get("name", ""), {})
+        type_name = None if typed is None else local(typed)
+        result[name] = Connector(name, kind, unit, type_name, items, dimensions)
     return result
-
-
-def _read(element: Any, kind: str, definitions: Definitions) -> tuple[Connector, Any]:
-    name = attribute(element, "name")
-    lengths = (d.get("size") for d in element.iterfind("ssc:Dimension", NAMESPACES))
-    dimensions = tuple(None if n is None else integer(n, element) for n in lengths)
-    if any(n is not None and n < 0 for n in dimensions):
-        raise SspError(f"{place(element)}: the dimensions of {shown(name)} are {dimensions}")
-    typed = next((c for c in element.iterchildren(tag("ssc:*")) if local(c) in FAMILY), None)
-    if typed is None:
-        return Connector(name, kind, dimensions=dimensions), element
-    unit = definitions.unit(typed.get("unit"))
-    items = definitions.enumerations.get(typed.get("name", ""), {})
-    return Connector(name, kind, unit, local(typed), items, dimensions), element
 
 
 def _items(enumeration: Any) -> Items:

@@ -133,21 +133,21 @@ def local(element: Any) -> str:
     return name
 
 
-def inside(top: Path, base: Path, element: Any, attribute_name: str = "source") -> Path:
-    """Return the file that an attribute names by a relative URI.
+def inside(top: Path, base: Path, element: Any) -> Path:
+    """Return the file that the source of an element names by a relative URI.
 
     Parameters
     ----------
     top : folder that the file must lie in
     base : folder that the URI starts from
-    element : that has the attribute
+    element : that has the source
 
     Raises
     ------
     SspError
         When the file is missing or lies elsewhere.
     """
-    source = attribute(element, attribute_name)
+    source = attribute(element, "source")
     try:
         uri = urlsplit(source)
         file = (base / unquote(uri.path)).resolve()

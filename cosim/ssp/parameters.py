@@ -173,11 +173,6 @@ def _mapped(entry: Any, given: dict[str, Given]) -> Given:
         )
     value = given[source]
     if pairs := pairs_of_names(entry):
-        if value.items is None:
-            raise SspError(
-                f"{place(entry)}: {source!r} is not an enumeration, as an"
-                " EnumerationMappingTransformation expects"
-            )
         return replace(value, value=pairs.get(str(value.value), value.value), element=entry)
     convert = not truth(entry, "suppressUnitConversion")
     return replace(value, convert=convert, scaling=transform_of(entry, {}, {}), element=entry)
