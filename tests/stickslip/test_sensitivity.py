@@ -60,7 +60,7 @@ def study(drive):
         "filtered": Entry(filtered, exact),
         "half": Entry(loop, {**exact, "F_c": 0.5 * exact["F_c"]}),
     }
-    return study_motions(rig, entries, loop, truth)
+    return study_motions(rig, entries, loop, exact)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_in_a_weak_loop_it_makes_creep_worse(paper):
     rig, loop = paper
     exact = {name: PAPER[name] for name in LUGRE}
     entries = {"without": Entry(loop), "learned": Entry(loop, exact)}
-    study = study_motions(rig, entries, loop, PAPER)
+    study = study_motions(rig, entries, loop, exact)
     assert study.weak.K_p == pytest.approx(0.1 * loop.K_p)
     table = study.evaluation.table().set_index(KEYS)
     for region in ("0.1 mm/s", "0.3 mm/s"):
