@@ -33,11 +33,13 @@ from stickslip.pipeline.record_mode import reproduce_from_recording
 from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth, reproduce
 from stickslip.pipeline.studies import with_studies
 from stickslip.results.folder import reserved
-from stickslip.results.published_folder import FILES as PUBLISHED_FILES
-from stickslip.results.published_folder import write_published_results
-from stickslip.results.record_folder import FILES as RECORD_FILES
-from stickslip.results.record_folder import write_record_results
-from stickslip.results.reproduction_folder import FILES, write_results
+from stickslip.results.learned_folder import RECORD_FILES, write_record_results
+from stickslip.results.reproduction_folder import (
+    FILES,
+    PUBLISHED_FILES,
+    write_published_results,
+    write_results,
+)
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import FEEDS, build_fmus

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import pandas as pd
 
 from stickslip import cosim
+from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.evaluation.motions import trapezoid
-from stickslip.evaluation.validation import run_motion, velocity_errors
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
@@ -34,19 +34,17 @@ def attribute(
     compensator : its parameters by name
     """
     filtered = with_velocity_filter(loop, rig.datasheet, compensator["F_c"])
-    motion = trapezoid(command)
-    rows = []
-    for use_filter, inertia, compensated in itertools.product((False, True), repeat=3):
+    names, entries = ["filter", "inertia", "compensator"], {}
+    for parts in itertools.product((False, True), repeat=3):
+        use_filter, inertia, compensated = parts
         chosen = filtered if use_filter else loop
         chosen = with_inertia(chosen) if inertia else chosen
-        run = run_motion(rig, chosen, compensator if compensated else None, motion, feed)
-        errors = velocity_errors(run, motion.regions)
-        for velocity in run.v:
-            parts = {"filter": use_filter, "inertia": inertia, "compensator": compensated}
-            shown = {
-                f"{region} {metric}": 1e3 * value
-                for (key, region, metric), value in errors.items()
-                if key == velocity
-            }
-            rows.append({**parts, "velocity": velocity, **shown})
+        entries[str(parts)] = Entry(chosen, compensator if compensated else None)
+    table = evaluate(rig, entries, feed, [trapezoid(command)]).table()
+    table.index = pd.Index(table["region"] + " " + table["metric"])
+    rows = []
+    for parts in itertools.product((False, True), repeat=3):
+        for velocity in dict.fromkeys(table["velocity"]):
+            errors = table[table["velocity"] == velocity][str(parts)]
+            rows.append({**dict(zip(names, parts, strict=True)), "velocity": velocity, **errors})
     return pd.DataFrame(rows)

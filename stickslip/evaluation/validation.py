@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
-from stickslip.evaluation.motions import Motion, Regions, Span, regions_after, trapezoid, windows
+from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed, paper_loop
@@ -139,22 +139,10 @@ def validate(
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
     """
-    motion = trapezoid(command)
-    without = run_motion(rig, plain or loop, None, motion, feed)
-    compensated = run_motion(rig, loop, compensator, motion, feed)
+    v_cmd = command.sample(rig.samples(trapezoid(command).duration))
+    without = run_command(rig, plain or loop, None, v_cmd, feed)
+    compensated = run_command(rig, loop, compensator, v_cmd, feed)
     return Validation(without, compensated, windows(command))
-
-
-def run_motion(
-    rig: Rig,
-    loop: VelocityLoop,
-    compensator: Mapping[str, float] | None,
-    motion: Motion,
-    feed: Feed = "nominal",
-) -> Run:
-    """Run a motion with a compensator or None."""
-    v_cmd = motion.command.sample(rig.samples(motion.duration))
-    return run_command(rig, loop, compensator, v_cmd, feed)
 
 
 def run_command(

@@ -1,4 +1,4 @@
-"""The folder that ``stickslip learn`` leaves behind."""
+"""The folders that ``stickslip learn`` and ``reproduce --mode record`` leave behind."""
 
 from __future__ import annotations
 
@@ -6,18 +6,32 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from stickslip import models
+from stickslip.fmi.files import atomic_write
+from stickslip.logs import Recording
 from stickslip.pipeline.learned import LearnedFromRecording
+from stickslip.pipeline.record_mode import RecordReproduction, commissioning_loop, gains_of
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
 from stickslip.report.learned.content import compensation
-from stickslip.report.page import Section
+from stickslip.report.page import Section, picture_files
+from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
-from stickslip.results.learned import log_document
-from stickslip.results.reproduction_folder import write_json
+from stickslip.results.learned import log_document, recording_document
+from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
+from stickslip.servo.datasheet import Datasheet
 
 FILES = ("learned.json", "compensator.fmu", *REPORT)
 """What ``write_learned`` writes or removes."""
+RECORD_FILES = (
+    *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
+    *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
+    *picture_files(FIGURES),
+    *REPORT,
+)
+"""What ``write_record_results`` writes."""
 
 
 def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = False) -> None:
@@ -59,3 +73,61 @@ def write_compensator(
         law = learned.estimation.law.name
         models.build_fmu("compensator", staging, start=learned.compensator, law=law)
     write_estimation_report(learned.estimation, learned.findings, staging, further)
+
+
+def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:
+    """Write the tables, the recording, report, learned.json, compensator.fmu and loop.ssp.
+
+    ``recording.csv`` and ``recording.toml`` are what ``stickslip learn`` needs to learn the same.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    learned, loop = reproduction.learned, reproduction.learned.designed.compensated
+    estimation = learned.estimation
+    with staged(folder, command_of(reproduction.options, mode="record")) as staging:
+        tables = {
+            "table2": reproduction.table2(),
+            "table4": reproduction.validation.table(),
+            "attribution": reproduction.attribution,
+            "fitness": estimation.algorithm.convergence(),
+            "profiles": estimation.profiles,
+            "recording": _table(estimation.recording),
+        }
+        write_tables(tables, staging)
+        atomic_write(staging / "recording.toml", _description(reproduction))
+        write_loop(reproduction.system, loop, staging / "loop.ssp")
+        write_compensator(learned, recording_document(learned), staging, sections(reproduction))
+
+
+def _table(recording: Recording) -> pd.DataFrame:
+    columns = {
+        "time [s]": recording.t,
+        "position [m]": recording.position,
+        "force [N]": recording.force,
+        "velocity_command [m/s]": recording.velocity_command,
+    }
+    return pd.DataFrame(columns)
+
+
+def _description(reproduction: RecordReproduction) -> str:
+    """Return what ``stickslip learn --config`` takes."""
+    gains = gains_of(commissioning_loop(Datasheet()))
+    lines = [
+        "# Describes recording.csv for stickslip learn.",
+        'motion = "linear"',
+        f"encoder_step = {reproduction.learned.estimation.recording.encoder_step!r}",
+        "",
+        "[columns]",
+        'time = { name = "time", unit = "s" }',
+        'position = { name = "position", unit = "m" }',
+        'force = { name = "force", unit = "N" }',
+        'velocity_command = { name = "velocity_command", unit = "m/s" }',
+        "",
+        "[controller]",
+        'kind = "PI"',
+        *(f"{name} = {value!r}" for name, value in gains.items()),
+    ]
+    return "\n".join(lines) + "\n"

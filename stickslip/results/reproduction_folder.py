@@ -1,8 +1,9 @@
-"""The folder that a reproduction leaves behind."""
+"""The folders that a reproduction and the learning as published leave behind."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,13 +15,15 @@ from stickslip.default_input import pack_input
 from stickslip.evaluation.fmpy_check import SecondOpinion, second_opinion
 from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import Options, Reproduction
+from stickslip.report.page import picture_files, write_page
 from stickslip.report.reproduction import FILES as REPORT
 from stickslip.report.reproduction import write_report
+from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
 from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop
-from stickslip.tuning.published.readings import TABLES
+from stickslip.tuning.published.readings import TABLES, WholeStudy
 
 PREFIX = "as_published_"
 """Of the tables of the learning as published."""
@@ -31,6 +34,9 @@ FILES = (
     *REPORT,
 )
 """What ``write_results`` writes."""
+PUBLISHED_TITLE = "The paper’s learning as published"
+PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files(FIGURES), "report.html")
+"""What ``write_published_results`` writes."""
 
 
 def write_results(reproduction: Reproduction, folder: Path) -> None:
@@ -44,25 +50,45 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
         When a file cannot be written.
     """
     with staged(folder, command_of(reproduction.options)) as staging:
-        write_table(reproduction.table2(), staging / "table2.csv")
-        write_table(reproduction.table4(), staging / "table4.csv")
+        tables = {"table2": reproduction.table2(), "table4": reproduction.table4()}
         if reproduction.extras and reproduction.extras.table4 is not None:
-            write_table(reproduction.extras.table4, staging / "table4_all_extras.csv")
+            tables["table4_all_extras"] = reproduction.extras.table4
         if reproduction.published:
-            for name, table in reproduction.published.tables().items():
-                write_table(table, staging / f"{PREFIX}{name}.csv")
+            published = reproduction.published.tables()
+            tables |= {f"{PREFIX}{name}": table for name, table in published.items()}
         if reproduction.beforehand is not None:
-            write_table(reproduction.beforehand, staging / "datasheet.csv")
+            tables["datasheet"] = reproduction.beforehand
         if reproduction.motions:
-            write_table(reproduction.motions.evaluation.table(), staging / "motions.csv")
-            write_table(reproduction.motions.sensitivity, staging / "sensitivity.csv")
-        write_table(reproduction.algorithm.convergence(), staging / "fitness.csv")
+            tables["motions"] = reproduction.motions.evaluation.table()
+            tables["sensitivity"] = reproduction.motions.sensitivity
+        tables["fitness"] = reproduction.algorithm.convergence()
+        write_tables(tables, staging)
         learned, law = reproduction.refinement, reproduction.options.law
         fmu = models.build_fmu("compensator", staging, start=learned.values, law=law)
         reproduction = replace(reproduction, opinion=opinion_of(reproduction, fmu))
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, reproduction.identification.loop, staging / "loop.ssp")
         write_report(reproduction, staging)
+
+
+def write_published_results(
+    study: WholeStudy, options: Options, truth: Mapping[str, float], folder: Path
+) -> None:
+    """Write tables, pictures and page of the study.
+
+    Parameters
+    ----------
+    truth : every parameter of the drive FMU
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    seeds = len(study.published.seeds)
+    with staged(folder, command_of(options, as_published=True, seeds=seeds)) as staging:
+        write_tables(study.tables(), staging)
+        write_page(staging, PUBLISHED_TITLE, [study_section(study, truth)])
 
 
 def opinion_of(reproduction: Reproduction, fmu: Path) -> SecondOpinion:
@@ -90,13 +116,14 @@ def command_of(options: Options, **more: object) -> dict[str, object]:
     }
 
 
-def write_table(table: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV, whole."""
-    atomic_write(path, table.to_csv(index=False, lineterminator="\n"))
+def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
+    """Write tables as CSV files by name."""
+    for name, table in tables.items():
+        atomic_write(folder / f"{name}.csv", table.to_csv(index=False, lineterminator="\n"))
 
 
 def write_json(content: object, path: Path) -> None:
-    """Write plain data as JSON, whole."""
+    """Write plain data as JSON."""
     atomic_write(path, json.dumps(content, indent=2) + "\n")
 
 

@@ -9,7 +9,7 @@ from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
 from stickslip.pipeline.record_mode import commissioning_loop, record_drive
-from stickslip.results.record_folder import FILES, write_record_results
+from stickslip.results.learned_folder import RECORD_FILES, write_record_results
 from stickslip.servo.datasheet import Datasheet
 
 pytestmark = pytest.mark.slow
@@ -74,7 +74,7 @@ def test_candidates_know_nothing_of_the_drive(candidates, make_rig):
 
 def test_the_written_recording_is_the_recording(recorded, tmp_path):
     write_record_results(recorded, tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "manifest.json"}
+    assert {path.name for path in tmp_path.iterdir()} == {*RECORD_FILES, "manifest.json"}
     description = load_description(tmp_path / "recording.toml")
     reading = read_recording(tmp_path / "recording.csv", description)
     recording = recorded.learned.estimation.recording

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from stickslip.cli import main
-from stickslip.results.published_folder import FILES
+from stickslip.results.reproduction_folder import PUBLISHED_FILES
 
 pytestmark = pytest.mark.slow
 
@@ -19,7 +19,7 @@ def folder(tmp_path_factory):
 
 
 def test_all_files_are_there_and_verified(folder):
-    assert {path.name for path in folder.iterdir()} == {*FILES, "manifest.json"}
+    assert {path.name for path in folder.iterdir()} == {*PUBLISHED_FILES, "manifest.json"}
     assert main(["verify", str(folder)]) == 0
 
 

@@ -7,7 +7,6 @@ import pytest
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.results import learned_folder
-from stickslip.results import record_folder as record_results
 from stickslip.results import reproduction_folder as reproduction_results
 from stickslip.results.folder import reserved, staged, verify
 from stickslip.results.folder.publishing import READY
@@ -89,7 +88,7 @@ COMMANDS = {
     "reproduce": (["reproduce"], reproduction_results.FILES, "commands.reproduce.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],
-        record_results.FILES,
+        learned_folder.RECORD_FILES,
         "commands.reproduce.reproduce_from_recording",
     ),
     "identify": (["identify"], ["identified.json"], "commands.identify.identify"),
