@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from stickslip import models
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.evaluation.guards import Trial, benefit_of, inspect
-from stickslip.fmi.process import temporary_folder
+from stickslip.evaluation.guards import benefit_on_drives
 from stickslip.models.firmware import write_compensator
 from stickslip.results.learned import LearnedFile
-from stickslip.servo.systems import build_fmus
 
 MOST_SAMPLES = 10_000_000
 """Of a validation command."""
@@ -85,26 +80,21 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
-    with temporary_folder() as folder:
-        build_fmus(folder, {"law": learned.law.name}, learned.law.name)
-        trial = Trial(
-            folder,
-            loop,
-            learned.friction,
-            compensator,
-            v_cmd,
-            learned.feed,
-            learned.datasheet,
-            learned.law,
-        )
-        benefit = benefit_of(trial, rotary=learned.rotary)
-        written = replace(
-            trial, compensator=learned.law.share(compensator, 1.0 if force else benefit.share)
-        )
-        for finding in inspect(written, learned.standard_errors):
-            _warn(str(finding))
-    if not benefit.harmless:
+    benefit, found = benefit_on_drives(
+        learned.law,
+        loop,
+        learned.friction,
+        compensator,
+        command,
+        learned.datasheet,
+        learned.standard_errors,
+        feed=learned.feed,
+        rotary=learned.rotary,
+        force=force,
+    )
+    for finding in found:
+        _warn(str(finding))
+    if not benefit.acceptable:
         print_benefit(benefit, sys.stderr)
         if not force:
             raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")

@@ -15,8 +15,7 @@ import numpy as np
 
 from stickslip import ga
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import Benefit, Trial, benefit_of, inspect
-from stickslip.fmi.process import temporary_folder
+from stickslip.evaluation.guards import Benefit, benefit_on_drives
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -29,7 +28,6 @@ from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
-from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     VelocityLoop,
@@ -141,7 +139,9 @@ class LearnedFromRecording(Learned):
         for fault in self.estimation.faults:
             if fault.spoils == "values":
                 return f"{fault.what}: {fault.figure}; {fault.advice}"
-        return self.trial.benefit.refusal if self.trial and not self.trial.benefit.harmless else ""
+        return (
+            self.trial.benefit.refusal if self.trial and not self.trial.benefit.acceptable else ""
+        )
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -225,8 +225,6 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     scale = top / VALIDATION.height
     command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
-    duration = command.corners()[-1] + command.begin
-    v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     strongest = float(np.max(np.abs(estimation.figures.measured)))
     sheet = Datasheet(
         peak_force=reading.force_limit or 1e3 * strongest,
@@ -238,13 +236,17 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
         for name in estimation.fit.space.friction
         if estimation.known[name].visible != NOT_VISIBLE
     }
-    friction, law = dict(learned.friction), estimation.law
-    with temporary_folder() as folder:
-        build_fmus(folder, {"law": law.name}, law.name)
-        trial = Trial(folder, loop, friction, friction, v_cmd, datasheet=sheet, law=law)
-        benefit = benefit_of(trial, rotary=reading.recording.motion == "rotary")
-        written = replace(trial, compensator=law.share(friction, benefit.share))
-        warnings = tuple(str(finding) for finding in inspect(written, errors))
+    benefit, found = benefit_on_drives(
+        estimation.law,
+        loop,
+        learned.friction,
+        learned.friction,
+        command,
+        sheet,
+        errors,
+        rotary=reading.recording.motion == "rotary",
+    )
+    warnings = tuple(map(str, found))
     return replace(learned, trial=SimulatedTrial(command, sheet, benefit, warnings))
 
 

@@ -39,7 +39,7 @@ class VelocityCost:
     cutoff: float | None = CUTOFF
 
     def __call__(self, result: cosim.Result) -> float:
-        """Judge the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
+        """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
         gap = self.gap(result)
         return float(np.sum(gap * gap))  # the same bits whatever the threads of the linear algebra
 

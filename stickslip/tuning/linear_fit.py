@@ -47,7 +47,7 @@ class Runs:
 
     @cached_property
     def gap(self) -> Array:
-        """The mean of the repeated runs (2, n) [m/s]: what is not noise."""
+        """The mean of the repeated runs (2, n) [m/s], without most of the noise."""
         return np.asarray(self.gaps.mean(axis=1))
 
     @cached_property

@@ -79,7 +79,7 @@ def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(make_trial, 
     without, compensated = errors(trial)
     assert compensated**2 > 3 * without**2
     benefit = benefit_of(trial)
-    assert not benefit.harmless
+    assert not benefit.acceptable
     assert benefit.share == 1.0
     assert "; expected at most 1.02 times, and no share of the force" in benefit.refusal
     found = {finding.guard: finding for finding in inspect(trial, ERRORS)}
@@ -103,7 +103,7 @@ def test_a_compensator_is_tried_at_three_speeds_on_four_drives(make_trial):
     """Each error is that of a trial of its own; half the friction asks for less of the force."""
     trial = make_trial(PAPER, VALIDATION)
     benefit = benefit_of(trial)
-    assert benefit.harmless
+    assert benefit.acceptable
     assert 0.8 <= benefit.share < 1.0
     assert max(row.ratio for row in benefit.rows) <= 1.02 < max(row.ratio for row in benefit.full)
     assert {row.speed for row in benefit.rows} == {0.04, 0.004, 0.0004}
@@ -153,7 +153,7 @@ def test_a_share_is_of_the_force_alone(fmus):
 def test_friction_that_is_not_there_is_refused_or_reduced(make_trial):
     """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
     benefit = benefit_of(make_trial(PAPER, VALIDATION, F_s=20.0 * TABLE_2["F_c"], v_s=8e-5))
-    assert not benefit.harmless
+    assert not benefit.acceptable
     assert max(row.ratio for row in benefit.full) > 1.5
 
 
@@ -168,7 +168,7 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
     assert not np.isnan(row.ratio)
     for rows in ((fine, row), (row, fine)):
         benefit = Benefit(1.0, rows, rows)
-        assert benefit.harmless == (finite and compensated <= 1.02 * without)
+        assert benefit.acceptable == (finite and compensated <= 1.02 * without)
         worst = max(rows, key=lambda row: row.ratio)  # the first of equals, as a ratio is no NaN
         assert worst.drive in benefit.reason
 

@@ -53,7 +53,7 @@ class Benefit:
 
     Attributes
     ----------
-    share : of the compensator's force; the largest of ``SHARES`` that is harmless, or 1
+    share : of the compensator's force; the largest of ``SHARES`` that is acceptable, or 1
     rows : at that share, one for each speed and drive
     full : the same at the whole force
     unit : of a thousandth of a speed, for people
@@ -65,7 +65,7 @@ class Benefit:
     unit: str = "mm/s"
 
     @property
-    def harmless(self) -> bool:
+    def acceptable(self) -> bool:
         """Whether the error is nowhere worse with the compensator than without it."""
         return all(row.ratio <= WORSE for row in self.rows)
 
@@ -81,7 +81,7 @@ class Benefit:
 
     @property
     def refusal(self) -> str:
-        """Why a compensator that is not harmless is refused, and what to do."""
+        """Why a compensator that is not acceptable is refused, and what to do."""
         return (
             f"{self.reason}; expected at most {WORSE:g} times, and no share of the force down to"
             f" {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
@@ -90,7 +90,7 @@ class Benefit:
 
 
 def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
-    """Try a compensator at every speed and on every drive, with the largest harmless share."""
+    """Try a compensator at every speed and on every drive, with the largest acceptable share."""
     unit = "mrad/s" if rotary else "mm/s"
     cells = list(_cells(trial))
     with ExitStack() as stack:
@@ -107,7 +107,7 @@ def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
         full = tried(1.0)
         for share in SHARES:
             benefit = Benefit(share, full if share == 1.0 else tried(share), full, unit)
-            if benefit.harmless:
+            if benefit.acceptable:
                 return benefit
     return Benefit(1.0, full, full, unit)
 

@@ -143,7 +143,7 @@ def _exponent(estimation: Estimation) -> str:
 def compensation(benefit: Benefit) -> Section:
     """Return the section with the table of tracking errors."""
     verdict = "The error is nowhere larger than 1.02 times that without the compensator."
-    if not benefit.harmless:
+    if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
         verdict = f"It gives {percentage(benefit.share)} of the learned force: {benefit.reason}."
