@@ -46,10 +46,6 @@ class Binary:
             os.add_dll_directory(str(path.parent))
         self._library = CDLL(str(path))
 
-    def has(self, name: str) -> bool:
-        """Tell whether a function, named without its prefix, is exported."""
-        return hasattr(self._library, self.prefix + name)
-
     def function(self, name: str, result: Any = c_int) -> Any:
         """Return a function by its name without prefix, with what it returns.
 

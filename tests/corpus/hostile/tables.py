@@ -149,11 +149,11 @@ LOGS = [
     _log("parquet-nested", "a position that is a list", "no column of position", lambda _: _parquet(t=np.arange(50.0), x=[[1.0]] * 50), ".parquet"),
     _log("mat-text", "a text called .mat", "not a MAT file", LOG, ".mat"),
     _log("mat-7.3", "a MAT file of version 7.3", "version 7.3", b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
-    _log("mat-cells", "cells instead of numbers", "no vectors of numbers", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
+    _log("mat-cells", "cells instead of numbers", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
     _log("mat-shape", "a vector whose length lies", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
     _log("mat-size", "an element longer than the file", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
     _log("mat-dimensions", "an array of a thousand dimensions", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
-    _log("mat-bomb", "320 MB of zeros, packed", "variables of more than", lambda _: _mat((15, _bomb())), ".mat"),
+    _log("mat-bomb", "320 MB of zeros, packed", "not a MAT file, damaged", lambda _: _mat((15, _bomb())), ".mat"),
     _log("mat-damaged", "packed data that is none", "not a MAT file, damaged", lambda _: _mat((15, b"x" * 40)), ".mat"),
 ]  # fmt: skip
 

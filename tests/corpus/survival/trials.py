@@ -13,6 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import Any, NoReturn
@@ -85,54 +86,43 @@ DELETIONS = {"os.remove", "os.rmdir"}
 
 
 class _Fault:
-    """Counts what is asked of the file system below a folder and acts at the n-th time."""
+    """Counts operations on files below a folder, and acts at the n-th and each after it."""
+
+    folder, n, counted, deletions = "", 0, 0, True
+    act: Callable[[], object]
 
     def __init__(self) -> None:
-        self.folder, self.act, self.n, self.counted = "", None, 0, 0
-        self.deletions = True
         sys.addaudithook(self._hear)
         sync = os.fsync
-
-        def synced(handle: int) -> None:
-            self.count()
-            sync(handle)
-
-        os.fsync = synced
+        os.fsync = lambda handle: (self.count(), sync(handle))[1]
 
     def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if not self.folder:
-            return
-        asked = (
-            (event == "open" and arguments[2] & WRITES)
-            or event in CHANGES
-            or (self.deletions and event in DELETIONS)
-        )
-        if asked and os.fspath(arguments[0]).startswith(self.folder):
+        asked = event in CHANGES or (self.deletions and event in DELETIONS)
+        asked = asked or (event == "open" and arguments[2] & WRITES)
+        if self.folder and asked and os.fspath(arguments[0]).startswith(self.folder):
             self.count()
 
     def count(self) -> None:
         if self.folder:
             self.counted += 1
-            if self.act and self.counted >= self.n:
+            if self.counted >= self.n:
                 self.act()
 
 
-_fault: list[_Fault] = []
+_fault = cache(_Fault)
 
 
 @contextmanager
 def fault(
-    folder: Path, act: Callable[[], object] | None = None, n: int = 0, *, deletions: bool = True
+    folder: Path, act: Callable[[], object], n: int, *, deletions: bool = True
 ) -> Iterator[_Fault]:
-    """Call ``act`` before the n-th operation in a folder and each after it; None only counts.
+    """Call ``act`` before the n-th operation in a folder and each after it.
 
     Parameters
     ----------
     deletions : whether they count
     """
-    if not _fault:
-        _fault.append(_Fault())
-    (it,) = _fault
+    it = _fault()
     it.act, it.n, it.counted, it.deletions, it.folder = act, n, 0, deletions, str(folder)
     try:
         yield it
@@ -160,7 +150,7 @@ Write = Callable[[Path], object]
 
 
 def kill_at_each_operation(folder: Path, old: Files, new: Files) -> Counter[str]:
-    """Kill a process before each thing that it asks of the file system while it replaces a set.
+    """Kill a process before each of its operations on files while it replaces a set.
 
     Returns
     -------
