@@ -112,8 +112,11 @@ def write_fmu(
             serializes=all(fmu.serializes and fmu.restores_state for fmu in fmus),
         )
 
-    sources = _sources(fmi) | {"steps.h": unroll(run) or _read(Path(kernel.__file__), "steps.h")}
-    token = _digest([described(""), header, *sources.values()])
+    sources = _sources(fmi)
+    if unrolled := unroll(run):
+        sources["steps.h"] = unrolled
+    content = repr([described(""), header, *sources.values()])
+    token = hashlib.sha256(content.encode()).hexdigest()[:32]
     sources["system.h"] = f'#define TOKEN "{token}"\n{header}\n'
     members = {
         "modelDescription.xml": described(token).encode(),
@@ -133,11 +136,8 @@ def _binaries(
     functions = toolchain.standard_functions(sources[f"system/fmi{fmi}Functions.h"])
 
     def build(target: toolchain.Platform) -> Path:
-        flags = [
-            "-DEXPORT=",
-            "-Wno-unused-parameter",
-            *(["-ldl"] if target.suffix == ".so" else []),
-        ]
+        flags = ["-DEXPORT=", "-Wno-unused-parameter"]
+        flags += ["-ldl"] if target.suffix == ".so" else []
         return toolchain.shared_library(
             name, sources, platform=target, flags=flags, exports=functions
         )
@@ -176,24 +176,14 @@ def _component(
 
 
 def _sources(fmi: int) -> dict[str, str]:
-    folders = (Path(__file__).parent, Path(toolchain.__file__).parents[1] / "faces")
-    headers = Path(fmpy.__file__).parent / "c-code"
+    kernel_files = Path(kernel.__file__).parent
+    faces = Path(toolchain.__file__).parents[1] / "faces"
+    headers = (Path(fmpy.__file__).parent / "c-code").glob("fmi[23]*.h")
+    own = [*Path(__file__).parent.glob("*.[ch]"), *faces.glob("*.[ch]")]
     files = {
-        file.name: _read(file)
-        for folder in folders
-        for file in folder.glob("*.[ch]")
+        file.name: file
+        for file in [*own, *(kernel_files / name for name in _KERNEL)]
         if not file.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
-    files |= {name: _read(Path(kernel.__file__).parent / name) for name in _KERNEL}
-    return files | {f"system/{file.name}": _read(file) for file in headers.glob("fmi[23]*.h")}
-
-
-def _read(path: Path, sibling: str = "") -> str:
-    return (path.with_name(sibling) if sibling else path).read_text(encoding="utf-8")
-
-
-def _digest(texts: Iterable[str]) -> str:
-    digest = hashlib.sha256()
-    for text in texts:
-        digest.update(f"{len(text)}\0{text}".encode())
-    return digest.hexdigest()[:32]
+    files |= {f"system/{file.name}": file for file in headers}
+    return {name: file.read_text(encoding="utf-8") for name, file in sorted(files.items())}

@@ -84,3 +84,8 @@ def test_dimensions_do_not_change_from_run_to_run(export):
 def test_what_does_not_fit_is_refused(export, parameters, message):
     with pytest.raises(cosim.ParameterError, match=message):
         system_of(export, parameters)
+
+
+def test_a_container_holds_no_arrays(export, tmp_path):
+    with pytest.raises(cosim.FmuError, match="a cannot go into a container"):
+        cosim.write_fmu(system_of(export, None), tmp_path / "a.fmu", step=0.1)
