@@ -82,18 +82,22 @@ def wire(
             slot.inputs = kernel.SCATTERED
             slot.input_offsets = (ctypes.c_int64 * len(offsets))(*offsets)
             slot.gathered = (ctypes.c_double * len(offsets))()
-        targets = [(target, offset >= width) for offset, target in inputs[name]]
-        if general := _general_component(
-            system,
-            name,
-            libraries[name],
-            outputs,
-            targets,
-            tolerance,
-            retries_steps=name in retry,
-        ):
-            general_components[name] = general
-            general.attach_to(slot)
+        read = [system.variable(output) for output in outputs]
+        taken = [system.variable(target) for _, target in inputs[name]]
+        retries = name in retry
+        if isinstance(fmu, Fmu) and (retries or needs_general_path(fmu, [*read, *taken])):
+            exchange = fmu.interface == "model_exchange"
+            general_components[name] = GeneralComponent(
+                fmu,
+                libraries[name],
+                read,
+                taken,
+                [exchange and offset >= width for offset in offsets],
+                {v.array: system.variable(f"{name}.{v.array}") for v in read + taken if v.array},
+                tolerance,
+                retries_steps=retries,
+            )
+            general_components[name].attach_to(slot)
     kinds = {(c.version, c.n_inputs > 0, c.n_outputs > 0) for c in components}
     run = structures.Run(
         components=components,
@@ -121,29 +125,6 @@ def _transform(slot: structures.Component, transforms: Sequence[Transform]) -> N
 
 def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
     return (ctypes.c_double * len(numbers))(*numbers)
-
-
-def _general_component(
-    system: System,
-    name: str,
-    library: Library,
-    outputs: Sequence[str],
-    targets: Sequence[tuple[str, bool]],
-    tolerance: float | None,
-    *,
-    retries_steps: bool,
-) -> GeneralComponent | None:
-    """Return a general for a component that the kernel does not take as it is."""
-    fmu = system.components[name]
-    read = [system.variable(output) for output in outputs]
-    taken = [system.variable(target) for target, _ in targets]
-    if not (isinstance(fmu, Fmu) and (retries_steps or needs_general_path(fmu, [*read, *taken]))):
-        return None
-    ahead = [early and fmu.interface == "model_exchange" for _, early in targets]
-    arrays = {v.array: system.variable(f"{name}.{v.array}") for v in [*read, *taken] if v.array}
-    return GeneralComponent(
-        fmu, library, read, taken, ahead, arrays, tolerance, retries_steps=retries_steps
-    )
 
 
 def connected_inputs(

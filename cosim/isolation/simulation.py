@@ -12,10 +12,7 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 from weakref import finalize
 
-import numpy as np
-
 from stickslip.cosim import errors
-from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.errors import CosimError, FmuCrashed, SimulationError
 from stickslip.cosim.isolation.answers import Reply
 from stickslip.cosim.isolation.parcel import Tabulated, portable_inputs
@@ -26,11 +23,7 @@ from stickslip.cosim.run.exclusive import Exclusive
 from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
-from stickslip.cosim.system.coupling import Coupling
-from stickslip.cosim.system.experiment import check_memory, check_tolerance, count_steps
 from stickslip.cosim.system.isolation import Isolation
-from stickslip.cosim.system.loops import group
-from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 
 _log = logging.getLogger(__name__)
@@ -48,14 +41,7 @@ class IsolatedSimulation(Simulation):
 
     def __init__(self, spec: Specification, limits: Isolation) -> None:
         self.spec, self._limits = spec, limits
-        n_steps = count_steps(spec.start, spec.stop, spec.step)
-        check_tolerance(spec.tolerance)
-        groups = group(spec.system, Coupling.of(spec.coupling))
-        record = Record.of(spec.record)
-        self._layout = layout = Layout.of(spec.system, record)
-        check_memory(n_steps + 1, 1 + len(spec.system.inputs) + layout.kept_per_point(record))
-        self.time = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
-        self.order = [name for members in groups for name in members.components]
+        self._plan()
         self.pacing = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None

@@ -29,7 +29,7 @@ from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.signals.span import slack
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.experiment import check_memory, check_tolerance, count_steps
-from stickslip.cosim.system.loops import group
+from stickslip.cosim.system.loops import Group, group
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.variables import Variable
@@ -61,21 +61,25 @@ class Prepared:
         )
         self._build()
 
-    def _build(self) -> None:
+    def _plan(self) -> list[Group]:
+        """Check the settings, and find times, order and layout; return the groups that iterate."""
         spec, system = self.spec, self.spec.system
-        coupling = Coupling.of(spec.coupling)
         n_steps = count_steps(spec.start, spec.stop, spec.step)
         check_tolerance(spec.tolerance)
-        jacobi = coupling.method == "jacobi"
-        groups = group(system, coupling)
-        self._varies_step = all(fmu.varies_step for fmu in system.components.values())
-        self._halted = self._ready = False
+        groups = group(system, Coupling.of(spec.coupling))
         self.order = [name for members in groups for name in members.components]
         record = Record.of(spec.record)
         self._layout = layout = Layout.of(system, record)
         check_start_values(system)
         check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
+        return groups
+
+    def _build(self) -> None:
+        spec, system, coupling = self.spec, self.spec.system, Coupling.of(self.spec.coupling)
+        groups = self._plan()
+        self._varies_step = all(fmu.varies_step for fmu in system.components.values())
+        self._halted = self._ready = False
         for fmu in {fmu.binary: fmu for fmu in system.components.values()}.values():
             fmu.restore()
         self._libraries = {name: library_of(fmu) for name, fmu in system.components.items()}
@@ -87,14 +91,15 @@ class Prepared:
             self._layout,
             self.order,
             self._libraries,
-            jacobi=jacobi,
+            jacobi=coupling.method == "jacobi",
             tolerance=spec.tolerance,
             retry=self._retries,
         )
         for general in self._general_components.values():
             general.c.near = slack(max(abs(spec.start), abs(spec.stop)), spec.step)
-        self._run.n_steps, self._run.constant_step = n_steps, spec.constant_step
+        self._run.n_steps, self._run.constant_step = len(self.time) - 1, spec.constant_step
         self._run.allows_nan = spec.allow_nan
+        record = Record.of(spec.record)
         self._memory = Memory(self._run, self._layout, record, self.time, self._room)
         self._kernel = kernel.load(unroll(self._run) if spec.compiled else None)
         self._slots = {name: self._run.components[i] for i, name in enumerate(self.order)}
