@@ -14,13 +14,10 @@ _NUMBER = 8  # bytes
 
 def count_steps(start: float, stop: float, step: float) -> int:
     """Return how many steps lead from start to stop (all in s)."""
-    if not all(map(math.isfinite, (start, stop, step))):
+    if not (all(map(math.isfinite, (start, stop, step))) and step > 0 and stop > start):
         raise ExperimentError(
-            f"start {start} s, stop {stop} s and step {step} s must be finite; give others"
-        )
-    if step <= 0 or stop <= start:
-        raise ExperimentError(
-            f"the step ({step} s) must be positive and stop ({stop} s) lie after start ({start} s)"
+            f"start {start} s, stop {stop} s and step {step} s must be finite, the step must be"
+            " positive, and stop must lie after start"
         )
     exact = (stop - start) / step
     if exact > MAX_STEPS:

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -16,7 +15,8 @@ pytestmark = pytest.mark.slow
 # A process that a shell started in the background inherits that SIGINT is ignored.
 LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 RUN = """
-import sys, cosim
+import sys
+from stickslip import cosim
 system = cosim.System()
 for i in range(50):
     system.add(f"x{i}", sys.argv[1], {"u": 1.0})
@@ -40,10 +40,9 @@ def test_nothing_is_left_behind(make, tmp_path, program):
     temporary.mkdir()
     cache = tmp_path / "cache"
     environment = {"TMPDIR": str(temporary), "STICKSLIP_CACHE": str(cache)}
-    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
     process = subprocess.Popen(
         [sys.executable, "-c", LISTEN + program, str(make("integrator"))],
-        env=os.environ | environment | {"PYTHONPATH": path},
+        env=os.environ | environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -25,12 +25,6 @@ def run(simulation, scenario, x=np.sin):
     return simulation.run(inputs={"x": x}, scenario=scenario)
 
 
-def test_no_scenario_changes_no_bit_and_none_stays_behind(simulation):
-    plain = simulation.run(inputs={"x": np.sin})
-    run(simulation, Scenario().set("sensor.y", 1.0, at=0.0))
-    np.testing.assert_array_equal(run(simulation, Scenario()).values, plain.values)
-
-
 def test_receivers_see_a_signal_that_was_replaced(simulation):
     result = run(simulation, Scenario().override("sensor.y", np.cos, begin=0.5, end=1.0))
     t = result.time
