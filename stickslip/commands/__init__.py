@@ -4,6 +4,7 @@ The first line of the file, ``stickslip NAME`` and what it does, makes it a comm
 """
 
 import argparse
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -32,6 +33,11 @@ def at_least(least: int) -> Callable[[str], int]:
         return value
 
     return whole_number
+
+
+def warn(message: str) -> None:
+    """Print a warning to standard error."""
+    print(f"stickslip: warning: {message}", file=sys.stderr)
 
 
 def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:

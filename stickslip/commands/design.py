@@ -7,8 +7,7 @@ import json
 from pathlib import Path
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.fmi.files import atomic_write
-from stickslip.results.folder import staged
+from stickslip.commands.tables import write_files
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.systems import nominal_parameters
@@ -45,11 +44,9 @@ def run(options: argparse.Namespace) -> None:
     figures = summary(loop)
     for name, value in figures.items():
         print(f"{name:20} {value:.6g}")
-    if options.out:
-        content = {**figures, "nominal_loop": nominal_parameters(loop)}
-        with staged(options.out, {"name": "design"}) as staging:
-            atomic_write(staging / "design.json", json.dumps(content, indent=2) + "\n")
-        print(options.out / "design.json")
+    content = {**figures, "nominal_loop": nominal_parameters(loop)}
+    files = {"design.json": json.dumps(content, indent=2) + "\n"}
+    write_files(options.out, {"name": "design"}, files)
 
 
 def summary(loop: VelocityLoop) -> dict[str, float]:

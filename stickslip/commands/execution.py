@@ -1,4 +1,4 @@
-"""The options of every command that learns: which algorithm, where it runs, what survives."""
+"""The options of every command that learns: algorithm, workers, checkpoint and seed."""
 
 from __future__ import annotations
 
@@ -54,8 +54,16 @@ def add_execution_options(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--seed": "random seed of the algorithm"}, type=at_least(0), default=0)
 
 
-def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
-    """Return what was chosen; ``checkpoint`` is the file unless another one is named.
+@contextmanager
+def execution_of(options: argparse.Namespace, checkpoint: Path | None) -> Iterator[Execution]:
+    """Give what the options choose to a block that learns and writes the results.
+
+    At its end the checkpoint is deleted, unless the user named one. Where the block is interrupted,
+    the message names what is kept.
+
+    Parameters
+    ----------
+    checkpoint : the file unless another one is named; None writes none
 
     Raises
     ------
@@ -64,8 +72,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
     StateError
         When it is to be resumed, but is not a checkpoint.
     """
-    path = options.checkpoint or checkpoint
-    execution = Execution(options.workers, options.where, path, options.resume)
+    file = options.checkpoint or checkpoint
+    execution = Execution(options.workers, options.where, file, options.resume)
     for path in _kept(execution, options):  # before anything is done
         if not options.resume:
             raise UsageError(
@@ -73,21 +81,8 @@ def execution_of(options: argparse.Namespace, checkpoint: Path) -> Execution:
                 "start again"
             )
         check(path)
-    return execution
-
-
-def forget(execution: Execution, options: argparse.Namespace) -> None:
-    """Delete the checkpoints of a run whose results are written, unless the user named them."""
-    if options.checkpoint is None:
-        for path in _kept(execution, options):
-            path.unlink(missing_ok=True)
-
-
-@contextmanager
-def keeping(execution: Execution, options: argparse.Namespace) -> Iterator[None]:
-    """Let Ctrl-C say what is kept and how to go on, also when a search is over."""
     try:
-        yield
+        yield execution
     except KeyboardInterrupt as interruption:
         kept = _kept(execution, options)
         if not kept or (isinstance(interruption, ga.Interrupted) and _seeds(options) == 1):
@@ -96,10 +91,13 @@ def keeping(execution: Execution, options: argparse.Namespace) -> Iterator[None]
             f"interrupted; the state of the search is kept in {', '.join(map(str, kept))}; "
             "continue with --resume"
         ) from None
+    if options.checkpoint is None:
+        for path in _kept(execution, options):
+            path.unlink(missing_ok=True)
 
 
 def _kept(execution: Execution, options: argparse.Namespace) -> list[Path]:
-    """Return the checkpoints that there are; each of several seeds has one of its own."""
+    """Return the existing checkpoints; each of several seeds has its own."""
     n = _seeds(options)
     seeds = range(options.seed, options.seed + n) if n > 1 else ()
     paths = [execution.of_seed(seed).checkpoint for seed in seeds] or [execution.checkpoint]

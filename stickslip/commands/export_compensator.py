@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import models
-from stickslip.commands import FLAG, add_options
+from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
@@ -71,7 +71,7 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
         )
     loop = learned.loop
     if loop is None:
-        _warn(f"{path} contains no loop, so the effect of this compensator is not checked")
+        warn(f"{path} contains no loop, so the effect of this compensator is not checked")
         return 1.0
     command = learned.validation
     duration = command.corners()[-1] + command.begin
@@ -93,20 +93,16 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
         force=force,
     )
     for finding in found:
-        _warn(str(finding))
+        warn(str(finding))
     if not benefit.acceptable:
         print_benefit(benefit, sys.stderr)
         if not force:
             raise HarmfulError(f"{path}: {benefit.refusal}; --force exports it anyway")
-        _warn(benefit.refusal)
+        warn(benefit.refusal)
     elif benefit.share < 1.0:
         fate = "the whole force" if force else f"{benefit.share:g} of the force"
-        _warn(f"{fate} is exported: {benefit.reason}")
+        warn(f"{fate} is exported: {benefit.reason}")
     return 1.0 if force else benefit.share
-
-
-def _warn(message: str) -> None:
-    print(f"stickslip: warning: {message}", file=sys.stderr)
 
 
 def _write(options: argparse.Namespace, law: str, start: dict[str, float]) -> list[Path]:

@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
     execution = Execution(options.workers, options.where, resume=options.resume)
-    with TerminalProgress(sys.stderr) as progress:
+    with TerminalProgress() as progress:
         done = 0
 
         def on_done(drive: Drive, outcome: Outcome) -> None:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 from stickslip.catalog.parameters import UNITS
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.fmi.files import atomic_write
+from stickslip.commands.tables import write_files
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
-from stickslip.results.folder import reserved, staged
+from stickslip.results.folder import reserved
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.rig import rig_of
 
@@ -30,16 +29,13 @@ def run(options: argparse.Namespace) -> None:
     truth = drive_changes(options.set)
     drive_truth(truth)
     with reserved(options.out, ["identified.json"]):
-        with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
+        with rig_of(truth) as rig, TerminalProgress() as progress:
             estimates = identify(rig, LOOP, progress.stage).estimates
         content = {}
         for name, found in estimates.items():
             value, error, unit = found.value, found.standard_error, UNITS[name]
             print(f"{name:8} {value:12.6g} +- {error:<10.2g} {unit}")
             content[name] = {"value": value, "unit": unit, "standard_error": error}
-        if not options.out:
-            return
         changed = {f"drive.{name}": value for name, value in truth.items()}
-        with staged(options.out, {"name": "identify", "set": changed}) as staging:
-            atomic_write(staging / "identified.json", json.dumps(content, indent=2) + "\n")
-        print(options.out / "identified.json")
+        files = {"identified.json": json.dumps(content, indent=2) + "\n"}
+        write_files(options.out, {"name": "identify", "set": changed}, files)

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 
 from stickslip.catalog.parameters import unit_of
-from stickslip.commands import FLAG, add_old_spelling, add_options, at_least
+from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
 from stickslip.commands.assignments import add_law_option
-from stickslip.commands.execution import (
-    add_algorithm_option,
-    add_execution_options,
-    execution_of,
-    forget,
-    keeping,
-)
+from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.commands.log_options import add_log_options, description_of
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_benefit
@@ -83,10 +75,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _learn(options: argparse.Namespace, description: Description) -> None:
-    execution = execution_of(options, (options.out or Path()) / "learning.checkpoint.json")
-    if not options.out and options.checkpoint is None:
-        execution = replace(execution, checkpoint=None)
-    with TerminalProgress(sys.stderr) as progress, keeping(execution, options):
+    checkpoint = options.out and options.out / "learning.checkpoint.json"
+    with TerminalProgress() as progress, execution_of(options, checkpoint) as execution:
         learned = learn(
             options.log,
             description,
@@ -102,20 +92,18 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
         if learned.trial:
             print_benefit(learned.trial.benefit)
         for warning in learned.warnings:
-            print(f"stickslip: warning: {warning}", file=sys.stderr)
+            warn(warning)
         if options.out:
             progress.stage("writing the results")
             write_learned(learned, options.out, force=options.force)
             _print_written(learned, options)
-        forget(execution, options)
 
 
 def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:
     benefit = learned.trial.benefit if learned.trial else None
     if learned.refusal:
         fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
-        warning = f"compensator.fmu is {fate}: {learned.refusal}{how}"
-        print(f"stickslip: warning: {warning}", file=sys.stderr)
+        warn(f"compensator.fmu is {fate}: {learned.refusal}{how}")
     elif benefit and benefit.share < 1.0:
         share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")

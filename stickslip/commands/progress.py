@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Self, TextIO
+import sys
+from typing import Self
 
 from tqdm import tqdm
 
@@ -12,8 +13,8 @@ from stickslip import ga
 class TerminalProgress:
     """The ``Progress`` of a reproduction; close it, or use ``with``."""
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+    def __init__(self) -> None:
+        self._stream = sys.stderr
         self._bar: tqdm[None] | None = None
 
     def stage(self, name: str) -> None:

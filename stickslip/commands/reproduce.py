@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from stickslip.commands import FLAG, SEVERAL, add_options, at_least
+from stickslip.commands import FLAG, SEVERAL, add_options, at_least, warn
 from stickslip.commands.assignments import (
     add_law_option,
     add_set_option,
@@ -16,13 +15,7 @@ from stickslip.commands.assignments import (
     coarse_factors,
     drive_changes,
 )
-from stickslip.commands.execution import (
-    add_algorithm_option,
-    add_execution_options,
-    execution_of,
-    forget,
-    keeping,
-)
+from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_published, print_table4
@@ -98,7 +91,7 @@ def _drive(
 
 def _print_drive(reproduction: Reproduction) -> None:
     for warning in reproduction.identification.warnings:
-        print(f"stickslip: warning: {warning}", file=sys.stderr)
+        warn(warning)
     print_table4(reproduction.table4())
     if reproduction.refinement.skipped:
         print(f"no search was made: {reproduction.refinement.skipped}")
@@ -146,24 +139,8 @@ MODES = {
 
 def run(options: argparse.Namespace) -> None:
     """Reproduce, write the results and print the main figures."""
+    _check(options)
     mode = "published" if options.as_published else options.mode
-    if options.as_published:
-        _refuse(options)
-    if options.coarse and options.mode != "drive":
-        raise UsageError(
-            "--coarse begins learning on the drive; leave out --mode record, which identifies "
-            "nothing to multiply"
-        )
-    if options.law != "lugre" and (options.as_published or options.complete):
-        raise UsageError(
-            f"--law {options.law}: the paper's learning as published has the law lugre; leave out "
-            "--as-published and --complete"
-        )
-    if options.complete and mode != "drive":
-        raise UsageError(
-            "--complete takes all steps on the drive, the learning as published and from one "
-            "recording among them; leave out --mode record and --as-published"
-        )
     chosen = Options(
         truth=drive_changes(options.set),
         law=options.law,
@@ -180,29 +157,31 @@ def run(options: argparse.Namespace) -> None:
     with (
         reserved(out, files),
         temporary_folder() as fmus,
-        TerminalProgress(sys.stderr) as progress,
+        TerminalProgress() as progress,
+        execution_of(options, out / "learning.checkpoint.json") as execution,
     ):
-        execution = execution_of(options, out / "learning.checkpoint.json")
-        with keeping(execution, options):
-            show = compute(chosen, fmus, progress, execution, out)
-            forget(execution, options)
+        show = compute(chosen, fmus, progress, execution, out)
     show()
     print(f"all results are in {out}; open report.html first")
 
 
-def _refuse(options: argparse.Namespace) -> None:
-    """Refuse options that have no meaning for ``--as-published``."""
-    chosen = {
-        "--mode record": options.mode != "drive",
-        f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
-        "--coarse": bool(options.coarse),
-        "--resume": options.resume,
-        "--checkpoint": options.checkpoint is not None,
-        "--pool or --cluster": options.where != "threads",
+def _check(options: argparse.Namespace) -> None:
+    """Raise where two options exclude each other."""
+    published, complete, record = options.as_published, options.complete, options.mode == "record"
+    law = f"--law {options.law}", options.law != "lugre"
+    coarse = "--coarse", bool(options.coarse)
+    algorithm = f"--algorithm {options.algorithm}", options.algorithm not in ("default", "paper")
+    files = ("--resume", options.resume), ("--checkpoint", options.checkpoint is not None)
+    pool = "--pool or --cluster", options.where != "threads"
+    steps = "--complete", complete
+    exclusive = {
+        "--mode record": (record, coarse, steps),
+        "--complete": (complete, law),
+        "--as-published": (
+            *(published, ("--mode record", record), law, coarse, algorithm, *files, pool, steps),
+        ),
     }
-    for option, given in chosen.items():
-        if given:
-            raise UsageError(
-                f"--as-published learns with the paper's algorithm in threads of this process and "
-                f"without a checkpoint; leave out {option}"
-            )
+    for first, (given, *others) in exclusive.items():
+        for second, also in others:
+            if given and also:
+                raise UsageError(f"{first} and {second} exclude each other; leave out one of them")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from pathlib import Path
 
 from stickslip import cosim
@@ -52,11 +53,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run, write the samples if asked to, and print the range and end of each signal."""
-    if not options.out:
-        _simulate(options)
-        return
-    require_regular_file(options.out)
-    with writable(options.out.parent):
+    if options.out:
+        require_regular_file(options.out)
+    with writable(options.out.parent) if options.out else nullcontext():
         _simulate(options)
 
 

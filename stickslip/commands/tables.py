@@ -1,17 +1,31 @@
-"""Tables of results on a terminal."""
+"""Tables of results, on a terminal and as files."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import groupby
+from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.guards import Benefit
+from stickslip.fmi.files import atomic_write
+from stickslip.results.folder import staged
 from stickslip.tuning.published import Published
 from stickslip.tuning.published.readings import worse
 from stickslip.tuning.published.study import PAPER_COST
+
+
+def write_files(out: Path | None, command: Mapping[str, object], files: Mapping[str, str]) -> None:
+    """Write texts by file name into a folder of results, if there is one, and print their paths."""
+    if out is None:
+        return
+    with staged(out, command) as staging:
+        for name, text in files.items():
+            atomic_write(staging / name, text)
+    print(*(out / name for name in files), sep="\n")
 
 
 def print_table4(table: pd.DataFrame) -> None:

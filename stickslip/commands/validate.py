@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_table4
+from stickslip.commands.tables import print_table4, write_files
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import validate
-from stickslip.fmi.files import atomic_write
 from stickslip.identification.stages import identify
 from stickslip.pipeline.reproduction import drive_truth
-from stickslip.results.folder import reserved, staged
+from stickslip.results.folder import reserved
 from stickslip.results.learned import LearnedFile
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
-from stickslip.servo.systems import FEEDS, Changes
+from stickslip.servo.systems import FEEDS
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -43,32 +41,27 @@ def run(options: argparse.Namespace) -> None:
     truth = drive_changes(options.set)
     drive_truth(truth)
     compensator = LearnedFile(options.parameters).compensator
-    with reserved(options.out, ["table4.csv", "attribution.csv"]):
-        _validate(options, truth, compensator)
-
-
-def _validate(options: argparse.Namespace, truth: Changes, compensator: dict[str, float]) -> None:
-    with rig_of(truth) as rig, TerminalProgress(sys.stderr) as progress:
+    with (
+        reserved(options.out, ["table4.csv", "attribution.csv"]),
+        rig_of(truth) as rig,
+        TerminalProgress() as progress,
+    ):
         loop = plain = identify(rig, LOOP, progress.stage).loop
         if options.velocity_filter:
             loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
         progress.stage("validating")
         validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain)
         tables = {"table4.csv": validation.table()}
+        print_table4(tables["table4.csv"])
         if options.velocity_filter:
             parts = attribute(rig, plain, compensator, VALIDATION, options.feed)
             tables["attribution.csv"] = parts
-    print_table4(tables["table4.csv"])
-    if options.velocity_filter:
-        print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
-    if options.out:
+            print("Errors [mm/s] by what is on:", parts.round(3).to_string(index=False), sep="\n")
         command = {
             "name": "validate",
             "set": {f"drive.{name}": value for name, value in truth.items()},
             "parameters": compensator,
             "feed": options.feed,
         }
-        with staged(options.out, command) as staging:
-            for name, table in tables.items():
-                atomic_write(staging / name, table.to_csv(index=False, lineterminator="\n"))
-        print(*(options.out / name for name in tables), sep="\n")
+        files = {n: t.to_csv(index=False, lineterminator="\n") for n, t in tables.items()}
+        write_files(options.out, command, files)

@@ -7,12 +7,7 @@ import pytest
 
 from stickslip import ga
 from stickslip.cli import main
-from stickslip.commands.execution import (
-    add_algorithm_option,
-    add_execution_options,
-    execution_of,
-    forget,
-)
+from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
 from stickslip.servo.datasheet import TRAINING
@@ -30,11 +25,16 @@ def chosen(*arguments):
 
 def test_options_become_an_execution(tmp_path):
     path = tmp_path / "learning.checkpoint.json"
-    assert execution_of(chosen(), path) == Execution(processors(), "threads", path)
-    there = execution_of(chosen("--workers", "3", "--pool", "processes", "--resume"), path)
+
+    def execution(*arguments):
+        with execution_of(chosen(*arguments), path) as found:
+            return found
+
+    assert execution() == Execution(processors(), "threads", path)
+    there = execution("--workers", "3", "--pool", "processes", "--resume")
     assert there == Execution(3, "processes", path, resume=True)
-    assert execution_of(chosen("--cluster", "tcp://h:1"), path).where == "tcp://h:1"
-    assert execution_of(chosen("--checkpoint", "mine.json"), path).checkpoint.name == "mine.json"
+    assert execution("--cluster", "tcp://h:1").where == "tcp://h:1"
+    assert execution("--checkpoint", "mine.json").checkpoint.name == "mine.json"
     assert chosen("--preset", "paper").algorithm == chosen("--algorithm", "paper").algorithm
 
 
@@ -42,17 +42,20 @@ def test_an_unfinished_run_is_not_overwritten_unasked(tmp_path):
     path = tmp_path / "learning.checkpoint.json"
     algorithm = ga.GeneticAlgorithm([ga.Gene("a", 0.1, 2.0, 1.0)])
     checkpoint.write(path, algorithm.state(), "")
-    with pytest.raises(UsageError, match=r"an earlier run did not end; continue with --resume"):
-        execution_of(chosen(), path)
-    assert execution_of(chosen("--resume"), path).resume
+    with (
+        pytest.raises(UsageError, match=r"an earlier run did not end; continue with --resume"),
+        execution_of(chosen(), path),
+    ):
+        pass
+    with execution_of(chosen("--resume"), path) as execution:
+        assert execution.resume
 
 
 def test_only_a_checkpoint_that_the_user_named_is_kept(tmp_path):
     for named, kept in (((), False), (("--checkpoint", str(tmp_path / "mine.json")), True)):
         options = chosen(*named, "--resume")
-        execution = execution_of(options, tmp_path / "ours.json")
-        execution.checkpoint.touch()
-        forget(execution, options)
+        with execution_of(options, tmp_path / "ours.json") as execution:
+            execution.checkpoint.touch()
         assert execution.checkpoint.exists() == kept
 
 
