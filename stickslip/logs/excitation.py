@@ -54,8 +54,8 @@ class Excitation:
     spacing : median samples between two reversals; inf with fewer
     acceleration : 99 % of the samples have less [m/s^2]
     mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
-    inertial, viscous : share of the force's standard deviation, while sliding, that accelerations
-        and changes of speed make; nan, as the mass, where too little slides or no force is known
+    inertial : share of the force's standard deviation, while sliding, that acceleration causes;
+        nan, as the mass, where too little slides or no force is known
     turn_around : reversal of friction; None where it cannot be measured
     """
 
@@ -70,7 +70,6 @@ class Excitation:
     acceleration: float
     mass: float
     inertial: float
-    viscous: float
     turn_around: TurnAround | None
 
 
@@ -85,7 +84,7 @@ def excitation(recording: Recording) -> Excitation:
     slow = moving & (speed < slow_speed)
     low, high = np.quantile(speed[moving], (0.05, 0.95)) if moving.any() else (0.0, 0.0)
     turns = reversals(recording, motion)
-    fit, inertial, viscous = _rigid(recording, motion)
+    fit, inertial = _rigid(recording, motion)
     return Excitation(
         top_speed=top,
         moving=share,
@@ -98,7 +97,6 @@ def excitation(recording: Recording) -> Excitation:
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
         inertial=inertial,
-        viscous=viscous,
         turn_around=_turn_around(recording, motion, turns, fit),
     )
 
@@ -126,17 +124,15 @@ def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:
     return np.array(turns, dtype=np.intp)
 
 
-def _rigid(recording: Recording, motion: Kinematics) -> tuple[Array, float, float]:
-    """Return F = m a + b v + F_c sign v + F_0 fitted while sliding, and the shares of m and b."""
+def _rigid(recording: Recording, motion: Kinematics) -> tuple[Array, float]:
+    """Return F = m a + b v + F_c sign v + F_0 fitted while sliding, and the share of m."""
     drive = rigid(recording, motion)
     if drive is None or not np.all((scale := np.linalg.norm(drive.columns, axis=0)) > 0):
-        return np.zeros(4), np.nan, np.nan
+        return np.zeros(4), np.nan
     columns, force = drive.columns, drive.force[drive.used]
     fit = np.linalg.lstsq(columns / scale, force, rcond=None)[0] / scale
     whole = max(float(np.std(force)), 1e-300)
-    speed = np.abs(columns[:, 1])  # its changes, not its sign, tell b from F_c
-    inertial = abs(float(fit[0])) * float(np.std(columns[:, 0])) / whole
-    return fit, inertial, abs(float(fit[1])) * float(np.std(speed)) / whole
+    return fit, abs(float(fit[0])) * float(np.std(columns[:, 0])) / whole
 
 
 def _turn_around(

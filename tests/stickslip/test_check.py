@@ -62,11 +62,6 @@ def test_strict_counts_warnings(sound, tmp_path, capsys):
     assert "not-named-fmu" in capsys.readouterr().out
 
 
-def test_a_missing_file_is_one_clear_line(tmp_path, capsys):
-    assert main(["check", str(tmp_path / "none.fmu")]) == 1
-    assert "none.fmu: No such file" in capsys.readouterr().err
-
-
 def test_no_run_does_not_load_the_binary(tmp_path, capsys):
     seed = next(seed for seed in binaries.SEEDS if seed.what == "exit")
     path = str(seed.make(tmp_path))
