@@ -167,7 +167,7 @@ def test_memory_beside_the_states_is_found(fmus, tmp_path):
 
 def test_wrong_names_are_told(tmp_path):
     path = pendulum(tmp_path, 3, True)
-    for options, said in (
+    for options, message in (
         ({"states": {"tetha": 1.0}}, "no state 'tetha'; did you mean 'theta'"),
         ({"inputs": {"u": 1.0}}, "no input 'u'"),
         ({"outputs": ["y"]}, "no output 'y'"),
@@ -175,6 +175,6 @@ def test_wrong_names_are_told(tmp_path):
     ):
         with pytest.raises(LinearisationError) as error:
             linearise(path, **options)
-        assert said in str(error.value)
+        assert message in str(error.value)
     with pytest.raises(LinearisationError, match=r"give step="):
         linearise(models.export_lti(control.ss(0.5, 1, 1, 0, 0.1), tmp_path, name="lag"))

@@ -90,15 +90,15 @@ def test_a_system_that_did_not_settle_drifts(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("f", "periods", "said"),
+    ("f", "periods", "message"),
     [
         ([600.0], 8, "up to 500 Hz, a quarter of the sample rate; got 600"),
         ([0.0, 1.0], 8, "must lie above 0"),
         ([1.0], 3, "periods is 3; expected an even number"),
     ],
 )
-def test_what_cannot_be_measured_is_told(f, periods, said, fmus, loop):
-    with pytest.raises(cosim.ExperimentError, match=said):
+def test_what_cannot_be_measured_is_told(f, periods, message, fmus, loop):
+    with pytest.raises(cosim.ExperimentError, match=message):
         measure_response(
             ideal_servo(fmus, loop), "v_cmd", ["drive.v"], f, 0.01, step=T_S, periods=periods
         )

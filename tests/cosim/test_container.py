@@ -148,17 +148,17 @@ def test_runs_again_with_other_values(packed):
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         ({"a.limit.fault": 3, "a.limit.fault_time": 0.5}, "limit: fmi3DoStep failed (status 3)"),
         ({"a.feedback.fault": 3, "a.feedback.fault_time": 0.5}, "feedback: fmi2DoStep failed"),
     ],
 )
-def test_says_which_component_failed(packed, values, said):
+def test_says_which_component_failed(packed, values, message):
     with one(packed).prepare(step=STEP, stop=STOP) as simulation:
         with pytest.raises(cosim.SimulationError) as caught:
             simulation.run(values)
-        assert said in str(caught.value)
+        assert message in str(caught.value)
         assert "at t = 0.5 s" in str(caught.value)
         simulation.run()  # and goes on
 
@@ -250,15 +250,15 @@ def test_a_container_has_no_algebraic_loop(make, coupling, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "said"),
+    ("arguments", "error", "message"),
     [
         ({"outputs": ["plant.z"]}, cosim.ConnectionFault, "'plant.z' matches nothing"),
         ({"parameters": ["*.K"]}, cosim.ParameterError, "matches nothing that a container"),
         ({"step": 0.0}, cosim.ExperimentError, "expected a positive number"),
     ],
 )
-def test_says_what_it_cannot_show(loop, tmp_path, arguments, error, said):
-    with pytest.raises(error, match=said):
+def test_says_what_it_cannot_show(loop, tmp_path, arguments, error, message):
+    with pytest.raises(error, match=message):
         cosim.write_fmu(loop, tmp_path / "a.fmu", **({"step": STEP} | arguments))
     assert not list(tmp_path.iterdir())
 

@@ -44,7 +44,7 @@ def test_one_row_is_a_constant(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("data", "message"),
     [
         (b"time,u\n0,0\n\n1,x\n", r"line 4: column 'u': expected a finite number, got 'x'"),
         (b"time,u\n2,0\n1,0\n", r"line 3: time falls from 2.0 to 1.0 s"),
@@ -60,8 +60,8 @@ def test_one_row_is_a_constant(tmp_path):
         (b"time,\x1b[31m\n0,x\n", r"column '\\x1b\[31m'"),
     ],
 )
-def test_faults_have_a_place(tmp_path, data, said):
-    with pytest.raises(cosim.SignalError, match=said) as error:
+def test_faults_have_a_place(tmp_path, data, message):
+    with pytest.raises(cosim.SignalError, match=message) as error:
         read(tmp_path, data)
     assert str(tmp_path / "in.csv") in str(error.value)
     assert "\n" not in str(error.value)

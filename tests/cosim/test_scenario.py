@@ -112,7 +112,7 @@ def test_from_the_beginning_receivers_see_the_disturbed_value(make):
         assert set(result["b.y"]) == {6.0}
 
 
-def fed(make, *receivers):
+def sensor_of(make, *receivers):
     system = cosim.System("connections")
     system.add("sensor", make("gain", y="mN"))
     system.expose("x", "sensor.u")
@@ -123,7 +123,7 @@ def fed(make, *receivers):
 
 
 def test_a_connection_is_named_by_its_input_in_the_unit_of_that(make):
-    with fed(make, "plant").prepare(step=STEP, stop=N * STEP) as simulation:
+    with sensor_of(make, "plant").prepare(step=STEP, stop=N * STEP) as simulation:
         scenario = Scenario().set("plant.u", 3.0, at=0.5)
         result = run(simulation, scenario)
         free = run(simulation, None)
@@ -148,7 +148,7 @@ def test_a_connection_is_named_by_its_input_in_the_unit_of_that(make):
 )
 def test_one_of_several_receivers_is_not_disturbed_alone(make, scenario, message):
     with (
-        fed(make, "one", "two").prepare(step=STEP, stop=N * STEP) as simulation,
+        sensor_of(make, "one", "two").prepare(step=STEP, stop=N * STEP) as simulation,
         pytest.raises(cosim.SignalError, match=message),
     ):
         run(simulation, scenario)

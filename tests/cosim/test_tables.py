@@ -62,7 +62,7 @@ def test_a_damaged_parquet_file_is_told(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("columns", "said"),
+    ("columns", "message"),
     [
         ({"time": [0.0], "u": ["a"]}, "column 'u': expected numbers, got .*string"),
         ({"time": [0.0], "u": [[1.0]]}, "column 'u': expected numbers, got list"),
@@ -72,11 +72,11 @@ def test_a_damaged_parquet_file_is_told(tmp_path):
         ({"u": [0, 1]}, "'time' among them"),
     ],
 )
-def test_columns_of_other_kinds_are_told(tmp_path, columns, said):
+def test_columns_of_other_kinds_are_told(tmp_path, columns, message):
     arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "in.parquet"
     parquet.write_table(arrow.table(columns), path)
-    with pytest.raises(cosim.SignalError, match=rf"in\.parquet: .*{said}"):
+    with pytest.raises(cosim.SignalError, match=rf"in\.parquet: .*{message}"):
         cosim.read_tables(path)
 
 
