@@ -12,7 +12,6 @@ from scipy.signal import butter, sosfiltfilt
 from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
-from stickslip.default_input import packed_input
 from stickslip.evaluation.validation import run_command
 from stickslip.servo.datasheet import TRAINING, Datasheet
 from stickslip.servo.rig import Rig
@@ -106,12 +105,6 @@ def test_the_packed_loop_runs_the_validation_again(results, reproduction, tmp_pa
     assert run["time"].to_numpy() == pytest.approx(expected.t)
     assert run["drive.v"].to_numpy() == pytest.approx(expected.v["true"], abs=1e-9)
     assert "drive.v" in capsys.readouterr().out
-
-
-def test_the_packed_input_is_the_trapezoid(results, reproduction):
-    signal = packed_input(results / "loop.ssp")["v_cmd"]
-    run = reproduction.validation.compensated
-    assert signal.sample(run.t) == pytest.approx(run.v_cmd, abs=1e-12)
 
 
 def test_the_package_is_plain_ssp(results):
