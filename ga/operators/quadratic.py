@@ -40,17 +40,10 @@ def unknowns(k: int) -> int:
 
 
 def bottom(strings: Array, costs: Array) -> Array | None:
-    """Return where a quadratic through candidates is lowest.
+    """Return where a quadratic through candidates (n, k), the cheapest first, is lowest, (k,).
 
-    Parameters
-    ----------
-    strings : candidates, the cheapest first, shape (n, k); so many as a quadratic takes are used
-    costs : shape (n,), 0 .. inf
-
-    Returns
-    -------
-    ndarray, shape (k,), within `RADIUS` of the cheapest; may leave [0, 1]. None while there are
-    too few candidates, or all cost the same.
+    It is within `RADIUS` of the cheapest, and may leave [0, 1]. None while there are too few
+    candidates, or all cost the same.
     """
     k = strings.shape[1]
     strings, costs = strings[: POINTS * unknowns(k)], costs[: POINTS * unknowns(k)]
@@ -109,19 +102,10 @@ def _step(gradient: Array, hessian: Array) -> Array:
 
 
 def bowl(strings: Array, costs: Array) -> Array | None:
-    """Return where a round bowl through candidates is lowest.
+    """Return where a round bowl through candidates (n, k) in order of cost is lowest, (k,).
 
     Where candidates crowd, each counts less, so that the place does not depend on where most of
-    them happen to be.
-
-    Parameters
-    ----------
-    strings : candidates in order of cost, shape (n, k); of more than `THINNED`, some are used
-    costs : shape (n,), 0 .. inf
-
-    Returns
-    -------
-    ndarray, shape (k,), in [0, 1]. None while there are too few candidates, or no bowl.
+    them happen to be. None while there are too few candidates, or no bowl.
     """
     finite = np.isfinite(costs)
     thinned = slice(None, None, -(-int(finite.sum()) // THINNED) or 1)

@@ -97,48 +97,32 @@ def _law(model: Model) -> list[str]:
 def table_header(model: Model, token: str) -> str:
     """Return ``table.h``: how many variables there are, where each role begins, the token."""
     roles = [v.role for v in model.variables]
-    begin = {role: roles.index(role) if role in roles else len(roles) for role in _STRUCTS}
-    return "\n".join(
-        [
-            "/* Generated from model.toml. */",
-            "#ifndef TABLE_H",
-            "#define TABLE_H",
-            "",
-            f'#define MODEL_NAME "{model.name}"',
-            f'#define MODEL_TOKEN "{token}"',
-            "",
-            f"#define IS_CONTINUOUS {model.is_continuous:d}",
-            f"#define IS_SAMPLED {model.sampled:d}",
-            "",
-            "enum {",
-            f"    COUNT = {len(roles)},",
-            *(f"    {struct.upper()}_AT = {begin[role]}," for role, struct in _STRUCTS.items()),
-            *(
-                f"    {struct.upper()}_COUNT = {roles.count(role)},"
-                for role, struct in _STRUCTS.items()
-            ),
-            "};",
-            "",
-            "#endif",
-            "",
-        ]
-    )
+    numbers = {"COUNT": len(roles)}
+    for role, struct in _STRUCTS.items():
+        numbers[f"{struct.upper()}_AT"] = roles.index(role) if role in roles else len(roles)
+        numbers[f"{struct.upper()}_COUNT"] = roles.count(role)
+    return f"""/* Generated from model.toml. */
+#ifndef TABLE_H
+#define TABLE_H
+
+#define MODEL_NAME "{model.name}"
+#define MODEL_TOKEN "{token}"
+
+#define IS_CONTINUOUS {model.is_continuous:d}
+#define IS_SAMPLED {model.sampled:d}
+
+enum {{
+{"".join(f"    {name} = {number},{chr(10)}" for name, number in numbers.items())}}};
+
+#endif
+"""
 
 
 def table_source(model: Model) -> str:
     """Return ``table.c``: name, type, phases to set it in, start and range of every variable."""
-    rows = [f"    {_row(v)}" for v in model.variables]
-    return "\n".join(
-        [
-            "/* Generated from model.toml. */",
-            '#include "instance.h"',
-            "",
-            "const Variable VARIABLES[COUNT] = {",
-            *rows,
-            "};",
-            "",
-        ]
-    )
+    rows = "".join(f"    {_row(v)}\n" for v in model.variables)
+    head = '/* Generated from model.toml. */\n#include "instance.h"\n\n'
+    return f"{head}const Variable VARIABLES[COUNT] = {{\n{rows}}};\n"
 
 
 def _row(v: Variable) -> str:

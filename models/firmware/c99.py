@@ -9,10 +9,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from stickslip.models.export.description import Model, Role
+from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.export.sources import shared_files
 from stickslip.models.firmware.amalgam import needed, pieces, without_comments
-from stickslip.models.firmware.variables import explained, unit
 
 _SINGLE = Path(__file__).with_name("single.h")
 _STRUCTS: dict[Role, str] = {
@@ -152,3 +151,14 @@ def _used(text: str) -> str:
     names = re.findall(r"(\w+)(?:,|$)", without_comments(head)) if brace else []
     idle = [name for name in names if not re.search(rf"\b{name}\b", body)]
     return head + brace + "".join(f"    (void){name};\n" for name in idle) + body
+
+
+def unit(v: Variable) -> str:
+    """Return the unit, or the values of a Boolean."""
+    return "0 or 1" if v.type == "boolean" else v.unit or "1"
+
+
+def explained(v: Variable) -> str:
+    """Return unit, range and description."""
+    span = "" if v.minimum is None else f", {v.minimum:g} .. {v.maximum:g}"
+    return f"[{unit(v)}{span}] {v.description}"

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from stickslip.models.export.description import Model, Variable
-from stickslip.models.firmware.variables import explained
+from stickslip.models.firmware.c99 import explained
 
 _BODY = Path(__file__).with_name("compensator.st")
 
