@@ -8,13 +8,15 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from stickslip.fmi.process import cancel_all, result_of
 from stickslip.ga.arrays import Array
 from stickslip.ga.errors import CandidateFailed
+
+T = TypeVar("T")
 
 Evaluate = Callable[[Array], float]
 """values (k,), in the genes' units -> cost, 0 .. inf; raises CandidateFailed if it has none.
@@ -138,21 +140,20 @@ class _Task:
     @cached_property
     def outcomes(self) -> list[Outcome] | None:
         """What the worker sends, as soon as it does; None if it died."""
-        try:
-            return self._received()
-        except BrokenExecutor:
-            return None
-        except Exception as error:
-            if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
-                return None
-            raise
-
-    def _received(self) -> list[Outcome]:
-        future = self.future
-        if isinstance(future, Future):
-            return result_of(future)
-        outcomes: list[Outcome] = future.result()  # one of Dask
+        outcomes: list[Outcome] | None = received(self.future)
         return outcomes
+
+
+def received(future: Future[T]) -> T | None:
+    """Wait for what a worker sends, and return it; None if the worker died."""
+    try:  # futures of Dask are not those of concurrent.futures
+        return result_of(future) if isinstance(future, Future) else future.result()
+    except BrokenExecutor:
+        return None
+    except Exception as error:
+        if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
+            return None
+        raise
 
 
 @dataclass(frozen=True)

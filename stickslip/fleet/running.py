@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import BrokenExecutor, CancelledError, Future
+from concurrent.futures import CancelledError, Future
 
 from threadpoolctl import threadpool_limits
 
@@ -13,7 +13,8 @@ from stickslip import ga
 from stickslip.errors import StickslipError
 from stickslip.fleet.job import OnStage, Outcome
 from stickslip.fleet.table import Drive
-from stickslip.fmi.process import Threads, cancel_all, result_of, wait_first
+from stickslip.fmi.process import Threads, cancel_all, wait_first
+from stickslip.ga.execution.evaluation import received
 
 ALONE = 2
 """How often a drive whose worker died is tried alone."""
@@ -90,7 +91,7 @@ def _together(
                 drive = waiting.popleft()
                 running[submit(drive)] = drive
             for future in wait_first(running):
-                drive, outcome = running.pop(future), _received(future)
+                drive, outcome = running.pop(future), received(future)
                 if outcome is None:
                     suspects.append(drive)
                 else:
@@ -104,24 +105,12 @@ def _alone(submit: Callable[[Drive], Future[Outcome]], drive: Drive) -> Outcome:
     for _ in range(ALONE):
         future = submit(drive)
         try:
-            outcome = _received(future)
+            outcome = received(future)
         finally:
             cancel_all([future])
         if outcome is not None:
             return outcome
     return Outcome(reason=DIED)
-
-
-def _received(future: Future[Outcome]) -> Outcome | None:
-    """Return what a worker sent, or None if it died."""
-    try:
-        return result_of(future)
-    except BrokenExecutor:
-        return None
-    except Exception as error:
-        if type(error).__name__ == "KilledWorker":  # of distributed, which need not be there
-            return None
-        raise
 
 
 def _stopper(stop: threading.Event) -> OnStage:
