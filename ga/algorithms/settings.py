@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, get_args, get_type_hints
 
 from stickslip.ga.errors import SettingsError
+
+_RATES = ("elite_rate", "mutation_rate", "crossover_rate", "k1", "k2", "near_share")
+_RANGES: dict[str, tuple[float, float]] = {
+    **dict.fromkeys(_RATES, (0, 1)),
+    "population": (4, math.inf),
+    "generations": (1, math.inf),
+    "near_spread": (1e-12, math.inf),
+    "resolution": (1e-12, 0.5),
+    "threshold": (0, math.inf),
+    "patience": (1, math.inf),
+    "restarts": (0, math.inf),
+}
 
 
 @dataclass(frozen=True)
@@ -69,42 +82,22 @@ class Settings:
     noisy: bool = False
 
     def __post_init__(self) -> None:
-        self._check("population", self.population >= 4, "at least 4")
-        self._check("generations", self.generations >= 1, "at least 1")
-        self._check("elite_rate", self.elites < self.population, "small enough to leave a child")
-        self._check("near_spread", self.near_spread > 0, "above 0")
-        for field in (
-            "elite_rate",
-            "mutation_rate",
-            "crossover_rate",
-            "k1",
-            "k2",
-            "near_share",
-            "ahead",
-        ):
-            self._check(field, 0 <= getattr(self, field) <= 1, "from 0 to 1")
-        if self.resolution is not None:
-            self._check(
-                "resolution", 0 < self.resolution <= 0.5, "above 0 and at most 0.5, or None"
-            )
-        if self.threshold is not None:
-            self._check("threshold", self.threshold >= 0, "0 or above, or None")
-        if self.patience is not None:
-            self._check("patience", self.patience >= 1, "at least 1, or None")
-        self._check("restarts", self.restarts >= 0, "0 or above")
+        for field, (low, high) in _RANGES.items():
+            value = getattr(self, field)
+            if value is not None and not low <= value <= high:
+                raise SettingsError(f"{field} must be from {low:g} to {high:g}, got {value!r}")
+        if self.elites >= self.population:
+            raise SettingsError(f"elite_rate must be below 1, got {self.elite_rate!r}")
         hints = get_type_hints(Settings)
         for field in ("crossover", "mutation", "survival", "encoding"):
-            names = get_args(hints[field])
-            self._check(field, getattr(self, field) in names, " or ".join(map(repr, names)))
+            names, name = get_args(hints[field]), getattr(self, field)
+            if name not in names:
+                raise SettingsError(f"{field} must be one of {', '.join(names)}, got {name!r}")
 
     @property
     def elites(self) -> int:
         """How many candidates pass on unchanged."""
         return max(1, round(self.elite_rate * self.population))
-
-    def _check(self, field: str, holds: bool, expected: str) -> None:
-        if not holds:
-            raise SettingsError(f"{field} must be {expected}, got {getattr(self, field)!r}")
 
 
 DEFAULT = Settings()
