@@ -20,7 +20,16 @@ from stickslip.fmucheck.description.model import (
     is_number,
     number,
 )
-from stickslip.fmucheck.running.calls import FATAL, Binary, Callbacks, CallFailed, Message
+from stickslip.fmucheck.rules import Claims
+from stickslip.fmucheck.running.calls import (
+    FATAL,
+    WARNING,
+    Binary,
+    Callbacks,
+    CallFailed,
+    Message,
+    status_name,
+)
 from stickslip.fmucheck.running.instance import Instance, Values
 
 Settings = list[tuple[str, object]]
@@ -145,6 +154,11 @@ class Bench:
         """Free one instance now."""
         self._open.remove(instance)
         instance.free()
+
+    def failed(self, name: str, status: int) -> Claims:
+        """Yield that a function failed, if it did."""
+        if status > WARNING:
+            yield f"{self.binary.prefix}{name}", f"returned {status_name(status)}"
 
     def while_time(self, things: Iterable[Thing]) -> Iterator[Thing]:
         """Yield things until the rule has taken long; fewer of them are tried on slow FMUs."""

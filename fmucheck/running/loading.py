@@ -6,7 +6,7 @@ from ctypes import c_char_p
 
 from stickslip.fmucheck.rules import Claims, error, note, warning
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.calls import CallFailed, status_name
+from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.run import finished
 
 LOADING = {"does-not-load", "wrong-version-string", "refuses-its-token", "accepts-any-token"}
@@ -79,10 +79,8 @@ def _last_words(bench: Bench) -> str:
 def fails_when_inputs_move(bench: Bench) -> Claims:
     """It fails when inputs move by a tenth of their size within their range."""
     if "still" in bench.results:
-        yield (
-            bench.interface.kind,
-            f"{bench.results['still']}; inputs are kept at their start values",
-        )
+        failed = bench.results["still"]
+        yield bench.interface.kind, f"{failed}; inputs are kept at their start values"
 
 
 @warning("2.1.3", "2.2.4", "return OK when nothing is wrong")
@@ -90,7 +88,7 @@ def warns_in_a_plain_run(bench: Bench) -> Claims:
     """Calls of a plain run return Warning."""
     instance = finished(bench).instance
     for name in dict.fromkeys(instance.warned):
-        yield f"{bench.binary.prefix}{name}", f"returned {status_name(1)}"
+        yield f"{bench.binary.prefix}{name}", "returned Warning"
 
 
 @error("2.1.6", "2.3", "return OK")
@@ -98,5 +96,4 @@ def does_not_terminate(bench: Bench) -> Claims:
     """Terminate fails after a plain run."""
     run = finished(bench)
     status = 0 if run.ended else run.instance.status("Terminate")
-    if status > 1:
-        yield f"{bench.binary.prefix}Terminate", f"returned {status_name(status)}"
+    yield from bench.failed("Terminate", status)

@@ -61,8 +61,7 @@ def debug_logging_fails(bench: Bench) -> Claims:
     array = (c_char_p * max(len(names), 1))(*names)
     on = (c_int if bench.description.version == 2 else c_bool)(True)
     status = bench.new().status("SetDebugLogging", on, c_size_t(len(names)), array)
-    if status > 1:
-        yield f"{bench.binary.prefix}SetDebugLogging", f"returned {status_name(status)}"
+    yield from bench.failed("SetDebugLogging", status)
 
 
 @error(None, "2.3.1", "check the pointer before calling it")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from ctypes import c_void_p
+
 from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.repeating import difference
@@ -10,12 +13,14 @@ from stickslip.fmucheck.running.run import STEPS, Run, finished, new_run
 _HALF = STEPS // 2
 
 
-def _saves(bench: Bench) -> bool:
-    return bench.interface.flag("canGetAndSetFMUState")
-
-
-def _serialises(bench: Bench) -> bool:
-    return _saves(bench) and bench.interface.flag("canSerializeFMUState")
+def _saved(bench: Bench) -> Iterator[tuple[Run, c_void_p]]:
+    """Yield a run half way through and its saved state, if there is one; free the state."""
+    if bench.interface.flag("canGetAndSetFMUState"):
+        run = half_way(bench)
+        state = run.instance.save()
+        yield run, state
+        if state.value is not None:
+            run.instance.free_state(state)
 
 
 def half_way(bench: Bench) -> Run:
@@ -29,63 +34,53 @@ def half_way(bench: Bench) -> Run:
 @error("2.1.8", "2.2.7", "save and restore every part of the state")
 def restored_state_differs(bench: Bench) -> Claims:
     """A run that goes on from a restored state is not the run that was saved."""
-    if not _saves(bench):
-        return
-    run = half_way(bench)
-    state = run.instance.save()
-    expected, again = run.branch(), run.branch()
-    expected.go(STEPS)
-    run.instance.restore(state)
-    again.go(STEPS)
-    if where := difference(expected.rows, again.rows):
-        yield bench.interface.kind, f"after save and restore: {where}"
-    run.instance.free_state(state)
+    for run, state in _saved(bench):
+        expected, again = run.branch(), run.branch()
+        expected.go(STEPS)
+        run.instance.restore(state)
+        again.go(STEPS)
+        if where := difference(expected.rows, again.rows):
+            yield bench.interface.kind, f"after save and restore: {where}"
 
 
 @error("2.1.8", "2.2.7", "only copy")
 def saving_changes_the_run(bench: Bench) -> Claims:
     """A run in which the state is saved is not the run in which it is not."""
-    if not _saves(bench):
-        return
-    run = half_way(bench)
-    state = run.instance.save()
-    run.go(STEPS - _HALF)
-    run.instance.save(state)
-    if where := difference(finished(bench).rows, run.rows):
-        yield bench.interface.kind, f"saving changes the run: {where}"
-    run.instance.free_state(state)
+    for run, state in _saved(bench):
+        run.go(STEPS - _HALF)
+        run.instance.save(state)
+        if where := difference(finished(bench).rows, run.rows):
+            yield bench.interface.kind, f"saving changes the run: {where}"
 
 
 @warning("2.1.8", "2.2.7", "write NULL to the pointer")
 def freed_state_stays(bench: Bench) -> Claims:
     """Freeing a saved state does not set the pointer to NULL."""
-    if not _saves(bench):
-        return
-    run = half_way(bench)
-    state = run.instance.save()
-    run.instance.free_state(state)
-    if state.value is not None:
-        yield f"{bench.binary.prefix}Free{run.instance.state_name}", "leaves the pointer as it was"
+    for run, state in _saved(bench):
+        run.instance.free_state(state)
+        if state.value is not None:
+            state.value = None  # it is not freed twice
+            name = f"{bench.binary.prefix}Free{run.instance.state_name}"
+            yield name, "leaves the pointer as it was"
 
 
 @error("2.1.8", "2.2.7", "write every part of the state, no pointers")
 def serialised_state_differs(bench: Bench) -> Claims:
     """A new instance that goes on from serialised bytes is not the run that was saved."""
-    if not _serialises(bench):
+    if not bench.interface.flag("canSerializeFMUState"):
         return
-    run = half_way(bench)
-    state = run.instance.save()
-    content = run.instance.serialise(state)
-    if not content:
-        yield bench.interface.kind, "the serialised state has no bytes"
-        return
-    expected = run.branch()
-    expected.go(STEPS)
-    bench.results["state"] = content.hex()
-    bench.results["after"] = "\n".join(expected.rows)
-    again = resumed(bench, run, content)
-    if where := difference(expected.rows, again.rows):
-        yield bench.interface.kind, f"after serialising into a new instance: {where}"
+    for run, state in _saved(bench):
+        content = run.instance.serialise(state)
+        if not content:
+            yield bench.interface.kind, "the serialised state has no bytes"
+            return
+        expected = run.branch()
+        expected.go(STEPS)
+        bench.results["state"] = content.hex()
+        bench.results["after"] = "\n".join(expected.rows)
+        again = resumed(bench, run, content)
+        if where := difference(expected.rows, again.rows):
+            yield bench.interface.kind, f"after serialising into a new instance: {where}"
 
 
 def resumed(bench: Bench, run: Run, content: bytes) -> Run:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from stickslip.fmucheck.description.model import Unknown, Variable, whole
 from stickslip.fmucheck.rules import Claims, error
 from stickslip.fmucheck.running.bench import Bench
-from stickslip.fmucheck.running.calls import references, status_name
+from stickslip.fmucheck.running.calls import references
 from stickslip.fmucheck.running.instance import Instance
 from stickslip.fmucheck.running.run import Run, new_run, scale
 
@@ -157,37 +157,29 @@ def wrong_dependency_kind(bench: Bench) -> Claims:
                 yield unknown.place, f"{kind} factor of {known.name}, but it is {factors}"
 
 
+def _first_order(bench: Bench, name: str, variables: list[Variable]) -> Claims:
+    """Yield that the first derivatives of variables cannot be read or set."""
+    count, orders = c_size_t(len(variables)), references([1] * len(variables))
+    numbers = references([v.reference or 0 for v in variables])
+    counts = [] if bench.description.version == 2 else [count]
+    values = (c_double * len(variables))()
+    status = _at(bench, 3).instance.status(name, numbers, count, orders, values, *counts)
+    yield from bench.failed(name, status)
+
+
 @error("4.2.1", "4.2", "compute it, or declare order 0")
 def output_derivatives_fail(bench: Bench) -> Claims:
     """It declares maxOutputDerivativeOrder, but has no derivatives of outputs."""
     order = whole(bench.interface.given.get("maxOutputDerivativeOrder"))
     wanted = [u.variable for u in _unknowns(bench) if u.variable]
-    if bench.is_exchange or not order or not wanted:
-        return
-    run = _at(bench, 3)
-    n = c_size_t(len(wanted))
-    orders = references([1] * len(wanted))
-    result = (c_double * len(wanted))()
-    numbers = references([v.reference or 0 for v in wanted])
-    two = bench.description.version == 2
-    name = "GetRealOutputDerivatives" if two else "GetOutputDerivatives"
-    status = run.instance.status(name, numbers, n, orders, result, *([] if two else [n]))
-    if status > 1:
-        yield f"{bench.binary.prefix}{name}", f"returned {status_name(status)}"
+    if not bench.is_exchange and order and wanted:
+        real = "Real" if bench.description.version == 2 else ""
+        yield from _first_order(bench, f"Get{real}OutputDerivatives", wanted)
 
 
 @error("4.2.1", None, "accept them, or declare false")
 def input_derivatives_fail(bench: Bench) -> Claims:
     """It declares canInterpolateInputs, but takes no derivatives of inputs."""
     known = [v for v in _knowns(bench) if v.causality == "input"]
-    if bench.is_exchange or not bench.interface.flag("canInterpolateInputs") or not known:
-        return
-    run = _at(bench, 3)
-    count = c_size_t(len(known))
-    numbers = references([v.reference or 0 for v in known])
-    values = (c_double * len(known))()
-    status = run.instance.status(
-        "SetRealInputDerivatives", numbers, count, references([1] * len(known)), values
-    )
-    if status > 1:
-        yield f"{bench.binary.prefix}SetRealInputDerivatives", f"returned {status_name(status)}"
+    if not bench.is_exchange and bench.interface.flag("canInterpolateInputs") and known:
+        yield from _first_order(bench, "SetRealInputDerivatives", known)
