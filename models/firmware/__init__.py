@@ -15,11 +15,7 @@ Language = Literal["c", "st"]
 
 
 def write_compensator(
-    folder: Path | str,
-    language: Language,
-    *,
-    start: Mapping[str, float] | None = None,
-    law: str | None = None,
+    folder: Path | str, language: Language, *, start: Mapping[str, float] | None = None
 ) -> list[Path]:
     """Write the compensator as ``compensator.c`` and ``.h``, or as ``compensator.st``.
 
@@ -28,7 +24,6 @@ def write_compensator(
     folder : is made if it is absent
     language : C99, in 64-bit or 32-bit floating point, or structured text of IEC 61131-3
     start : parameter -> start value, in the unit of model.toml, instead of the one there
-    law : a friction law of ``law_names()`` in place of LuGre
 
     Raises
     ------
@@ -37,6 +32,6 @@ def write_compensator(
     OSError
         When a file cannot be written.
     """
-    model = load_model("compensator", law).with_start(start or {})
+    model = load_model("compensator").with_start(start or {})
     files = c_files(model) if language == "c" else st_file(model)
     return [atomic_write(Path(folder) / name, text) for name, text in files.items()]

@@ -45,6 +45,11 @@ def run(options: argparse.Namespace) -> None:
     makes the loop worse nowhere; where there is none, nothing is written.
     """
     learned = LearnedFile(options.parameters)
+    if options.form != "fmu" and learned.law.name != "lugre":
+        raise UsageError(
+            f"{options.parameters}: --as {options.form} writes the law lugre only; the law "
+            f"{learned.law.name} is exported by --as fmu"
+        )
     start = learned.compensator
     try:
         models.load_model("compensator", learned.law.name).with_start(start)
@@ -107,7 +112,7 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
 
 def _write(options: argparse.Namespace, law: str, start: dict[str, float]) -> list[Path]:
     if options.form != "fmu":
-        return write_compensator(options.out, options.form, start=start, law=law)
+        return write_compensator(options.out, options.form, start=start)
     return [
         models.build_fmu("compensator", options.out, start=start, law=law, **fmu_options(options))
     ]

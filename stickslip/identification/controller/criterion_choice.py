@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.catalog.parameters import friction_law
 from stickslip.errors import UsageError
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.controller.initial_state import is_running
@@ -27,6 +28,12 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
         return task.criterion, "asked for"
     if task.recording.friction is not None and task.recording.force is None:
         return inverse, "friction itself was measured"
+    law = friction_law(task.law)
+    if not law.is_smooth and task.recording.force is not None:
+        return inverse, (
+            f"the law {law.title} switches, so that a simulated loop does not follow small changes "
+            "of its parameters smoothly"
+        )
     if check is None:
         return inverse, "the controller is not known, so the loop cannot be run again"
     if np.isnan(check.error):

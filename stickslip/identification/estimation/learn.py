@@ -25,7 +25,7 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, scale_of
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
-from stickslip.identification.estimation.faults import found_faults
+from stickslip.identification.estimation.faults import MODEL_ERROR, found_faults
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.identification.fitting.identifiability import (
@@ -46,8 +46,6 @@ from stickslip.identification.fitting.start import Start, begin
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
-MODEL_ERROR = 2.0
-"""Largest ratio of the loop's residual to that from encoder and noise."""
 SAME = 1.01
 """Ratio of mean squares up to which two fits count as one."""
 LAG = 0.2
@@ -135,7 +133,7 @@ def _learn(
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: certainty(name, best, errors, degrees) for name in names}
-        faults = (*task.faults, *found_faults(best, criterion, check))
+        faults = (*task.faults, *found_faults(best, criterion, check, model_error))
         if faults:
             known = {name: unreliable(one) for name, one in known.items()}
         known = harmless(known, start.space)
