@@ -87,7 +87,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
             warning = f"the encoder, whose step is {step:.3g} m, shows no deflection before sliding"
         elif shown:
             fit = _least(residual, starts)
-            if _left(fit.fun, log, step) > POOR:  # without damping there are many local minima
+            if len(starts) == 1:  # without damping there are many local minima
                 stiffer = (_starts(shown, f * stiffness, known["m"])[0] for f in STIFFER)
                 nearest = min(stiffer, key=lambda start: float(np.sum(residual(start) ** 2)))
                 fit = min(fit, _least(residual, [nearest]), key=lambda candidate: candidate.cost)

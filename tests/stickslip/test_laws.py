@@ -1,0 +1,71 @@
+"""Any friction law, in the drive and in the compensator, through a whole reproduction."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import estimated, friction_law, tabulated
+from stickslip.identification.stages import identify
+from stickslip.pipeline.reproduction import Options, drive_truth, reproduce
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.rig import rig_of
+
+pytestmark = pytest.mark.slow
+
+EXACT = {"m": 0.01, "F_c": 0.001, "F_s": 0.01, "sigma_0": 0.01, "v_s": 0.01}
+
+
+def reductions(found):
+    table = found.validation.table()
+    return table[(table["metric"] == "E_rms")]["reduction"].to_numpy()
+
+
+@pytest.mark.parametrize("law", ["dahl", "coulomb_stribeck", "gms"])
+def test_the_law_of_the_drive_is_learned(tmp_path, quiet, law):
+    found = reproduce(Options(truth={"law": law}, law=law), tmp_path, quiet)
+    table = found.table2().set_index("parameter")
+    assert tuple(table.index) == tabulated(friction_law(law))
+    for name, limit in EXACT.items():
+        if name in table.index:
+            assert table["identified"][name] == pytest.approx(table["drive"][name], rel=limit), name
+    assert (reductions(found) > 0.8).all()
+    assert found.learned.friction.keys() == set(estimated(friction_law(law)))
+    assert found.exact == {name: found.truth[name] for name in estimated(friction_law(law))}
+
+
+def test_a_drive_without_presliding_leaves_start_values():
+    with rig_of({"law": "coulomb_stribeck"}) as rig:
+        found = identify(rig, LOOP)
+    for name in ("sigma_0", "sigma_1"):
+        one = found.estimates[name]
+        assert one.standard_error == pytest.approx(3.0 * one.value), name
+    [warning] = found.warnings
+    assert "shows no deflection before sliding" in warning
+    truth = drive_truth({"law": "coulomb_stribeck"})
+    assert math.isnan(truth["sigma_0"])
+
+
+def test_a_contact_without_damping_and_rise_is_identified_by_lugre():
+    """Dahl's law is LuGre's with F_s = F_c and without damping."""
+    with rig_of({"law": "dahl"}) as rig:
+        found = identify(rig, LOOP)
+    assert found.estimates["sigma_0"].value == pytest.approx(3.9162e5, rel=0.01)
+    assert found.estimates["sigma_1"].value < 1.0
+    for name in ("v_s", "sigma_1"):
+        one = found.estimates[name]
+        assert one.standard_error == pytest.approx(3.0 * one.value), name
+    rise, contact = found.warnings
+    assert "friction does not rise towards rest" in rise
+    assert "not all parameters of the law show" in contact
+
+
+def test_a_law_that_does_not_fit_says_so():
+    with rig_of({}, law="dahl") as rig:
+        found = identify(rig, LOOP)
+    assert found.estimates.keys() == {"m", "b", "sigma_0", "F_c"}
+    [warning] = found.warnings
+    assert "the fitted law leaves" in warning
+    stiffness = found.estimates["sigma_0"]
+    assert stiffness.standard_error > 0.2 * stiffness.value
+    assert np.isfinite(found.loop.K_p)
