@@ -126,7 +126,6 @@ def _judged(fit: OptimizeResult, start: Array, left: float) -> tuple[Array, Arra
     errors[unseen] = UNKNOWN
     warning = "not all parameters of the law show" if unseen.any() else ""
     if left > POOR:
-        errors = np.maximum(errors, left)
         warning = f"the fitted law leaves {100.0 * left:.0f} % of the deflection"
     return near, errors, warning
 
