@@ -39,7 +39,7 @@ def found_faults(
     if criterion == OutputError.name and not law.is_smooth and model_error > MODEL_ERROR:
         what = f"the simulated loop with the law {law.title} does not follow the recording"
         figure = f"its residual is {model_error:.2g} times what encoder and noise explain"
-        yield Finding("warning", what, figure, "give --criterion inverse", spoils="intervals")
+        yield Finding("warning", what, figure, "take the values as coarse", spoils="intervals")
     if check is not None and check.factor != 1.0:
         what = "the logged force is out of scale with the force that the controller commands"
         figure = f"{check.factor:.3g} times as large"

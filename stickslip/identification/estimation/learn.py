@@ -14,7 +14,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import friction_law, presliding
 from stickslip.catalog.space import Values
 from stickslip.identification.controller.controller_check import check_controller
 from stickslip.identification.controller.criterion_choice import choose
@@ -115,7 +115,8 @@ def _learn(
         if criterion == OutputError.name and task.gains is not None:
             on_stage("fitting the known loop")
             corrected, ambiguity = _output_error(task, task.gains, start, found)
-            if corrected.model_error > MODEL_ERROR and task.criterion == "auto":
+            at_rest = bool(presliding(law))  # else the motion does not give the force at rest
+            if corrected.model_error > MODEL_ERROR and task.criterion == "auto" and at_rest:
                 criterion = InverseModel.name
                 reason = (
                     f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
