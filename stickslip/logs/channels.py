@@ -80,7 +80,7 @@ def unit_fault(
         what = "whole numbers only, without a unit"
     else:
         return None
-    advice = f"say --unit {role}=UNIT, such as {_expected(role, motion)}"
+    advice = f"give --unit {role}=UNIT, such as {_expected(role, motion)}"
     per = {"current": "A", "voltage": "V", "percentage": "1 %", "torque": "N.m"}.get(named or "")
     other = ", or --motion rotary" if named == "torque" else ""
     advice = f"{advice}, or --scale {role}=NUMBER, in {SI} per {per or '1'}{other}"

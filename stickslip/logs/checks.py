@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from stickslip.logs.controller import Controller
 from stickslip.logs.delay import Delay, aligned, force_delay, samples_late, signal_delay
 from stickslip.logs.excitation import Excitation, excitation
-from stickslip.logs.faults import clipped_command, lost_rows
 from stickslip.logs.finding import Finding, Severity
 from stickslip.logs.grid import runs
-from stickslip.logs.motion import kinematics
+from stickslip.logs.motion import kinematics, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
 
@@ -23,6 +23,15 @@ SIGNALS = tuple(
 PLAN = "stickslip plan --show"
 LITTLE = 0.05
 """Share of force or time below which a parameter is poorly identifiable."""
+WINDOW = 7
+"""Number of differences of the position in the moving median."""
+STEPS = 5.0
+"""Encoder steps per row from which one row can be distinguished from two."""
+EVENTS = 5
+LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
+"""Quantiles of the force that are tried as a limit."""
+EXPLAINED = 0.25
+"""Largest share of the unexplained force that may remain with a limit."""
 
 
 def check_recording(
@@ -46,7 +55,7 @@ def check_recording(
         return tuple(findings)
     shown = excitation(recording)
     late = samples_late(recording)
-    found = (lost_rows(recording), clipped_command(aligned(recording, late)))
+    found = (_lost_rows(recording), _clipped_command(aligned(recording, late)))
     return (
         *findings,
         *filter(None, found),
@@ -77,14 +86,14 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
         yield Finding("error", "neither position nor velocity", advice="log one")
     if recording.force is None and recording.friction is None:
         if recording.force_command is None and controller.kind == "none":
-            advice = "log the motor's current, or say --controller"
+            advice = "log the motor's current, or give --controller"
             yield Finding("error", "neither force nor friction", advice=advice)
         else:
             what = "no force was measured, only commanded"
             yield Finding("note", what, advice="the amplifier is taken to follow")
     if controller.needs and getattr(recording, controller.needs) is None:
         what = f"a {controller.kind} controller, but no {controller.needs}"
-        yield Finding("error", what, advice=f"say --column {controller.needs}=NAME")
+        yield Finding("error", what, advice=f"give --column {controller.needs}=NAME")
     duration = float(recording.t[-1])
     if duration < 1.0 or len(recording.t) < 500:
         figure = f"{duration:.3g} s, {len(recording.t)} samples"
@@ -121,7 +130,7 @@ def _flat(signal: Array) -> Array:
 
 
 def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
-    """Yield steps of the position, coarse or not against the motion."""
+    """Yield the resolution of the position relative to the motion."""
     step = recording.encoder_step
     if not step or recording.position is None:
         return
@@ -136,7 +145,7 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
 
 
 def _delays(recording: Recording, late: int) -> Iterator[Finding]:
-    """Yield signals that are late against each other."""
+    """Yield delays of signals relative to each other."""
     if delay := force_delay(recording):
         yield _delayed("force", "the motion", delay, recording.T_s, late)
     if recording.position is not None and recording.velocity is not None:
@@ -197,3 +206,47 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
     words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"
     yield Finding.either(fine, *words, figure, advice)
+
+
+def _lost_rows(recording: Recording) -> Finding | None:
+    """Return a finding where single steps of the position are whole multiples of their neighbours.
+
+    A mass cannot move twice as far in one sample as in those before and after; a row is missing
+    there, though the clock is even.
+    """
+    x = recording.position
+    if x is None or len(x) < 10 * WINDOW:
+        return None
+    steps = np.diff(x)
+    usual = median_filter(steps, WINDOW)
+    noise = 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / np.sqrt(20.0)
+    fast = np.abs(usual) > max(STEPS * recording.encoder_step, 10.0 * noise)
+    ratio = steps[fast] / usual[fast]
+    missing = np.round(ratio) - 1.0
+    found = (missing >= 1.0) & (np.abs(ratio - np.round(ratio)) < 0.3 * missing)
+    if np.sum(found) < EVENTS:
+        return None
+    share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
+    figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"
+    advice = "log without gaps, or with the true times"
+    return Finding("warning", "rows are lost under an even clock", figure, advice, spoils="values")
+
+
+def _clipped_command(recording: Recording) -> Finding | None:
+    """Return a finding where the motion shows a limit that the logged force does not have.
+
+    The force of a rigid drive is fitted to the motion for each limit that may have acted.
+    """
+    force = recording.force
+    if force is None:
+        return None
+    limits = np.quantile(np.abs(force), LEVELS)
+    left = [unexplained(replace(recording, force=np.clip(force, -at, at))) for at in limits]
+    best = int(np.argmin(left))
+    if best == 0 or not left[best] < EXPLAINED * unexplained(recording):
+        return None
+    share = float(np.mean(np.abs(force) > limits[best]))
+    figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
+    advice = "log it behind the limit, or the current"
+    what = "the force was logged before a limit"
+    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, spoils="values")

@@ -92,7 +92,7 @@ def _contradiction(
     leave = f"--column {b}=none leaves {b} out"
     if ratio < 0:
         figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
-        yield Finding("error", what, figure, f"say {_scaled(reading, b, -1)}; {leave}")
+        yield Finding("error", what, figure, f"give {_scaled(reading, b, -1)}; {leave}")
     figure = f"{b} is {abs(ratio):.4g} times {a}"
     factor, name = near_factor(abs(ratio)) or (0.0, "")
     if factor and (likeness > SAME or not 1 / SMALL < factor < SMALL):
@@ -118,8 +118,8 @@ def _corrections(reading: Reading, ends: dict[str, float]) -> str:
             options.append(f"--unit {role}={unit.name}")
     if not options:
         names = " ".join(f"{role}=UNIT" for role in known)
-        return f"say their units with --unit {names}"
-    return f"say {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
+        return f"give their units with --unit {names}"
+    return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 
 
 def _scaled(reading: Reading, role: str, factor: float) -> str:

@@ -1,9 +1,9 @@
-"""The controller that a log was made with."""
+"""The controller with which a log was recorded."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
@@ -19,7 +19,7 @@ _TAKES: dict[str, tuple[tuple[set[str], set[str]], ...]] = {
     "cascade": (({"K_x", "K_p"}, {"K_i"}),),
     "none": ((set(), set()),),
 }
-"""Per kind: the gains it needs and those it may have; several ways."""
+"""Per kind: alternatives of the gains that it needs and those that it may have."""
 COMMON = frozenset({"tau_f", "T_s", "u_max"})
 """What any controller may have."""
 
@@ -37,7 +37,7 @@ class Controller:
 
     Attributes
     ----------
-    kind : P, PI, PID, cascade or none (not known)
+    kind : P, PI, PID, cascade or none (unknown)
     K_x : [1/s]
     P_x : [N/m]
     I_x : [N/(m s)]
@@ -60,16 +60,13 @@ class Controller:
 
     @property
     def needs(self) -> str | None:
-        """The role without which its error is not known; None for a controller not known."""
+        """The role of the command that it needs; None for an unknown controller."""
         if self.kind == "none":
             return None
         return "position_command" if self.K_x or self.P_x or self.I_x else "velocity_command"
 
     def parameters(self) -> dict[str, float] | None:
-        """Return the parameters of the controller FMU by name, None for one not known.
-
-        T_s and u_max are left out where they are not known.
-        """
+        """Return the parameters of the controller FMU, None if unknown; T_s and u_max if known."""
         if self.kind == "none":
             return None
         values = {name: float(getattr(self, name)) for name in GAINS}
@@ -85,12 +82,12 @@ GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind"
 
 
 def check_gains(kind: str, gains: Collection[str]) -> None:
-    """Check that a kind of controller takes just these gains.
+    """Check that a kind of controller has exactly these gains.
 
     Raises
     ------
     UsageError
-        When kind or gain is unknown, or one is missing or too many.
+        When the kind or a gain is unknown, or one is missing or superfluous.
     """
     if kind not in get_args(Kind):
         raise UsageError(f"controller '{kind}': expected one of {', '.join(get_args(Kind))}")
@@ -99,28 +96,14 @@ def check_gains(kind: str, gains: Collection[str]) -> None:
             raise UsageError(f"controller: no gain '{name}'{suggestion(name, GAINS)}")
     if kind == "none" and gains:
         kinds = ", ".join(get_args(Kind)[:-1])
-        raise UsageError(f"gain {sorted(gains)[0]}, but no controller; say which: {kinds}")
+        raise UsageError(
+            f"gain {sorted(gains)[0]}, but no controller; choose one with --controller: {kinds}"
+        )
     given = set(gains) - COMMON
-    ways = _TAKES[kind]
-    if not any(needed <= given <= needed | optional for needed, optional in ways):
+    if not any(needed <= given <= needed | optional for needed, optional in _TAKES[kind]):
         expected = " or ".join(
             " and ".join(sorted(needed)) + "".join(f" (and {name})" for name in sorted(optional))
-            for needed, optional in ways
+            for needed, optional in _TAKES[kind]
         )
         got = ", ".join(sorted(given)) or "none"
         raise UsageError(f"controller {kind}: expected gains {expected}, got {got}")
-
-
-def controller_of(kind: Kind, gains: Mapping[str, float]) -> Controller:
-    """Return a controller of checked gains.
-
-    Raises
-    ------
-    UsageError
-        When the gains do not suit the kind, or one is negative.
-    """
-    check_gains(kind, gains)
-    for name, value in gains.items():
-        if value < 0:
-            raise UsageError(f"controller: {name} = {value:g}: expected 0 or more")
-    return Controller(kind, **gains)

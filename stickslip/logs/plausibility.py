@@ -47,14 +47,14 @@ def implausible(reading: Reading) -> Iterator[Finding]:
     limits = LIMITS[recording.motion]
     if "time" in assumed and recording.T_s > SLOWEST:
         figure = f"{recording.T_s:.4g} s from one sample to the next, and time states no unit"
-        advice = "say --unit time=ms, or --unit time=s if it is so"
+        advice = "give --unit time=ms, or --unit time=s if it is so"
         yield Finding("error", "the sampling is very slow", figure, advice)
     shown, motion = excitation(recording), kinematics(recording)
     unit = "rad" if recording.motion == "rotary" else "m"
     moved, suffix = ("velocity", "/s") if recording.position is None else ("position", "")
     if moved in assumed and (travel := float(np.ptp(motion.x))) > limits.travel:
         figure = f"{travel:.4g} {unit}, and {moved} states no unit"
-        advice = f"say --unit {moved}=mm{suffix}, or --unit {moved}={unit}{suffix} if it is so"
+        advice = f"give --unit {moved}=mm{suffix}, or --unit {moved}={unit}{suffix} if it is so"
         yield Finding("error", "the travel is very long", figure, advice)
     if moved not in reading.units or not reading.timed:
         return  # an error already
@@ -90,5 +90,5 @@ def _extreme(reading: Reading, name: str, figure: str) -> Finding:
     unstated = [role for role in roles if role in reading.assumed]
     options = " ".join(f"{role}=UNIT" for role in unstated or roles)
     why = " (none is stated)" if unstated else " or the scales"
-    advice = f"correct the units{why}, --unit {options}, or say --confirm {name}"
+    advice = f"correct the units{why}, --unit {options}, or give --confirm {name}"
     return Finding("error", f"the {name} is extreme", figure, advice)

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.errors import RecordingError, UsageError
 from stickslip.logs.channels import assumed_units, motion_from, signal_of, unit_fault, unit_of
-from stickslip.logs.controller import Controller, controller_of
+from stickslip.logs.controller import Controller
 from stickslip.logs.description import ROLES, Description, Product
 from stickslip.logs.finding import Finding
 from stickslip.logs.formats import read_table
@@ -19,8 +19,8 @@ from stickslip.logs.grid import check_times, even_grid
 from stickslip.logs.recording import Recording
 from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.table import LogTable
-from stickslip.logs.unit_factors import contradicted_period, near_factor
-from stickslip.logs.units import Unit
+from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
+from stickslip.logs.units import Unit, sized_unit
 from stickslip.servo.measurement import Array
 
 DIVISORS = 12
@@ -140,9 +140,12 @@ def read_recording(
         grid.t, **grid.signals, encoder_step=step, motion=motion, source=Path(path).name
     )
     gains = {name: table.value(value, f"gain {name}") for name, value in given.gains.items()}
+    for name, value in gains.items():
+        if value < 0:
+            raise UsageError(f"controller: {name} = {value:g}: expected 0 or more")
     return Reading(
         recording,
-        controller_of(given.controller, gains),
+        Controller(given.controller, **gains),
         tuple(findings),
         _positive(table, given.force_limit, "force_limit"),
         given.tau_i,
@@ -173,8 +176,15 @@ def _unused_time(table: LogTable, given: Description, name: str, unit: Unit | No
         t = signal_of(table, given, "time", name, unit)
         t = t[np.isfinite(t)]
         spacing = float(np.ptp(t)) / (len(t) - 1) if len(t) > 1 else 0.0
-        if spacing and (fault := contradicted_period(spacing, period)):
-            return fault
+        if spacing and not 1 / EQUALS < spacing / period < EQUALS:
+            what = "the column of time and --sample-period contradict each other"
+            ratio = described_ratio(spacing / period)
+            figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {ratio}"
+            advice = f"--sample-period is in s, not a rate; give --sample-period {spacing:.6g}"
+            factor = near_factor(spacing / period)
+            other = sized_unit(["time"], 1 / factor[0]) if factor else None
+            option = f", --unit time={other.name} without --sample-period" if other else ""
+            return Finding("error", what, figure, f"{advice}{option}, or --column time=none")
     what = f"the sample period is used instead of column '{name}'"
     return Finding("note", what, f"{period:g} s")
 

@@ -102,7 +102,7 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
         if len(best) > 1:
             several = " or ".join(f"{role}={name}" for name in best)
             raise RecordingError(
-                f"{table.path}: which column is {role}? say --column {several}, or {role}=none"
+                f"{table.path}: which column is {role}? give --column {several}, or {role}=none"
             )
         guesses[role] = best[0]
     return guesses

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 
-from stickslip.logs.finding import Finding
-from stickslip.logs.units import sized_unit
-
 _TURN = 2 * math.pi
 FACTORS = {
     "2 pi": _TURN, "60/2 pi": 60 / _TURN, "25.4": 25.4, "39.37": 1 / 0.0254, "60": 60.0,
     "360/2 pi": 360 / _TURN, "360": 360.0, "10^3": 1e3, "60*10^3": 6e4, "10^6": 1e6, "10^9": 1e9,
 }  # fmt: skip
-"""Between units that are mistaken for each other: m, mm, inch; rad, deg, turns; s, min, ms."""
+"""Between units that are often confused: m, mm, inch; rad, deg, turns; s, min, ms."""
 NEAR, ROUGHLY = 0.03, 0.25
-"""How far a ratio may be from its factor, as logarithm, up to 100 and beyond."""
+"""Largest deviation of a ratio from a factor, as logarithm: up to 100, and above."""
 EQUALS = 1.25
 """Ratio up to which two values that should be equal do not contradict each other."""
 
@@ -32,17 +29,3 @@ def described_ratio(ratio: float) -> str:
     """Return a ratio, and the factor of units that it is near."""
     factor = near_factor(ratio)
     return f"{ratio:.4g}" + (f", near {factor[1]}" if factor else "")
-
-
-def contradicted_period(spacing: float, period: float) -> Finding | None:
-    """Return the error of a sample period [s] that a column of time [s] contradicts."""
-    ratio = spacing / period
-    if 1 / EQUALS < ratio < EQUALS:
-        return None
-    what = "the column of time and --sample-period contradict each other"
-    figure = f"{spacing:.4g} s and {period:.4g} s a row, a factor of {described_ratio(ratio)}"
-    advice = f"--sample-period is in s, not a rate; say --sample-period {spacing:.6g}"
-    factor = near_factor(ratio)
-    unit = sized_unit(["time"], 1 / factor[0]) if factor else None
-    other = f", --unit time={unit.name} without --sample-period" if unit else ""
-    return Finding("error", what, figure, f"{advice}{other}, or --column time=none")

@@ -121,7 +121,10 @@ def test_options_alone_read_a_log(tmp_path):
         (["--column", "pos=x"], "did you mean 'position'"),
         (["--unit", "force=N", "force=A"], "set twice"),
         (["--controller", "PI", "--gain", "K_d=3"], "no 'K_d'"),
-        (["--gain", "K_p=3"], "gain K_p, but no controller; say which: P, PI, PID, cascade"),
+        (
+            ["--gain", "K_p=3"],
+            "gain K_p, but no controller; choose one with --controller: P, PI, PID, cascade",
+        ),
         (["--span", "3", "2"], "begin before end"),
         (["--config", "none.toml"], "none.toml: cannot be read"),
     ],
