@@ -14,7 +14,7 @@ import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -143,7 +143,7 @@ def commands(*lines: str) -> Html:
 
 def made_with() -> Html:
     """Return a table of versions."""
-    versions = [(name, _version(name)) for name in PACKAGES]
+    versions = [(name, version(name)) for name in PACKAGES]
     rows = [("Python", platform.python_version()), *versions]
     return table(("Package", "Version"), rows, "Made with", (0, 1))
 
@@ -167,13 +167,6 @@ def _figure(shown: Illustration, picture: Picture) -> Html:
         "div", image, class_="scroll", tabindex="0", role="region", aria_label=alternative
     )
     return element("figure", card, element("figcaption", shown.caption), class_=kind)
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 MILLIMETRES = 25.4

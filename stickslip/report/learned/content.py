@@ -120,12 +120,12 @@ def _rest(estimation: Estimation) -> Html:
     push = WORDS[estimation.recording.motion][1]
     constant = f"a constant {push} of {with_error(estimation.F_0, error)} {unit}"
     if measures_friction(estimation):
-        return paragraph(f"Beside friction the sensor shows {constant}.")
+        return paragraph(f"In addition to friction the sensor shows {constant}.")
     late = number(1e3 * abs(estimation.delay), 3)
     when = "earlier" if estimation.delay < 0.0 else "later"
     return paragraph(
-        f"Beside friction {constant} acts against positive motion, and the motor’s {push} acts "
-        f"{late} ms {when} than it was logged or commanded.",
+        f"In addition to friction, {constant} acts against positive motion, and the motor’s {push} "
+        f"acts {late} ms {when} than it was logged or commanded.",
         _exponent(estimation),
     )
 

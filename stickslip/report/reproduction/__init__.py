@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report.page import Section, picture_files, write_page
-from stickslip.report.reproduction.as_published import as_published
+from stickslip.report.reproduction.as_published import study_section
 from stickslip.report.reproduction.identification import identification_section
 from stickslip.report.reproduction.learning import learning_section
 from stickslip.report.reproduction.loop import design_section, use_section
@@ -32,6 +32,7 @@ FILES = ("report.html", *picture_files(FIGURES))
 
 def sections(reproduction: Reproduction) -> Sequence[Section]:
     """Return the sections of the page; a study that was not made has none."""
+    study, truth = reproduction.published, reproduction.truth
     found = (
         head(reproduction),
         design_section(reproduction),
@@ -39,7 +40,7 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         learning_section(reproduction),
         validation_section(reproduction.validation),
         steps_section(reproduction),
-        as_published(reproduction),
+        study_section(study, truth) if study else None,
         motions_section(reproduction),
         use_section(reproduction),
     )

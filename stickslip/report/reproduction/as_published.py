@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.validation import PAPER_TABLE4
-from stickslip.pipeline.reproduction import Reproduction
 from stickslip.report import style
 from stickslip.report.markup import Html, element, paragraph, prose, quiet, table
 from stickslip.report.page import Illustration, Section
@@ -42,12 +41,6 @@ _HEADS = {
     for region in ("start", "reverse")
     for metric, letter in METRICS.items()
 }
-
-
-def as_published(reproduction: Reproduction) -> Section | None:
-    """Return the section, None where the study was not made."""
-    study = reproduction.published
-    return study_section(study, reproduction.truth) if study else None
 
 
 def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
@@ -173,7 +166,8 @@ def _learned(published: Published) -> tuple[Html, Html]:
         quiet(
             "“At start” counts the seeds whose value differs from its start by less than 2 %. "
             "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "
-            "draws lie above twice the start, and what the cost punishes rarely moves.",
+            "draws lie above twice the start, and a parameter to which the cost is sensitive "
+            "rarely changes.",
         ),
     )
 
@@ -183,7 +177,7 @@ def _criticism(published: Published) -> Html:
     seeds = len(published.seeds)
     count = round(worse(frame[frame["velocity"] == "measured"]) * seeds)
     return paragraph(
-        f"In {count} of {seeds} seeds the trapezoid, which the learning never saw, is followed "
+        f"In {count} of {seeds} seeds the trapezoid, which learning does not use, is followed "
         "worse with the learned parameters than with the coarse start (by $E_{rms}$ of both "
         "regions together), although the cost of the training command fell.",
     )
@@ -197,8 +191,8 @@ def _readings(study: WholeStudy) -> tuple[Html, ...]:
         element("h3", "What the paper leaves open"),
         paragraph(
             "Each place of the paper that can be read in more than one way: our reading, another "
-            "one, and how far the result moves. Table 4’s errors are measured velocity, in mm/s, "
-            "medians over seeds."
+            "one, and how much the result changes. Table 4’s errors are measured velocity, in "
+            "mm/s, medians over seeds."
         ),
         learning,
         _evaluation_table(study.evaluations),

@@ -60,7 +60,7 @@ def identification_section(reproduction: Reproduction) -> Section:
             f"{forward} N forward and {back} N back at a ramp of {number(friction.ramp_rate, 2)} "
             "N/s. A faster ramp breaks away later. Encoder steps make the velocity fluctuate by "
             f"{number(1e3 * friction.fluctuation, 2)} mm/s, which lowers the mean force of the "
-            "slowest points; the curve is without it.",
+            "slowest points; the curve does not contain this effect.",
         ),
         Illustration(
             "identification_presliding",
@@ -73,8 +73,8 @@ def identification_section(reproduction: Reproduction) -> Section:
     return Section(
         "Identification",
         paragraph(
-            "Three experiments on the simulated drive find its parameters coarsely. Learning "
-            "begins at these values and searches from 0.1 to 100 times each."
+            "Three experiments on the simulated drive give coarse values of its parameters. "
+            "Learning begins at these values and searches from 0.1 to 100 times each."
         ),
         figures,
         *(paragraph(f"{warning[:1].upper()}{warning[1:]}.") for warning in identification.warnings),
@@ -133,7 +133,7 @@ def _prior_knowledge(reproduction: Reproduction) -> list[Html]:
         element("h3", "Known before any experiment"),
         _table1(sheet),
         paragraph(
-            "Identification and learning see the drive through its measurements. They also use the "
+            "Identification and learning use measurements of the drive. They also use the "
             "numbers below, and the specification of the velocity loop (crossover "
             f"{number(LOOP.bandwidth)} Hz, phase margin {number(LOOP.phase_margin)}°, sample "
             f"period {number(1e3 * LOOP.T_s)} ms, low-pass {number(1e3 * LOOP.tau_f)} ms), which "

@@ -93,10 +93,10 @@ def _course(reproduction: Reproduction) -> Html:
         text += f"Run again {learned.runs} times, the winner costs {number(learned.cost, 3)} m²/s²."
     elif learned.accepted:
         text += (
-            "A least-squares fit then weighed repeated runs of the training command and of its "
-            "mirror image against what learning began with; its result "
-            f"costs {number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of "
-            "the drive). The best of many candidates owes part of its low cost to luck, so the "
+            "A least-squares fit then combined repeated runs of the training command and of its "
+            "mirror image with the start values as a prior; its result costs "
+            f"{number(learned.cost, 3)} m²/s² in a typical run ({learned.runs} more runs of the "
+            "drive). The best of many candidates owes part of its low cost to chance, so the "
             "typical run of the refined parameters may cost a little more."
         )
     else:

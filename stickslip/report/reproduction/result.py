@@ -39,12 +39,12 @@ def head(reproduction: Reproduction) -> Section:
     done = paragraph(
         "This page reproduces “The Feedforward Friction Compensation of Linear Motor Using Genetic "
         "Learning Algorithm”. The paper measured a real stage; all that is computed here is of a "
-        "simulated drive, built as an FMU. It was identified by three experiments; a "
-        f"velocity loop was designed on what they found; {algorithm.title} then tried "
-        f"{number(algorithm.evaluations, 6)} friction compensators on the drive "
-        f"(preset “{options.preset}”, seed {options.seed}, compensator input: "
-        f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning saw the "
-        "drive’s commands and measurements only; its true parameters and its true velocity are "
+        "simulated drive, built as an FMU. It was identified by three experiments; a velocity loop "
+        f"was designed on what they found; {algorithm.title} then tried "
+        f"{number(algorithm.evaluations, 6)} friction compensators on the drive (preset "
+        f"“{options.preset}”, seed {options.seed}, compensator input: "
+        f"{FEEDS[options.feed]}){_refined(reproduction)}. Identification and learning used only "
+        "commands and measurements of the drive; its true parameters and its true velocity are "
         "used to evaluate the result.",
     )
     return Section("", done, _drive(reproduction), _verdict(reproduction), _headline(reproduction))

@@ -37,13 +37,12 @@ def validation_section(validation: Validation) -> Section:
     return Section(
         "Validation",
         paragraph(
-            "The simulated drive follows a trapezoid of "
-            f"±{number(1e3 * VALIDATION.height)} mm/s with ramps of "
-            f"{number(VALIDATION.slope)} m/s², which the learning never saw. Errors (8a), (8b) are "
-            f"taken against the command from {begin} to {end} ms after the motion starts or "
-            "reverses. “Measured” is the encoder’s position, differenced and low-passed at "
-            f"{number(CUTOFF)} Hz without phase lag; “true” is the drive’s own velocity, which "
-            "no experimenter sees, and which shows the loop’s answer to every encoder step."
+            f"The simulated drive follows a trapezoid of ±{number(1e3 * VALIDATION.height)} mm/s "
+            f"with ramps of {number(VALIDATION.slope)} m/s², which learning does not use. Errors "
+            f"(8a), (8b) are taken against the command from {begin} to {end} ms after the motion "
+            "starts or reverses. “Measured” is the encoder’s position, differenced and low-passed "
+            f"at {number(CUTOFF)} Hz without phase lag; “true” is the drive’s own velocity, which "
+            "cannot be measured, and which contains the loop’s response to every encoder step."
         ),
         table(
             ("", "", "Without [mm/s]", "With [mm/s]", "Reduction"),
@@ -119,7 +118,7 @@ def steps_section(reproduction: Reproduction) -> Section | None:
             f"{number(tuned.K_i)} N/m instead of {number(loop.K_p)} and {number(loop.K_i)}, at a "
             f"peak sensitivity of {number(peak_sensitivity(loop), 3)} in both. The windows of "
             "Table 4 begin 30 ms after the reversal, when much integral gain has already pushed "
-            "through most of the friction: a comparison with a softly tuned loop flatters every "
+            "through most of the friction: a comparison with a softly tuned loop favours every "
             "compensator.",
         ),
         _benefit(reproduction.table4(), "the simulated drive"),
@@ -191,8 +190,8 @@ def motions_section(reproduction: Reproduction) -> Section | None:
         paragraph(
             f"The errors of Table 4 are taken at speeds of {number(slowest, 2)} to "
             f"{number(fastest, 2)} mm/s, where friction with the paper’s parameters is close to "
-            "$F_c$; the other four hardly change them. Three more motions, which the learning "
-            "never saw, are slower or shorter:",
+            "$F_c$; the other four hardly change them. Three more motions, which learning does not "
+            "use, are slower or shorter:",
         ),
         element("ul", join(purposes, "\n")),
         Illustration(
@@ -280,11 +279,12 @@ def _sensitivity(shown: pd.DataFrame) -> tuple[Html, Html, Html]:
     )
     return (
         paragraph(
-            "What a motion shows of a parameter is what an otherwise exact compensator loses when "
-            "that parameter is wrong: percentage points by which the reduction (9) of $E_{rms}$ or "
-            "$E_x$ falls, on the drive’s true motion and in the region where it falls most. "
-            f"{percent(SEEN, 0)} or more counts as seen. The last row is a change too small to "
-            "matter; what it costs is chance, because the encoder’s steps fall elsewhere.",
+            "The sensitivity of a motion to a parameter is what an otherwise exact compensator "
+            "loses when that parameter is wrong: percentage points by which the reduction (9) of "
+            f"$E_{{rms}}$ or $E_x$ falls, on the drive’s true motion and in the region where it "
+            f"falls most. {percent(SEEN, 0)} or more counts as sensitive. The last row is a change "
+            "too small to matter; what it costs is chance, because the encoder’s steps fall "
+            "elsewhere.",
         ),
         table(
             ("Wrong parameter", *(str(name).capitalize() for name in lost.columns)),
@@ -292,8 +292,8 @@ def _sensitivity(shown: pd.DataFrame) -> tuple[Html, Html, Html]:
             "Percentage points of the reduction that one wrong parameter costs",
         ),
         paragraph(
-            f"The trapezoid alone does not see: {trapezoid}. What none of the three slow motions "
-            f"sees: {others}."
+            f"The trapezoid alone is not sensitive to: {trapezoid}. None of the three slow motions "
+            f"is sensitive to: {others}."
         ),
     )
 
@@ -321,9 +321,9 @@ def _weak(study: MotionStudy, slow: pd.DataFrame, truth: Mapping[str, float]) ->
     ]
     return (
         paragraph(
-            f"Feedforward does not damp. {falls}, it is the loop that must hold the velocity. In a "
-            f"loop with a tenth of the bandwidth ($K_p$ = {number(study.weak.K_p)} N s/m) an exact "
-            f"compensator makes creep worse at {worse}."
+            f"Feedforward adds no damping. {falls}, the loop alone must stabilise the velocity. In "
+            f"a loop with a tenth of the bandwidth ($K_p$ = {number(study.weak.K_p)} N s/m) an "
+            f"exact compensator makes creep worse at {worse}."
         ),
         table(
             ("", *(name.capitalize() for name in names)),

@@ -331,20 +331,20 @@ def test_page_shows_the_errors_of_the_slow_motions(reproduction, page):
         assert f"|{row['velocity']}|{unit}|{figures}|" in cells
 
 
-def test_page_says_how_many_seeds_track_worse_than_their_start(page):
-    said = re.sub(r"\s+", " ", " ".join(Outline(page).words))
-    assert "In 1 of 4 seeds the trapezoid" in said
+def test_page_states_how_many_seeds_track_worse_than_their_start(page):
+    text = re.sub(r"\s+", " ", " ".join(Outline(page).words))
+    assert "In 1 of 4 seeds the trapezoid" in text
     for reading in READINGS:
-        assert reading.other in said
+        assert reading.other in text
 
 
 def test_page_shows_table_4_step_by_step(reproduction, page):
-    said = re.sub(r"\s+", " ", " ".join(Outline(page).words))
+    text = re.sub(r"\s+", " ", " ".join(Outline(page).words))
     table = reproduction.table4()
     for name in ("tuned_pi", "identified"):
         for error in table[name]:
-            assert f" {error:.3f} " in said
-    assert "changed the RMS error by" in said  # identified leaves twice what was learned
+            assert f" {error:.3f} " in text
+    assert "changed the RMS error by" in text  # identified leaves twice what was learned
 
 
 def test_without_the_slow_motions_page_and_folder_have_nothing_of_them(reproduction, tmp_path):
@@ -355,14 +355,14 @@ def test_without_the_slow_motions_page_and_folder_have_nothing_of_them(reproduct
     assert "motions.csv" not in page
 
 
-def test_page_says_what_each_motion_sees(outline):
+def test_page_states_what_each_motion_sees(outline):
     assert re.search(
-        "trapezoid alone does not see: Fs = Fc, Fs / 2, .*, σ1 × 2. What", outline.text
+        "trapezoid alone is not sensitive to: Fs = Fc, Fs / 2, .*, σ1 × 2. None", outline.text
     )
-    assert "What none of the three slow motions sees: Fs / 2." in outline.text
+    assert "None of the three slow motions is sensitive to: Fs / 2." in outline.text
 
 
-def test_page_says_where_compensation_does_not_help(reproduction, outline):
+def test_page_states_where_compensation_does_not_help(reproduction, outline):
     assert "makes none of these errors larger" in outline.text
     assert "Of these 46 errors" in outline.text
     assert "more than a tenth in 0, and smaller by more than a tenth in 46." in outline.text
@@ -422,15 +422,15 @@ def test_page_shows_what_training_costs_without_compensation(reproduction):
 
 
 @pytest.mark.parametrize(
-    ("different", "largest", "said"),
+    ("different", "largest", "text"),
     [(0, 0.0, "All 101 samples"), (7, 2e-3, "7 of 101 samples of its force differ")],
 )
-def test_page_shows_what_fmpy_makes_of_the_compensator(different, largest, said):
+def test_page_shows_what_fmpy_makes_of_the_compensator(different, largest, text):
     variable = FmuVariable("F_c", "parameter", "N", "5.5", "Coulomb friction")
     runs = {"training": Comparison(101, different, largest)}
     opinion = SecondOpinion("FMPy 1.2", {"FMI version": "2.0"}, (variable,), runs)
     cells = rendered(made(opinion=opinion))
-    assert said in cells
+    assert text in cells
     assert f"|training|101|{different}|{number(largest, 3)}|" in cells
     assert "|F_c|parameter|5.5|N|Coulomb friction|" in cells
     assert "|FMI version|2.0|" in cells
@@ -478,7 +478,7 @@ def test_verdict_does_not_praise_what_is_not_better(outline):
     assert "in 2 of 4 measures" in outline.text
 
 
-def test_page_says_why_nothing_was_searched_and_where_learning_began():
+def test_page_states_why_nothing_was_searched_and_where_learning_began():
     text = rendered(made(chosen="start", skipped="10 runs cost 4e-06 m2/s2", coarse={"F_c": 0.7}))
     assert "Nothing was searched" in text
     assert "10 runs cost 4e-06 m²/s²" in text
@@ -507,9 +507,9 @@ def words_of(name, reproduction):
 
 
 def test_fig_3_is_the_learning_scheme_of_the_paper():
-    said = " ".join(words_of("fig3_scheme", made()))
+    text = " ".join(words_of("fig3_scheme", made()))
     for part in ("Nominal velocity loop", "Friction compensator", "Velocity loop", "Genetic"):
-        assert part in said
+        assert part in text
     for symbol in (
         "v_{cmd}",
         "v_r",
@@ -521,7 +521,7 @@ def test_fig_3_is_the_learning_scheme_of_the_paper():
         "sigma_0",
         "sigma_1",
     ):
-        assert symbol in said
+        assert symbol in text
 
 
 def test_fig_4_has_the_numbers_of_the_run():
@@ -529,10 +529,10 @@ def test_fig_4_has_the_numbers_of_the_run():
     run = made()
     run.algorithm.settings = settings
     run.algorithm.limits = ga.Limits(generations=23, target=2e-3)
-    said = "\n".join(words_of("fig4_flow", run))
-    assert re.findall(r"Step (\d)\.", said) == ["1", "2", "3", "4"]
+    text = "\n".join(words_of("fig4_flow", run))
+    assert re.findall(r"Step (\d)\.", text) == ["1", "2", "3", "4"]
     for number_ in ("23 generations done", "ε = 0.002", "elite of 7 in 14", "7 new candidates"):
-        assert number_ in said
+        assert number_ in text
     assert "not set" in "\n".join(words_of("fig4_flow", made("paper")))
 
 
