@@ -40,10 +40,11 @@ def run(options: argparse.Namespace) -> None:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    compensator = LearnedFile(options.parameters).compensator
+    learned = LearnedFile(options.parameters)
+    compensator = learned.compensator
     with (
         reserved(options.out, ["table4.csv", "attribution.csv"]),
-        rig_of(truth) as rig,
+        rig_of(truth, learned.law.name) as rig,
         TerminalProgress() as progress,
     ):
         loop = plain = identify(rig, LOOP, progress.stage).loop
