@@ -19,14 +19,14 @@ TURNS = [seeds[place % len(seeds)] for place, seeds in enumerate(BINARIES.values
 SEEDS = [*descriptions.SEEDS, *files.SEEDS, *TURNS]
 
 
-def judge(path, rule=None):
+def report_of(path, rule=None):
     run = rule is None or fmucheck.RULES[rule].stage in RUNS
     return fmucheck.check(path, run=run, timeout=TIMEOUT)
 
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_the_sound_fmu_is_found_sound(tmp_path, version):
-    report = judge(pack(tmp_path / "reference.fmu", members(version)))
+    report = report_of(pack(tmp_path / "reference.fmu", members(version)))
     assert list(report) == []
 
 
@@ -34,7 +34,7 @@ def test_the_sound_fmu_is_found_sound(tmp_path, version):
 def test_seeded_defect_is_found(tmp_path, seed):
     with warnings.catch_warnings(action="ignore"):  # zipfile: two members of one name
         path = seed.make(tmp_path)
-    report = judge(path, seed.rule)
+    report = report_of(path, seed.rule)
     assert seed.rule in report.rules
     assert "rule-not-tried" not in report.rules
     assert [p.name for p in tmp_path.iterdir()] == ["reference.fmu"]

@@ -1,4 +1,4 @@
-"""Whatever is fed ends in one line that says what is wrong; nothing stays behind."""
+"""Each hostile input ends in one line that states the fault; nothing stays behind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The judge, who reads with eyes of its own, finds fault with hostile files too, and survives."""
+"""The checker, which has readers of its own, reports hostile files as well, and survives them."""
 
 from __future__ import annotations
 

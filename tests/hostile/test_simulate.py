@@ -1,4 +1,4 @@
-"""The command that is given strangers' FMUs keeps them apart without being asked."""
+"""``simulate`` runs FMUs in processes of their own by default."""
 
 import os
 import subprocess

@@ -101,7 +101,7 @@ static void compare(const Pair *p) {
 }
 
 /* Whether the shadow is to be called as well. */
-static bool judge(const Pair *p, int status, bool lawful) {
+static bool check_call(const Pair *p, int status, bool lawful) {
     calls++;
     mix(&status, sizeof status);
     if (lawful)
@@ -124,7 +124,7 @@ static void agree(int status, int of_shadow) {
         int who = FUZZED;                                                                          \
         Slave c = p->at[who];                                                                      \
         status = call;                                                                             \
-        if (judge(p, status, lawful)) {                                                            \
+        if (check_call(p, status, lawful)) {                                                       \
             who = SHADOW, c = p->at[who];                                                          \
             agree(status, call);                                                                   \
         }                                                                                          \
@@ -532,7 +532,7 @@ static void speak(Pair *p) {
              : below(3) == 0 ? step(NULL, 0.0, 1e-3, true)
              : below(2)      ? ACCESS(Get, Real, Float64, NULL, &k, 1, &value, 1)
                              : EITHER(SetFMUstate, SetFMUState, NULL, p->kept[0].of[FUZZED]);
-    judge(p, status, false);
+    check_call(p, status, false);
     doing = "a call that is not declared";
 #if FMI == 2
     const fmi2Integer order = 1;
@@ -541,7 +541,7 @@ static void speak(Pair *p) {
     status = below(2) ? CALL(EnterConfigurationMode, p->at[FUZZED])
                       : CALL(GetShiftDecimal, p->at[FUZZED], NULL, SIZE_MAX, NULL);
 #endif
-    judge(p, status, false);
+    check_call(p, status, false);
 }
 
 static void act(Pair *p) {
