@@ -6,6 +6,7 @@ import math
 
 from stickslip.catalog.parameters import parameter
 from stickslip.identification.stages import Estimate
+from stickslip.models import Law
 
 SPACE = "\u00a0"
 """Does not break."""
@@ -22,9 +23,10 @@ def symbol(name: str) -> str:
     return parameter(name).symbol
 
 
-def meaning(name: str) -> str:
-    """Return what a parameter is."""
-    return parameter(name).description
+def meaning(name: str, law: Law | None = None) -> str:
+    """Return what a parameter is in a friction law, in the first law that has it by default."""
+    found = law.parameters.get(name) if law else None
+    return (found or parameter(name)).description
 
 
 def parameter_unit(name: str) -> str:

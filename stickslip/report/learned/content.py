@@ -90,7 +90,7 @@ def _table(estimation: Estimation) -> Html:
     rows = [
         (
             symbol(name),
-            meaning(name),
+            meaning(name, estimation.law),
             *cells(known, parameter_scale(name, known.value, motion)),
             prose(known.sentence),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from string import ascii_lowercase
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -286,7 +287,8 @@ def draw_profiles(estimation: Estimation) -> Figure:
     panels = figure.subplots(rows, 3, sharey=True, squeeze=False).ravel()
     for axes, letter, name in zip(panels, ascii_lowercase, names, strict=False):
         _panel(axes, estimation, name)
-        style.name_panel(axes, letter, f"{meaning(name)}, {estimation.known[name].visible}")
+        title = f"{meaning(name, estimation.law)}, {estimation.known[name].visible}"
+        style.name_panel(axes, letter, fill(title, 40))
     for axes in panels[: len(names) : 3]:
         axes.set_ylabel("Deviance")
     for axes in panels[len(names) :]:

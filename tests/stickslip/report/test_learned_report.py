@@ -147,6 +147,7 @@ def test_every_parameter_appears_with_interval_unit_and_sentence(written):
     assert ("kg m²" in text) == (kind == "rotary")
     assert ("mrad/s" if kind == "rotary" else "mm/s") in text or kind == "dahl"
     assert ("LuGre" if kind != "dahl" else "Dahl") + " model of friction" in text
+    assert ("Stiffness of the contact at rest" in text) == (kind == "dahl")
 
 
 def test_the_page_names_criterion_reason_and_errors(written):
