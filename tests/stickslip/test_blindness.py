@@ -26,7 +26,7 @@ def found(rig):
     """Return all that identification and a short learning find, as exact text."""
     identification = identify(rig, LOOP)
     v_cmd = TRAINING.sample(rig.samples(2.0))
-    study = Study(rig, identification.loop, identification.estimates, v_cmd, settings=SETTINGS)
+    study = Study(rig, identification.loop, identification.tuned, v_cmd, settings=SETTINGS)
     algorithm = learn(study)
     start = {name: e.value for name, e in identification.estimates.items()}
     refined = refine(study, {name: start[name] for name in algorithm.names})

@@ -111,7 +111,7 @@ def test_learning_stopped_and_resumed_elsewhere_is_the_same(
     def study(feed="nominal"):
         found = reproduction.identification
         how = {"algorithm": algorithm, "settings": settings, "seed": 2}
-        return Study(rig, found.loop, found.estimates, v_cmd, feed, **how)
+        return Study(rig, found.loop, found.tuned, v_cmd, feed, **how)
 
     whole = learn(study())
     path = tmp_path / "run.json"

@@ -20,7 +20,7 @@ def study(reproduction, make_rig):
     rig = make_rig()
     found = reproduction.identification
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
-    return Study(rig, found.loop, found.estimates, v_cmd)
+    return Study(rig, found.loop, found.tuned, v_cmd)
 
 
 def start(study):

@@ -79,7 +79,7 @@ def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, ma
     v_cmd = TRAINING.sample(rig.samples(2.0))
 
     def run(workers):
-        study = Study(rig, found.loop, found.estimates, v_cmd, settings=settings, seed=3)
+        study = Study(rig, found.loop, found.tuned, v_cmd, settings=settings, seed=3)
         return learn(study, execution=Execution(workers)).convergence()
 
     serial, parallel = run(workers=1), run(workers=2)
@@ -91,7 +91,7 @@ def test_the_preset_paper_learns_and_repeats_itself_bit_for_bit(reproduction, ma
 def test_the_genetic_algorithm_learns_from_a_poor_start(reproduction, make_rig):
     """Twice the friction and half the stiffness to begin with; the drive alone corrects it."""
     rig, found = make_rig(), reproduction.identification
-    poor = found.estimates | {
+    poor = found.tuned | {
         "F_c": Estimate(12.0, 6.0),
         "F_s": Estimate(18.0, 9.0),
         "sigma_0": Estimate(2e5, 1e5),
