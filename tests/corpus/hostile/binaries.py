@@ -95,7 +95,7 @@ _DIES = r"hostile \(h\.fmu\): "
 _ATTACKING = [
     _attack("constructor-crash", "load segv", "crashes when it is loaded", r"h\.fmu: loading its binary died of SIGSEGV"),
     _attack("constructor-exit", "load exit0", "ends the process with success when it is loaded", r"h\.fmu: loading its binary ended its process with status 0", version=3),
-    _attack("constructor-hang", "load hang", "never comes back from being loaded", r"h\.fmu: loading its binary did not return"),
+    _attack("constructor-hang", "load hang", "never comes back from being loaded", r"h\.fmu: loading its binary (did not return|was going on when)"),
     _attack("instantiate-crash", "Instantiate segv", "crashes when instantiated", _DIES + "fmi2Instantiate died of SIGSEGV"),
     _attack("instantiate-exit", "Instantiate exit0", "ends the process with success when instantiated", _DIES + "fmi3InstantiateCoSimulation ended its process with status 0", version=3),
     _attack("setup-abort", "SetupExperiment abort", "aborts in the setup", _DIES + "fmi2SetupExperiment died of SIGABRT"),
