@@ -8,7 +8,7 @@ import zipfile
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
@@ -226,9 +226,13 @@ def test_refuses_null_and_numbers_of_values_that_differ(version, packed, tmp_pat
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="a",
     )
-    fmu.instantiate()
-    if version == 2:
+    if version == 2:  # FMPy's own callbacks end in the logger of its last simulation, which is gone
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(lambda *_: None)
+        fmu.instantiate(callbacks=callbacks)
         fmu.setupExperiment()
+    else:
+        fmu.instantiate()
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
     for name, *arguments in REFUSED[version]:
