@@ -3,7 +3,15 @@
 from stickslip.identification.estimation.candidate_fmus import candidate_fmus
 from stickslip.identification.estimation.estimation import CriterionName, Estimation, Task
 from stickslip.identification.estimation.learn import learn
-from stickslip.identification.fitting.identifiability import Certainty
+from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 
-__all__ = ["Certainty", "CriterionName", "Estimation", "Search", "Task", "candidate_fmus", "learn"]
+__all__ = [
+    "CriterionName",
+    "Estimation",
+    "Identifiability",
+    "Search",
+    "Task",
+    "candidate_fmus",
+    "learn",
+]

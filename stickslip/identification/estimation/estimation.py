@@ -16,7 +16,7 @@ from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.criteria.scaling import Scale
 from stickslip.identification.fitting.fit import Fit
-from stickslip.identification.fitting.identifiability import Certainty
+from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
@@ -65,9 +65,9 @@ class Estimation:
     ----------
     criterion, reason : the criterion of the result, and why
     fit : with coordinates, residual and covariance
-    known : certainty by name: the law's parameters, m and b
+    known : identifiability by name: the law's parameters, m and b
     parameters, errors : all values by name and their standard errors, SI
-    profiles : see ``certainty.profiles``
+    profiles : see ``identifiability.profiles``
     searches : a row for each seed: seed, evaluations, cost, the values of the local fit
     algorithm : the search that led to the result
     figures : goodness of fit
@@ -82,7 +82,7 @@ class Estimation:
     reason: str
     start: Start
     fit: Fit
-    known: dict[str, Certainty]
+    known: dict[str, Identifiability]
     parameters: dict[str, float]
     errors: dict[str, float]
     profiles: pd.DataFrame

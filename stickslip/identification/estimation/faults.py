@@ -4,19 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.catalog.space import Values
 from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.fitting.fit import Fit
 from stickslip.logs import Finding
 
 MODEL_ERROR = 2.0
 """Largest ratio of the loop's residual to that from encoder and noise."""
+DRIFT, SIGNIFICANT = 0.03, 5.0
+"""Smallest relative change of friction over a recording that is one, and in standard errors."""
+SLIDING = 0.3
+"""Share of the highest speed above which the drive slides."""
+LIKE = 40
+"""Classes of velocity."""
+SPANS = 10
+"""Parts of a recording that are left out in turn for that standard error."""
 NEAR = 0.01
 """Distance from a bound of the delay that counts as none [samples]."""
 
 
 def found_faults(
-    fitted: Fit, criterion: str, check: ControllerCheck | None, model_error: float = 0.0
+    fitted: Fit,
+    criterion: str,
+    check: ControllerCheck | None,
+    model_error: float,
+    change: tuple[float, float],
 ) -> Iterator[Finding]:
     """Yield each fault, with its figure and what to do.
 
@@ -25,6 +42,7 @@ def found_faults(
     fitted : by the criterion of that name
     check : of the controller; None where it is not known
     model_error : residual of the loop over that from encoder and noise
+    change : what ``change_of_friction`` found
     """
     u = fitted.space
     index = u.index("delay")
@@ -40,8 +58,48 @@ def found_faults(
         what = f"the simulated loop with the law {law.title} does not follow the recording"
         figure = f"its residual is {model_error:.2g} times what encoder and noise explain"
         yield Finding("warning", what, figure, "take the values as coarse", spoils="intervals")
+    drift, error = change
+    if abs(drift) > max(DRIFT, SIGNIFICANT * error):
+        what = "friction changes over the recording"
+        figure = f"by {100.0 * drift:+.2g} % from its beginning to its end, +-{100.0 * error:.2g} %"
+        advice = "run the drive until it is warm, and log again"
+        yield Finding("warning", what, figure, advice, spoils="intervals")
     if check is not None and check.factor != 1.0:
         what = "the logged force is out of scale with the force that the controller commands"
         figure = f"{check.factor:.3g} times as large"
         advice = f"give --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
         yield Finding("warning", what, figure, advice, spoils="values")
+
+
+def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, float]:
+    """Return by how much friction changes from begin to end, and its standard error, relative.
+
+    The force that the inverse model leaves in the direction of sliding has a slope over time where
+    friction changes. Only instants of like velocity are compared, so a wrong law has none. The
+    standard error is a jackknife over spans of the recording.
+    """
+    v = inverse.motion.v
+    speed = np.abs(v)
+    sliding = np.zeros(len(v), dtype=bool)
+    sliding[inverse.used] = True
+    sliding &= speed > SLIDING * np.quantile(speed, 0.99)
+    ahead = np.sign(v)[sliding]
+    left = (inverse.measured(values) - inverse.predicted(values))[sliding] * ahead
+    time = np.linspace(-0.5, 0.5, len(v))[sliding]
+    rows = np.column_stack([time, inverse.motion.a[sliding] * ahead, left])
+    _, like = np.unique(
+        np.searchsorted(np.quantile(v[sliding], np.linspace(0.0, 1.0, LIKE)[1:-1]), v[sliding]),
+        return_inverse=True,
+    )
+    span = np.arange(len(left)) * SPANS // len(left)
+
+    def slope(used: NDArray[np.bool_]) -> float:
+        count = np.maximum(np.bincount(like[used], minlength=LIKE), 1)
+        means = [np.bincount(like[used], column, LIKE) / count for column in rows[used].T]
+        within = rows[used] - np.column_stack(means)[like[used]]
+        return float(np.linalg.lstsq(within[:, :2], within[:, 2])[0][0])
+
+    without = np.array([slope(span != k) for k in range(SPANS)])
+    error = np.sqrt((SPANS - 1) * np.var(without))
+    level = abs(float(np.mean(inverse.friction(values)[sliding] * ahead)))
+    return slope(span >= 0) / level, float(error / level)

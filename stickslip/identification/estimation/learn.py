@@ -25,12 +25,16 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import Scale, scale_of
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
-from stickslip.identification.estimation.faults import MODEL_ERROR, found_faults
+from stickslip.identification.estimation.faults import (
+    MODEL_ERROR,
+    change_of_friction,
+    found_faults,
+)
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, value_errors
 from stickslip.identification.fitting.identifiability import (
-    certainty,
-    harmless,
+    conservative,
+    identifiability,
     profiles,
     unreliable,
 )
@@ -133,11 +137,12 @@ def _learn(
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
-        known = {name: certainty(name, best, errors, degrees) for name in names}
-        faults = (*task.faults, *found_faults(best, criterion, check, model_error))
+        known = {name: identifiability(name, best, errors, degrees) for name in names}
+        change = change_of_friction(inverse, found.parameters)
+        faults = (*task.faults, *found_faults(best, criterion, check, model_error, change))
         if faults:
             known = {name: unreliable(one) for name, one in known.items()}
-        known = harmless(known, start.space)
+        known = conservative(known, start.space)
         bounded = {name: known[name].value for name in start.space.bounded}
         values = {**best.parameters, **bounded}
         goodness = goodness_of_fit(task.fmus, recording, inverse, values, task.gains, check)

@@ -32,7 +32,7 @@ AT_BOUND = 1e-6
 
 
 @dataclass(frozen=True)
-class Certainty:
+class Identifiability:
     """Estimate of one parameter, in SI units.
 
     Attributes
@@ -51,7 +51,7 @@ class Certainty:
     sentence: str
 
 
-def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty:
+def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Identifiability:
     """Return the identifiability of one parameter.
 
     Parameters
@@ -77,11 +77,13 @@ def certainty(name: str, fitted: Fit, errors: Values, degrees: int) -> Certainty
     else:
         visible = WELL_KNOWN
         said = f"{WELL_KNOWN}, +-{100 * relative:.2g} %"
-    return Certainty(value, error, low, high, visible, said)
+    return Identifiability(value, error, low, high, visible, said)
 
 
-def harmless(known: dict[str, Certainty], space: ParameterSpace) -> dict[str, Certainty]:
-    """Return the same with F_s = F_c where F_s is not visible: too little force does no harm."""
+def conservative(
+    known: dict[str, Identifiability], space: ParameterSpace
+) -> dict[str, Identifiability]:
+    """Return the same with F_s = F_c where F_s is not identifiable: the smaller force is safe."""
     changed = {}
     for name, bound in space.bounded.items():
         one, least = known[name], known[bound]
@@ -93,8 +95,8 @@ def harmless(known: dict[str, Certainty], space: ParameterSpace) -> dict[str, Ce
     return {**known, **changed}
 
 
-def unreliable(known: Certainty) -> Certainty:
-    """Return the certainty of a value whose recording is at fault: weakly known at best."""
+def unreliable(known: Identifiability) -> Identifiability:
+    """Return the identifiability of a value whose recording is at fault: weakly known at best."""
     if known.visible != WELL_KNOWN:
         return known
     sentence = known.sentence.replace(WELL_KNOWN, f"{WEAKLY_KNOWN} at best") + ", see the warnings"

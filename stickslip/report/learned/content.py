@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.evaluation.guards import Benefit
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.estimation import Certainty, Estimation
+from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.fitting.identifiability import NOT_VISIBLE
 from stickslip.logs import Finding
 from stickslip.report.learned.figures import (
@@ -104,7 +104,7 @@ def _table(estimation: Estimation) -> Html:
     )
 
 
-def cells(known: Certainty, scale: Scale) -> tuple[str, str, str]:
+def cells(known: Identifiability, scale: Scale) -> tuple[str, str, str]:
     """Return value with error, interval, and unit; what is not visible has no error."""
     value, error = scale.factor * known.value, scale.factor * known.standard_error
     sentences = (

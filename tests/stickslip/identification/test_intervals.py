@@ -8,7 +8,7 @@ import pytest
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.fitting.fit import Fit
-from stickslip.identification.fitting.identifiability import certainty
+from stickslip.identification.fitting.identifiability import identifiability
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def test_the_truth_is_in_95_of_100_intervals(fitted, name, degrees):
     mean = rng.normal(0.0, 1.0 / np.sqrt(degrees + 1), 100_000)
     error = np.sqrt(rng.chisquare(degrees, 100_000) / degrees / (degrees + 1))
     scale = 1e-3 * abs(value) if value else 1e-3
-    known = certainty(name, fitted, dict.fromkeys(fitted.space.names, scale), degrees)
+    known = identifiability(name, fitted, dict.fromkeys(fitted.space.names, scale), degrees)
     if name != "b":
         below, above = np.log(value / known.low), np.log(known.high / value)
         factor = np.array([below, above]) * value / scale

@@ -14,7 +14,7 @@ from stickslip.catalog.parameters import DRIVE, LUGRE, PAPER, friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
-from stickslip.identification.estimation import Certainty, Estimation
+from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
@@ -33,11 +33,11 @@ KINDS = ("loop", "rotary", "friction", "dahl")
 VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0}
 
 
-def certainty(name, visible="well known"):
+def identifiability(name, visible="well known"):
     value = VALUES[name]
     error = 0.01 * value
     text = f"{visible}, +-2 %, of {name}"
-    return Certainty(value, error, value - 2 * error, value + 2 * error, visible, text)
+    return Identifiability(value, error, value - 2 * error, value + 2 * error, visible, text)
 
 
 def profile(name, steepness=1.0):
@@ -78,8 +78,8 @@ def made(kind="loop", n=30_000):
     nan = float("nan")
     loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
     names = space.friction if kind == "friction" else space.reported
-    known = {name: certainty(name) for name in names}
-    known[hidden] = certainty(hidden, "not visible")
+    known = {name: identifiability(name) for name in names}
+    known[hidden] = identifiability(hidden, "not visible")
     return Estimation(
         recording=recording,
         criterion="inverse model" if kind == "friction" else "output error",
