@@ -53,7 +53,7 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
         ", cost in NumPy": cosim.Record("mass.v"),
     }
 
-    def judge(simulation) -> float:
+    def cost_of(simulation) -> float:
         result = simulation.run(gains)
         if result.sum_of_squares:
             return result.sum_of_squares["cost"]
@@ -70,7 +70,7 @@ def measure_candidate(folder: Path, version: int) -> dict[str, float]:
             simulation = _prepare(
                 system, CANDIDATE, coupling="jacobi", record=record, compiled=compiled
             )
-            cases["cosim" + name + ", compiled" * compiled] = lambda s=simulation: judge(s)
+            cases["cosim" + name + ", compiled" * compiled] = lambda s=simulation: cost_of(s)
     np.testing.assert_allclose([case() for case in cases.values()], cases["cosim"](), rtol=1e-12)
     return interleaved(cases, 201)
 

@@ -1,4 +1,4 @@
-"""The problem that all race on: five LuGre genes, judged by the paper's closed loop of FMUs."""
+"""The problem of the races: five LuGre genes and the cost of the paper's closed loop of FMUs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KINDS = {
 
 
 def cost(folder: Path, kind: str = "measured", duration: float = 2.5) -> ga.SimulatedCost:
-    """Return what judges a candidate on the drive over a sweep of a duration [s]."""
+    """Return the cost function of a candidate on the drive, over a sweep of a duration [s]."""
     build_fmus(folder, KINDS[kind])
     specification = cosim.Specification(
         paper_loop(folder, design(), {}),

@@ -20,10 +20,10 @@ def run(folder: Path, out: Path, kinds: Sequence[str], seeds: int, budget: int) 
     """Race on these kinds of the problem; write race.csv and a figure, return what is printed."""
     tables = []
     for kind in kinds:
-        with cost(folder / kind, kind) as judge:
+        with cost(folder / kind, kind) as evaluate:
             for name, racer in racers().items():
                 for seed in range(seeds):
-                    rows = race_one(racer, judge, problem(seed), seed, budget).rows
+                    rows = race_one(racer, evaluate, problem(seed), seed, budget).rows
                     columns = ["evaluation", "seconds", "cost"]
                     table = pd.DataFrame(rows, columns=columns)
                     tables.append(table.assign(problem=kind, racer=name, seed=seed))

@@ -18,8 +18,8 @@ from scipy.optimize import differential_evolution
 from stickslip import ga
 from stickslip.ga.problem.encoding import Encoding
 
-Judge = Callable[[np.ndarray], float]
-Racer = Callable[[Judge, ga.Problem, int, int], None]
+Cost = Callable[[np.ndarray], float]
+Racer = Callable[[Cost, ga.Problem, int, int], None]
 """(cost of values (k,), problem, seed, budget): evaluates until `Spent` is raised or it is done"""
 
 FAILED = 1e9  # the others do not all take infinity
@@ -33,8 +33,8 @@ class Spent(Exception):
 class Clock:
     """Counts a racer's evaluations and takes the time of each that is better than all before."""
 
-    def __init__(self, judge: Judge, budget: int) -> None:
-        self._judge, self._budget = judge, budget
+    def __init__(self, evaluate: Cost, budget: int) -> None:
+        self._cost, self._budget = evaluate, budget
         self.evaluations, self.best = 0, np.inf
         self.rows: list[tuple[int, float, float]] = []
         self.found: np.ndarray | None = None
@@ -44,16 +44,16 @@ class Clock:
         if self.evaluations == self._budget:
             raise Spent
         self.evaluations += 1
-        found = self._judge(values)
+        found = self._cost(values)
         if found < self.best:
             self.best, self.found = found, values.copy()
             self.rows.append((self.evaluations, time.process_time() - self._begin, found))
         return found
 
 
-def race_one(racer: Racer, judge: Judge, given: ga.Problem, seed: int, budget: int) -> Clock:
+def race_one(racer: Racer, evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> Clock:
     """Let one of them search a problem, and return what it found when."""
-    clock = Clock(judge, budget)
+    clock = Clock(evaluate, budget)
     with warnings.catch_warnings(), contextlib.suppress(Spent):
         warnings.simplefilter("ignore")  # of the others
         racer(clock, given, seed, budget)
@@ -61,23 +61,23 @@ def race_one(racer: Racer, judge: Judge, given: ga.Problem, seed: int, budget: i
 
 
 def ours(algorithm: str) -> Racer:
-    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
+    def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
         if algorithm == "paper":
             given = ga.Problem(given.genes)
         optimiser = ga.optimiser(algorithm, given, ga.Limits(evaluations=budget), seed)
-        ga.learn(optimiser, judge)
+        ga.learn(optimiser, evaluate)
 
     return race
 
 
-def _strings(judge: Judge, given: ga.Problem) -> tuple[Judge, np.ndarray]:
+def _strings(evaluate: Cost, given: ga.Problem) -> tuple[Cost, np.ndarray]:
     """Return the cost of strings (k,) in [0, 1], and the start as one."""
     encoding = Encoding.of(given)
 
     def cost(string: np.ndarray) -> float:
         values = encoding.decode(np.clip(string, 0, 1))
         try:
-            return judge(given.repaired(values[np.newaxis])[0])
+            return evaluate(given.repaired(values[np.newaxis])[0])
         except ga.CandidateFailed:
             return FAILED
 
@@ -85,8 +85,8 @@ def _strings(judge: Judge, given: ga.Problem) -> tuple[Judge, np.ndarray]:
 
 
 def scipy_de(popsize: int) -> Racer:
-    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
-        cost, start = _strings(judge, given)
+    def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
+        cost, start = _strings(evaluate, given)
         differential_evolution(
             cost,
             [(0, 1)] * len(start),
@@ -102,10 +102,10 @@ def scipy_de(popsize: int) -> Racer:
 
 
 def cma(sigma: float) -> Racer:
-    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
+    def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
         from cma import fmin2
 
-        cost, start = _strings(judge, given)
+        cost, start = _strings(evaluate, given)
         size = 4 + int(3 * np.log(len(start)))
         for attempt in range(budget):
             options = {"bounds": [0, 1], "seed": 1 + seed + 1000 * attempt, "verbose": -9}
@@ -116,12 +116,12 @@ def cma(sigma: float) -> Racer:
 
 
 def pymoo_ga(population: int) -> Racer:
-    def race(judge: Judge, given: ga.Problem, seed: int, budget: int) -> None:
+    def race(evaluate: Cost, given: ga.Problem, seed: int, budget: int) -> None:
         from pymoo.algorithms.soo.nonconvex.ga import GA
         from pymoo.core.problem import ElementwiseProblem
         from pymoo.optimize import minimize
 
-        cost, start = _strings(judge, given)
+        cost, start = _strings(evaluate, given)
 
         class Genes(ElementwiseProblem):
             def __init__(self) -> None:

@@ -18,13 +18,13 @@ EVALUATIONS, ROUNDS = 500, 7
 def run(folder: Path) -> dict[str, float]:
     """Return the speeds; one and two workers must learn the same."""
     speeds: dict[str, float] = {}
-    with cost(folder, duration=10.0) as judge:
+    with cost(folder, duration=10.0) as evaluate:
         for name, where in PLACES.items():
             with ga.executor(where, 1) as one, ga.executor(where, 2) as two:
                 for executor in (one, two):  # prepares a simulation in each worker
-                    _learn(judge, executor, 30)
+                    _learn(evaluate, executor, 30)
                 rounds = [
-                    [_learn(judge, executor, EVALUATIONS) for executor in (one, two)]
+                    [_learn(evaluate, executor, EVALUATIONS) for executor in (one, two)]
                     for _ in range(ROUNDS)
                 ]
             if len({history for pair in rounds for _, history in pair}) > 1:
@@ -34,8 +34,8 @@ def run(folder: Path) -> dict[str, float]:
     return found | workers.measure(folder / "workers")
 
 
-def _learn(judge: ga.SimulatedCost, executor, evaluations: int) -> tuple[float, str]:
+def _learn(evaluate: ga.SimulatedCost, executor, evaluations: int) -> tuple[float, str]:
     optimiser = ga.optimiser("default", problem(0), ga.Limits(evaluations=evaluations))
     begin = time.perf_counter()
-    ga.learn(optimiser, judge, executor)
+    ga.learn(optimiser, evaluate, executor)
     return time.perf_counter() - begin, optimiser.history.to_csv()

@@ -18,19 +18,19 @@ DURATION = 10.0
 
 def measure(folder: Path, evaluations: int = 100) -> dict[str, float]:
     """Return ratios; learning and C take turns, and count the processor's seconds."""
-    with cost(folder, duration=DURATION) as judge:
-        specification, command = judge.specification, judge.inputs["v_cmd"]
+    with cost(folder, duration=DURATION) as evaluate:
+        specification, command = evaluate.specification, evaluate.inputs["v_cmd"]
         fused = FusedLoop(specification.system, specification.step, command)
-        _check(judge, fused, command)
+        _check(evaluate, fused, command)
         rounds = max(1, evaluations // 100)
         ratios, ours, kernels = [], [], []
         for seed in range(rounds):
             limits = ga.Limits(evaluations=102)
             optimiser = ga.optimiser("default", problem(seed), limits, seed)
-            seconds, _ = _timed(lambda o=optimiser: ga.learn(o, judge))
+            seconds, _ = _timed(lambda o=optimiser: ga.learn(o, evaluate))
             tried = optimiser.history[list(LUGRE)].to_numpy()
             plain, _ = _timed(lambda t=tried: _run_all(fused, t))
-            kernel, _ = _timed(lambda t=tried: [_simulate(judge, row) for row in t])
+            kernel, _ = _timed(lambda t=tried: [_simulate(evaluate, row) for row in t])
             ratios.append(seconds / plain)
             kernels.append(kernel / plain)
             ours.append(seconds / len(tried))
@@ -44,9 +44,9 @@ def measure(folder: Path, evaluations: int = 100) -> dict[str, float]:
     }
 
 
-def _check(judge: ga.SimulatedCost, fused: FusedLoop, command: np.ndarray) -> None:
+def _check(evaluate: ga.SimulatedCost, fused: FusedLoop, command: np.ndarray) -> None:
     values = {f"compensator.{name}": PAPER[name] for name in LUGRE}
-    with judge.specification.prepare() as simulation:
+    with evaluate.specification.prepare() as simulation:
         result = simulation.run(values, {"v_cmd": command})
     fused.set(values)
     fused.run()
@@ -60,9 +60,9 @@ def _run_all(fused: FusedLoop, candidates: np.ndarray) -> None:
         fused.run()
 
 
-def _simulate(judge: ga.SimulatedCost, values: np.ndarray) -> None:
-    parameters = dict(zip(judge.names, values.tolist(), strict=True))
-    judge._simulation().run(parameters, judge.inputs)  # noqa: SLF001 - as `judge` does
+def _simulate(evaluate: ga.SimulatedCost, values: np.ndarray) -> None:
+    parameters = dict(zip(evaluate.names, values.tolist(), strict=True))
+    evaluate._simulation().run(parameters, evaluate.inputs)  # noqa: SLF001 - as `evaluate` does
 
 
 def _fmpy(path: Path, command: np.ndarray, step: float) -> float:

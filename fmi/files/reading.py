@@ -1,4 +1,4 @@
-"""Files of strangers: regular ones alone, never more of them than expected."""
+"""Untrusted files: regular files only, read up to a limit."""
 
 from __future__ import annotations
 
