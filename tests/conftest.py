@@ -14,7 +14,7 @@ import pytest
 from hypothesis import settings
 
 HERE = Path(__file__).parent
-CASES = 2
+CASES = 1
 """Of each test in a folder that has parameters, so many cases belong to the quick tier."""
 
 for name in ("SIGINT", "SIGHUP"):
@@ -31,7 +31,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--quick",
         action="store_true",
-        help=f"run at most {CASES} cases of each test, and none that is marked slow",
+        help=f"run at most {CASES} case of each test, and none that is marked slow",
     )
 
 

@@ -23,6 +23,7 @@ def pytest_run(*arguments: str, **environment: str) -> subprocess.CompletedProce
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the tests of other platforms need POSIX")
 def test_other_platforms_fail_where_an_emulator_is_missing(tmp_path):
     done = pytest_run("-m", "platforms", "tests/platforms", PATH=str(tmp_path))

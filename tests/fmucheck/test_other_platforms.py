@@ -43,6 +43,7 @@ def broken(folder, how):
     return {f"binaries/{folder}/hostile{suffix}": BROKEN[how](fmus.library())}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", BROKEN)
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_broken_binary_elsewhere_does_not_stop_the_run_here(tmp_path, version, how):

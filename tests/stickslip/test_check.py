@@ -54,6 +54,7 @@ def test_json_has_every_file_and_finding(sound, broken, capsys):
     assert second["errors"] == sum(f["severity"] == "error" for f in second["findings"])
 
 
+@pytest.mark.slow
 def test_strict_counts_warnings(sound, tmp_path, capsys):
     misnamed = tmp_path / "stage.zip"
     misnamed.write_bytes(sound.read_bytes())

@@ -9,6 +9,7 @@ from stickslip import cosim
 STEP, STOP = 1e-3, 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 def test_iterates_as_a_component_among_others(linear, version, tmp_path):
     """What goes back and repeats its steps, as the iteration asks of it, gives what it holds."""

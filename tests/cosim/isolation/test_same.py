@@ -65,11 +65,13 @@ RUNS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", HOW.values(), ids=HOW)
 def test_whatever_is_recorded(fmus, how):
     assert_same(*both(loop(fmus), how, inputs={"y": 0.3}))
 
 
+@pytest.mark.slow
 def test_whatever_is_fed(fmus):
     spec = cosim.Specification(loop(fmus, 3), STEP, STOP)
     with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:

@@ -77,6 +77,7 @@ def test_a_malformed_file_is_reported_in_one_line(name, tmp_path):
     assert all(part in message for part in parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("reader", "message"),
     [
