@@ -23,7 +23,7 @@ def estimated_error(h: float, y: np.ndarray, u: float) -> float:
     """Return the local error of Rodas3 in tolerances, from the coefficients of its publication.
 
     The embedded method differs by its last stage. Allowed are 1e-6 of the motion, 1e-8 m/s and
-    1e-5 N of bristle force, as models/stage/README.md has it.
+    1e-5 N of bristle force, as models/plants/stage/README.md has it.
     """
     a = np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0], [2, 0, 1]])
     c = np.array([[0, 0, 0], [4, 0, 0], [1, -1, 0], [1, -1, -8 / 3]]) / h
