@@ -137,7 +137,7 @@ def _rows(truth, known) -> Iterator[dict[str, object]]:
             "standard_error": found.standard_error,
             "low": found.low,
             "high": found.high,
-            "visible": found.visible,
+            "identifiability": found.identifiability,
             "holds": found.low <= truth[name] <= found.high,
         }
 

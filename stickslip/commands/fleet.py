@@ -15,10 +15,9 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import files_of, write_fleet
+from stickslip.identification.fitting.identifiability import LEVELS, NOT_IDENTIFIABLE
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
-
-VISIBLE = ("well known", "weakly known", "not visible")
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -78,23 +77,23 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
 
 
 def _print_drives(fleet: Fleet) -> None:
-    """Print the criterion of each drive and how well its parameters are known."""
+    """Print the criterion of each drive and the identifiability of its parameters."""
     width = max(len(drive.name) for drive in fleet.drives)
     for drive in fleet.drives:
         if drive.name in fleet.reasons:
             print(f"{drive.name:{width}}  failed: {fleet.reasons[drive.name]}")
             continue
         document = fleet.learned[drive.name]
-        known: dict[str, list[str]] = {visible: [] for visible in VISIBLE}
+        known: dict[str, list[str]] = {level: [] for level in LEVELS}
         for name, parameter in document["parameters"].items():
-            known[parameter["visible"]].append(name)
-        parameters = [f"{visible}: {' '.join(of)}" for visible, of in known.items() if of]
-        print(f"{drive.name:{width}}  {'; '.join([document['judge'], *parameters])}")
+            known[parameter["identifiability"]].append(name)
+        parameters = [f"{level}: {' '.join(of)}" for level, of in known.items() if of]
+        print(f"{drive.name:{width}}  {'; '.join([document['criterion'], *parameters])}")
 
 
 def _print_parameters(table: pd.DataFrame) -> None:
-    """Print each parameter's range over the drives in which it is visible."""
-    seen = table[table["parameter"].notna() & (table["visible"] != VISIBLE[-1])]
+    """Print each parameter's range over the drives in which it is identifiable."""
+    seen = table[table["parameter"].notna() & (table["identifiability"] != NOT_IDENTIFIABLE)]
     if seen.empty:
         return
     heads = ("minimum", "median", "maximum")

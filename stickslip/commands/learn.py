@@ -121,7 +121,7 @@ def print_estimation(estimation: Estimation) -> None:
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
-        print(f"{fault}; no parameter is reported as well known")
+        print(f"{fault}; no parameter is reported as identifiable")
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

@@ -12,6 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    NOT_IDENTIFIABLE,
+    WEAKLY_IDENTIFIABLE,
+)
 from stickslip.report.style import (
     GREY,
     INK,
@@ -27,9 +32,9 @@ from stickslip.report.style import (
 from stickslip.servo.measurement import Array
 
 LOOKS = {
-    "not visible": (GREY, "white", THIN),
-    "weakly known": (WITHOUT, WITHOUT, LINE),
-    "well known": (WITH, WITH, LINE),
+    NOT_IDENTIFIABLE: (GREY, "white", THIN),
+    WEAKLY_IDENTIFIABLE: (WITHOUT, WITHOUT, LINE),
+    IDENTIFIABLE: (WITH, WITH, LINE),
 }
 """Colour of the line and of the inside of the dot, and width of the line [pt]."""
 NUMBERS = ("value", "low", "high", "truth")
@@ -58,8 +63,8 @@ LONGEST = 190.0
 def draw_fleet(table: pd.DataFrame) -> dict[str, bytes]:
     """Return the figure of a fleet's table by kind of file, ``png`` and ``svg``.
 
-    Values stand with their 95 % intervals; the truth of variants is a bar. What is not visible in
-    a drive's recording does not set the range of its panel. Drives that failed keep an empty line.
+    Values stand with their 95 % intervals; the truth of variants is a bar. What is not identifiable
+    does not set the range of its panel. Drives that failed keep an empty line.
     """
     files = {"png": io.BytesIO(), "svg": io.BytesIO()}
     with house_style():
@@ -111,8 +116,8 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
         axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_xlim(low, high)
     axes.grid(axis="y")
-    for visible, (colour, inside, width) in LOOKS.items():
-        of = (table["visible"] == visible).to_numpy()
+    for level, (colour, inside, width) in LOOKS.items():
+        of = (table["identifiability"] == level).to_numpy()
         ends = table["low"].to_numpy(float)[of], table["high"].to_numpy(float)[of]
         axes.hlines(line[of], *ends, color=colour, lw=width)
         axes.plot(value[of], line[of], "o", color=colour, mfc=inside, ms=3.2)
@@ -121,7 +126,7 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
 
 def _range(table: pd.DataFrame) -> tuple[float, float]:
     """Return the least and the greatest of what a panel must show."""
-    seen = table[table["visible"] != "not visible"]
+    seen = table[table["identifiability"] != NOT_IDENTIFIABLE]
     shown = [table["truth"], seen["low"], seen["high"], seen["value"]]
     if seen.empty:
         shown.append(table["value"])
@@ -140,9 +145,9 @@ def _name_drives(axes: Axes, names: list[str], failed: set[str]) -> None:
 
 def _legend(table: pd.DataFrame) -> list[Line2D]:
     handles = [
-        Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=width, label=visible)
-        for visible, (colour, inside, width) in reversed(LOOKS.items())
-        if (table["visible"] == visible).any()
+        Line2D([], [], color=colour, marker="o", ms=3.2, mfc=inside, lw=width, label=level)
+        for level, (colour, inside, width) in reversed(LOOKS.items())
+        if (table["identifiability"] == level).any()
     ]
     if table["truth"].notna().any():
         mark = Line2D([], [], color=INK, marker="|", ms=8.0, mew=0.8, ls="", label="truth")

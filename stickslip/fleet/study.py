@@ -14,7 +14,7 @@ from stickslip.fleet.running import Job, run_jobs
 from stickslip.fleet.table import Drive, LogSource
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.results.folder import MANIFEST, complete, refuse_foreign, staged
-from stickslip.results.learned import versions
+from stickslip.results.learned import SCHEMA, versions
 from stickslip.tuning.execution import Execution
 
 TABLE = "fleet.csv"
@@ -133,7 +133,7 @@ def _kept(path: Path, origin: dict[str, Any], seed: int) -> dict[str, Any] | Non
         document = parse_json(read_limited(path, MOST_TEXT))
     except (OSError, ValueError):
         return None
-    expected = {"fleet": origin, "seed": seed, "versions": versions()}
+    expected = {"schema": SCHEMA, "fleet": origin, "seed": seed, "versions": versions()}
     if not isinstance(document, dict) or not expected.items() <= document.items():
         return None
     return document

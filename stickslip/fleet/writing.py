@@ -18,8 +18,8 @@ from stickslip.report.page import picture_files
 from stickslip.results.folder import remove_results, staged
 
 COLUMNS = [
-    *("name", "parameter", "unit", "value", "standard_error", "low", "high", "visible"),
-    *("judge", "truth", "reason"),
+    *("name", "parameter", "unit", "value", "standard_error", "low", "high", "identifiability"),
+    *("criterion", "truth", "reason"),
 ]
 
 
@@ -40,7 +40,7 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
                 "name": drive.name,
                 "parameter": parameter,
                 **{column: known[column] for column in COLUMNS[2:8]},
-                "judge": document["judge"],
+                "criterion": document["criterion"],
                 "truth": truth.get(parameter),
             }
             for parameter, known in document["parameters"].items()

@@ -24,7 +24,7 @@ from stickslip.identification.estimation import (
     candidate_fmus,
 )
 from stickslip.identification.estimation import learn as estimate
-from stickslip.identification.fitting.identifiability import NOT_VISIBLE
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
@@ -147,10 +147,10 @@ class LearnedFromRecording(Learned):
     def warnings(self) -> tuple[str, ...]:
         """What should be known before the compensator is used, a line each."""
         guesses = [
-            f"{name} is not visible in this log; the compensator takes {known.value:.4g}: "
+            f"{name} is not identifiable in this log; the compensator takes {known.value:.4g}: "
             f"{known.sentence}"
             for name, known in self.estimation.known.items()
-            if name in self.estimation.law.parameters and known.visible == NOT_VISIBLE
+            if name in self.estimation.law.parameters and known.identifiability == NOT_IDENTIFIABLE
         ]
         if self.trial is None:
             return (*guesses, "no velocity loop can be closed, so the compensator is not tried")
@@ -234,7 +234,7 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
     errors = {
         name: estimation.known[name].standard_error
         for name in estimation.fit.space.friction
-        if estimation.known[name].visible != NOT_VISIBLE
+        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
     benefit, found = benefit_on_drives(
         estimation.law,

@@ -87,16 +87,16 @@ def _remark(
         remark = "as learning began: the training run alone would know it to "
         remark += f"+-{100 * learned.alone[name]:.2g} %"
     elif learned.alone[name] < prior:
-        remark = "well known from the training run"
+        remark = "identifiable from the training run"
     elif learned.accepted:
         remark = (
-            f"hardly visible in the training run (alone +-{100 * learned.alone[name]:.2g} %): "
-            "identification decides"
+            f"weakly identifiable from the training run "
+            f"(alone +-{100 * learned.alone[name]:.2g} %): identification decides"
         )
     else:
         remark = (
-            f"hardly visible in the training run (+-{100 * learned.alone[name]:.2g} %): "
-            "worse known than identified"
+            f"weakly identifiable from the training run (+-{100 * learned.alone[name]:.2g} %): "
+            "less certain than identified"
         )
     error_before, error_after = (abs(value / truth - 1.0) for value in (before.value, after.value))
     if error_after > error_before:

@@ -7,7 +7,8 @@
 
 Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and
 the gains L_x L_v L_d of a velocity filter. ``law`` names the friction law where it is not LuGre.
-Only ``parameters`` is needed to read a file.
+Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys: 1, that of files
+without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identifiability``.
 """
 
 from __future__ import annotations
@@ -36,8 +37,10 @@ from stickslip.servo.systems import FEEDS, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
+SCHEMA = 2
+"""Version of the keys that this module writes, and the latest that it reads."""
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
-IDENTIFIABILITY = ("standard_error", "low", "high", "visible", "sentence")
+IDENTIFIABILITY = ("standard_error", "low", "high", "identifiability", "sentence")
 LOOP_UNITS = {
     "m": "kg",
     "b": "N.s/m",
@@ -62,6 +65,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
     learned, options, opinion = reproduction.refinement, reproduction.options, reproduction.opinion
     return {
+        "schema": SCHEMA,
         "parameters": {
             name: {
                 "value": estimate.value,
@@ -122,6 +126,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         for name, value in known.items()
     }
     document: dict[str, Any] = {
+        "schema": SCHEMA,
         "parameters": parameters,
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
@@ -131,7 +136,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         },
         "log": estimation.recording.source,
         "motion": estimation.recording.motion,
-        "judge": estimation.criterion,
+        "criterion": estimation.criterion,
         "reason": estimation.reason,
         "relative_errors": {
             name: _finite(value) for name, value in estimation.figures.errors().items()
@@ -220,6 +225,12 @@ class LearnedFile:
         except ValueError as error:
             raise UsageError(f"{path}: not a learned.json: {error}") from None
         self._document: dict[str, Any] = document if isinstance(document, dict) else {}
+        schema = self._document.get("schema", 1)
+        if type(schema) is not int or not 1 <= schema <= SCHEMA:
+            raise UsageError(
+                f"{path}: schema: expected a number from 1 to {SCHEMA}, got {schema!r:.80}; "
+                "read it with the version of stickslip that wrote it, or learn again"
+            )
 
     @cached_property
     def law(self) -> Law:

@@ -168,7 +168,7 @@ def design_velocity_loop(
             change = "lower the bandwidth, T_s, tau_f or the margin"
         raise ControlError(
             f"phase margin {s.phase_margin:g} deg at {s.bandwidth:g} Hz is out of reach: a PI "
-            f"controller leaves {least:.1f} .. {most:.1f} deg there; {change}"
+            f"controller leaves {least:.1f} to {most:.1f} deg there; {change}"
         )
     gains = float(K_p), float(K_i)
     return close_velocity_loop(

@@ -11,7 +11,7 @@ from tests.interval_coverage import _rows, draw, drive
 
 @pytest.mark.parametrize(("low", "high", "holds"), [(5.9, 6.1, True), (6.0, 6.1, False)])
 def test_an_interval_holds_the_truth_or_not(low, high, holds):
-    known = {"F_c": Identifiability(0.5 * (low + high), 0.05, low, high, "well known", "")}
+    known = {"F_c": Identifiability(0.5 * (low + high), 0.05, low, high, "identifiable", "")}
     (row,) = _rows(PAPER, known)
     assert row["holds"] is holds
     assert row["truth"] == PAPER["F_c"]

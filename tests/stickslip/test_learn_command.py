@@ -22,7 +22,9 @@ def folder(log, tmp_path_factory):
 def test_it_prints_parameters_with_intervals(log, capsys):
     assert main(["learn", "--log", str(log), "--criterion", "inverse"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    known = {line.split()[0]: line for line in lines if "known" in line or "visible" in line}
+    known = {
+        line.split()[0]: line for line in lines if "known" in line or "identifiability" in line
+    }
     assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
     low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
     assert float(low) < 4.0 < float(high)

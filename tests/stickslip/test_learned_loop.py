@@ -69,6 +69,14 @@ def test_an_older_file_has_no_loop(learned):
     assert LearnedFile(path).standard_errors == {}
 
 
+@pytest.mark.parametrize("schema", [0, 3, True, "2", None, 1.5])
+def test_a_file_of_another_schema_is_refused_in_one_line(learned, schema):
+    message = "schema: expected a number from 1 to 2, got .*; read it with the version"
+    with pytest.raises(UsageError, match=message):
+        LearnedFile(learned(schema=schema))
+    assert LearnedFile(learned(schema=2)).friction == LearnedFile(learned()).friction
+
+
 def test_a_validation_command_comes_back(learned):
     assert LearnedFile(learned(validation=validation_document(SLOW))).validation == SLOW
 

@@ -74,7 +74,7 @@ class Estimation:
     controller : the check of the controller; None when it is not known
     remarks : changes made to the recording
     model_error : residual of the loop over that from encoder and noise; NaN without the loop
-    faults : those of the task, and those that learning found; no parameter is well known then
+    faults : those of the task, and those that learning found; no parameter is identifiable then
     """
 
     recording: Recording

@@ -19,8 +19,11 @@ from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.servo.measurement import Array
 
 WELL, WEAKLY = 0.05, 0.3
-"""Relative half-widths of a 95 % interval up to which a parameter is well, and weakly, known."""
-WELL_KNOWN, WEAKLY_KNOWN, NOT_VISIBLE = "well known", "weakly known", "not visible"
+"""Relative half-widths of a 95 % interval up to which a parameter is identifiable, or weakly so."""
+IDENTIFIABLE = "identifiable"
+WEAKLY_IDENTIFIABLE = "weakly identifiable"
+NOT_IDENTIFIABLE = "not identifiable"
+LEVELS = (IDENTIFIABLE, WEAKLY_IDENTIFIABLE, NOT_IDENTIFIABLE)
 PRIOR_DOMINATED = 0.5
 """Standard error, as share of the prior standard deviation, above which the prior decides."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
@@ -39,7 +42,7 @@ class Identifiability:
     ----------
     value, standard_error : of the fit
     low, high : 95 % interval
-    visible : ``well known``, ``weakly known`` or ``not visible``: well, poorly or not identifiable
+    identifiability : one of ``LEVELS``
     sentence : the same for people, with the experiment that shows the parameter
     """
 
@@ -47,7 +50,7 @@ class Identifiability:
     standard_error: float
     low: float
     high: float
-    visible: str
+    identifiability: str
     sentence: str
 
 
@@ -69,15 +72,15 @@ def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Ide
         low, high = value - factor * error, value + factor * error
     relative = factor * error / abs(value) if value else np.inf
     if _is_prior_dominated(name, fitted) or relative > WEAKLY:
-        visible = NOT_VISIBLE
-        said = f"not visible in this experiment; {_remedy(name, space)}"
+        level = NOT_IDENTIFIABLE
+        said = f"not identifiable in this experiment; {_remedy(name, space)}"
     elif relative > WELL:
-        visible = WEAKLY_KNOWN
-        said = f"{WEAKLY_KNOWN}, +-{100 * relative:.2g} %; {_remedy(name, space)}"
+        level = WEAKLY_IDENTIFIABLE
+        said = f"{WEAKLY_IDENTIFIABLE}, +-{100 * relative:.2g} %; {_remedy(name, space)}"
     else:
-        visible = WELL_KNOWN
-        said = f"{WELL_KNOWN}, +-{100 * relative:.2g} %"
-    return Identifiability(value, error, low, high, visible, said)
+        level = IDENTIFIABLE
+        said = f"{IDENTIFIABLE}, +-{100 * relative:.2g} %"
+    return Identifiability(value, error, low, high, level, said)
 
 
 def conservative(
@@ -87,20 +90,23 @@ def conservative(
     changed = {}
     for name, bound in space.bounded.items():
         one, least = known[name], known[bound]
-        if one.visible == NOT_VISIBLE and one.value > least.value:
-            taken = f"{name} = {bound} is taken, as {name} is {NOT_VISIBLE}"
-            sentence = one.sentence.replace(NOT_VISIBLE, taken)
+        if one.identifiability == NOT_IDENTIFIABLE and one.value > least.value:
+            taken = f"{name} = {bound} is taken, as {name} is {NOT_IDENTIFIABLE}"
+            sentence = one.sentence.replace(NOT_IDENTIFIABLE, taken)
             low = min(one.low, least.low)
             changed[name] = replace(one, value=least.value, low=low, sentence=sentence)
     return {**known, **changed}
 
 
 def unreliable(known: Identifiability) -> Identifiability:
-    """Return the identifiability of a value whose recording is at fault: weakly known at best."""
-    if known.visible != WELL_KNOWN:
+    """Return a value whose recording is at fault: it is weakly identifiable at best."""
+    if known.identifiability != IDENTIFIABLE:
         return known
-    sentence = known.sentence.replace(WELL_KNOWN, f"{WEAKLY_KNOWN} at best") + ", see the warnings"
-    return replace(known, visible=WEAKLY_KNOWN, sentence=sentence)
+    sentence = (
+        known.sentence.replace(IDENTIFIABLE, f"{WEAKLY_IDENTIFIABLE} at best")
+        + ", see the warnings"
+    )
+    return replace(known, identifiability=WEAKLY_IDENTIFIABLE, sentence=sentence)
 
 
 def _remedy(name: str, space: ParameterSpace) -> str:

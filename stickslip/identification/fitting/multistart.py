@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.catalog.space import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.fit import BLOCKS, Criterion, Fit, fit
-from stickslip.identification.fitting.identifiability import NOT_VISIBLE, identifiability
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
 
@@ -47,7 +47,8 @@ def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
     """
     errors, space = found.errors(), found.space
     if not space.bounded or all(
-        identifiability(name, found, errors, BLOCKS).visible != NOT_VISIBLE for name in space.rise
+        identifiability(name, found, errors, BLOCKS).identifiability != NOT_IDENTIFIABLE
+        for name in space.rise
     ):
         return found
     q = found.q.copy()

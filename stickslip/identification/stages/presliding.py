@@ -91,7 +91,7 @@ def measure_presliding(rig: Rig, known: Mapping[str, float], force: float) -> Pr
                 stiffer = (_starts(shown, f * stiffness, known["m"])[0] for f in STIFFER)
                 nearest = min(stiffer, key=lambda start: float(np.sum(residual(start) ** 2)))
                 fit = min(fit, _least(residual, [nearest]), key=lambda candidate: candidate.cost)
-            p, errors, warning = _judged(fit, starts[0], _left(fit.fun, log, step))
+            p, errors, warning = _evaluated(fit, starts[0], _left(fit.fun, log, step))
         gap = position(p) - log.x_enc
         x_fit = position(p) - gap.mean()
     values = np.exp(p)
@@ -118,7 +118,7 @@ def _left(residual: Array, log: Log, step: float) -> float:
     return float(np.std(residual) * step / np.std(log.x_enc))
 
 
-def _judged(fit: OptimizeResult, start: Array, left: float) -> tuple[Array, Array, str]:
+def _evaluated(fit: OptimizeResult, start: Array, left: float) -> tuple[Array, Array, str]:
     """Return logarithms of parameters, their standard errors, and what is wrong with them."""
     errors = np.sqrt(np.diag(covariance(np.asarray(fit.jac), fit.fun)))
     near = np.clip(fit.x, start - FARTHEST, start + FARTHEST)

@@ -27,10 +27,10 @@ def parameter_table(estimation: Estimation) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        parameter, unit, value, standard_error, low, high (95 %), visible, sentence
+        parameter, unit, value, standard_error, low, high (95 %), identifiability, sentence
     """
     rotary = estimation.recording.motion == "rotary"
-    columns = ("value", "standard_error", "low", "high", "visible", "sentence")
+    columns = ("value", "standard_error", "low", "high", "identifiability", "sentence")
     rows = [
         {"parameter": name, "unit": unit_of(name, rotary=rotary)}
         | {column: getattr(known, column) for column in columns}

@@ -12,7 +12,7 @@ from stickslip.evaluation.guards import Benefit
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation, Identifiability
-from stickslip.identification.fitting.identifiability import NOT_VISIBLE
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS, NOT_IDENTIFIABLE
 from stickslip.logs import Finding
 from stickslip.report.learned.figures import (
     draw_force,
@@ -39,7 +39,6 @@ ERRORS = {
     "velocity": "Velocity, loop simulated",
     "closed_loop_force": "{0}, loop simulated",
 }
-LEVELS = ("well known", "weakly known", "not visible")
 
 
 def head(estimation: Estimation) -> Section:
@@ -64,7 +63,7 @@ def _verdict(estimation: Estimation) -> Html:
     known = estimation.known
     sentences = []
     for level in LEVELS:
-        names = [symbol(name) for name in known if known[name].visible == level]
+        names = [symbol(name) for name in known if known[name].identifiability == level]
         if names:
             sentences.append(f"{level.capitalize()}: {', '.join(names)}.")
     tiles, errors = [], estimation.figures.errors()
@@ -105,10 +104,12 @@ def _table(estimation: Estimation) -> Html:
 
 
 def cells(known: Identifiability, scale: Scale) -> tuple[str, str, str]:
-    """Return value with error, interval, and unit; what is not visible has no error."""
+    """Return value with error, interval, and unit; what is not identifiable has no error."""
     value, error = scale.factor * known.value, scale.factor * known.standard_error
     sentences = (
-        f"≈ {number(value, 2)}" if known.visible == "not visible" else with_error(value, error)
+        f"≈ {number(value, 2)}"
+        if known.identifiability == NOT_IDENTIFIABLE
+        else with_error(value, error)
     )
     return sentences, interval(scale.factor * known.low, scale.factor * known.high), scale.unit
 
@@ -133,7 +134,7 @@ def _rest(estimation: Estimation) -> Html:
 def _exponent(estimation: Estimation) -> str:
     """Return how friction falls with speed, where that shows."""
     delta = estimation.chosen.get("delta")
-    if delta is None or estimation.known["v_s"].visible == NOT_VISIBLE:
+    if delta is None or estimation.known["v_s"].identifiability == NOT_IDENTIFIABLE:
         return ""
     ratio, other = "|$v$| / $v_s$", number(3.0 - delta, 1)
     power = f"({ratio})²" if delta == 2.0 else ratio
@@ -203,7 +204,9 @@ def use(estimation: Estimation, beside: Collection[str]) -> Section:
 
 def _next(estimation: Estimation) -> list[Html]:
     """Return how to identify the parameters better that are not well identified."""
-    vague = [name for name, known in estimation.known.items() if known.visible != "well known"]
+    vague = [
+        name for name, known in estimation.known.items() if known.identifiability != IDENTIFIABLE
+    ]
     if not vague:
         return []
     motion = " --motion rotary" if estimation.recording.motion == "rotary" else ""

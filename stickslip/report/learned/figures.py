@@ -287,7 +287,7 @@ def draw_profiles(estimation: Estimation) -> Figure:
     panels = figure.subplots(rows, 3, sharey=True, squeeze=False).ravel()
     for axes, letter, name in zip(panels, ascii_lowercase, names, strict=False):
         _panel(axes, estimation, name)
-        title = f"{meaning(name, estimation.law)}, {estimation.known[name].visible}"
+        title = f"{meaning(name, estimation.law)}, {estimation.known[name].identifiability}"
         style.name_panel(axes, letter, fill(title, 40))
     for axes in panels[: len(names) : 3]:
         axes.set_ylabel("Deviance")

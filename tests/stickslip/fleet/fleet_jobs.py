@@ -8,15 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.fleet.job import Outcome
-from stickslip.results.learned import versions
+from stickslip.results.learned import SCHEMA, versions
 
 
 def quick(drive, seed, _=None):
     """Learn one parameter that depends on nothing but the drive."""
     value = 1.0 / (seed + len(drive.name))
     known = {"value": value, "unit": "N", "standard_error": 0.01, "low": value - 0.02}
-    known |= {"high": value + 0.02, "visible": "well known", "sentence": "well known"}
-    document = {"parameters": {"F_c": known}, "judge": "none", "seed": seed, "versions": versions()}
+    known |= {"high": value + 0.02, "identifiability": "identifiable", "sentence": "identifiable"}
+    document = {"schema": SCHEMA, "parameters": {"F_c": known}, "criterion": "none"}
+    document |= {"seed": seed, "versions": versions()}
     return Outcome(json.dumps(document))
 
 

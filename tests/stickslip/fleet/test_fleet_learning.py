@@ -61,6 +61,6 @@ def test_a_variant_is_recorded_and_its_truth_joined(tmp_path, monkeypatch):
     assert rows["truth"]["m"] == 9.0
     assert rows["value"]["m"] == pytest.approx(9.0, rel=1e-3)
     assert rows["value"]["m"] != 9.0
-    assert set(rows["judge"]) == {"output error"}
+    assert set(rows["criterion"]) == {"output error"}
     learned = (tmp_path / "out" / "drives" / "heavy" / "learned.json").read_text()
     assert "truth" not in learned

@@ -38,4 +38,4 @@ def test_no_parameter_is_well_identified_where_friction_changes(
 ):
     learned = learn(Task(candidates, recorded("Table 2", fault, tmp_path)))
     assert ["friction changes over" in str(found) for found in learned.faults] == [True] * flagged
-    assert (learned.known["m"].visible == "well known") != flagged
+    assert (learned.known["m"].identifiability == "identifiable") != flagged

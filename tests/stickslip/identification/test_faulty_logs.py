@@ -1,4 +1,4 @@
-"""Logs that mislead: the fault is named with its figure, and nothing is called well known."""
+"""Logs that mislead: the fault is named with its figure, and nothing is called identifiable."""
 
 from dataclasses import replace
 
@@ -126,8 +126,8 @@ def test_a_force_out_of_scale_names_the_factor(short, candidates):
     assert fault.figure == "0.3 times as large"
     assert "--scale force=3.33" in fault.advice
     assert fault.spoils == "values"
-    assert "well known" not in {known.visible for known in learned.known.values()}
-    assert "weakly known at best" in learned.known["m"].sentence
+    assert "identifiable" not in {known.identifiability for known in learned.known.values()}
+    assert "weakly identifiable at best" in learned.known["m"].sentence
 
 
 def test_rejected_gains_change_nothing(short, candidates):
@@ -138,7 +138,7 @@ def test_rejected_gains_change_nothing(short, candidates):
     assert rejected.faults == without.faults == ()
     assert rejected.known == without.known
     assert rejected.parameters == without.parameters
-    assert without.known["m"].visible == "well known"
+    assert without.known["m"].identifiability == "identifiable"
 
 
 def test_a_delay_at_its_bound_is_a_fault(short, candidates):
@@ -148,14 +148,14 @@ def test_a_delay_at_its_bound_is_a_fault(short, candidates):
         fault
     )
     assert fault.spoils == "intervals"
-    assert "well known" not in {known.visible for known in learned.known.values()}
+    assert "identifiable" not in {known.identifiability for known in learned.known.values()}
 
 
 def test_f_s_that_does_not_show_is_f_c(command, candidates):
     """The fit prefers 20 times F_c here; such a force pushed the drive."""
     learned = learn(Task(candidates, recording(run("gms", command))))
     assert learned.fit.parameters["F_s"] > 10.0 * learned.fit.parameters["F_c"]
-    assert learned.known["F_s"].visible == "not visible"
+    assert learned.known["F_s"].identifiability == "not identifiable"
     assert learned.compensator["F_s"] == learned.compensator["F_c"]
     assert learned.known["F_s"].value == learned.known["F_c"].value
     assert "F_s = F_c is taken" in learned.known["F_s"].sentence

@@ -49,17 +49,17 @@ def test_emps_gives_the_published_parameters(emps):
 
 def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     for name in ("F_s", "v_s", "sigma_0", "sigma_1"):
-        assert emps.estimation.known[name].visible == "not visible"
+        assert emps.estimation.known[name].identifiability == "not identifiable"
     print_estimation(emps.estimation)
     said = capsys.readouterr().out
-    assert said.count("not visible in this experiment") == 4
+    assert said.count("not identifiable in this experiment") == 4
     assert "stickslip plan --show sigma_0" in said
 
 
 def test_what_was_learned_is_written_and_read(emps, tmp_path):
     write_learned(emps, tmp_path)
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(emps.compensator)
-    assert sum("not visible in this log" in warning for warning in emps.warnings) == 4
+    assert sum("not identifiable in this log" in warning for warning in emps.warnings) == 4
     assert cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start == pytest.approx(
         emps.compensator["F_c"]
     )
@@ -106,5 +106,5 @@ def test_the_hysteresis_of_a_tribometer():
     estimation = learned("tribometer", "test_data_2.txt", "tribometer.toml").estimation
     assert estimation.criterion == "inverse model"
     assert estimation.figures.force < 0.2
-    assert estimation.known["sigma_0"].visible != "not visible"
+    assert estimation.known["sigma_0"].identifiability != "not identifiable"
     assert "sign was turned" in estimation.remarks[0]

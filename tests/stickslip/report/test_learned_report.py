@@ -33,11 +33,11 @@ KINDS = ("loop", "rotary", "friction", "dahl")
 VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0}
 
 
-def identifiability(name, visible="well known"):
+def identifiability(name, level="identifiable"):
     value = VALUES[name]
     error = 0.01 * value
-    text = f"{visible}, +-2 %, of {name}"
-    return Identifiability(value, error, value - 2 * error, value + 2 * error, visible, text)
+    text = f"{level}, +-2 %, of {name}"
+    return Identifiability(value, error, value - 2 * error, value + 2 * error, level, text)
 
 
 def profile(name, steepness=1.0):
@@ -56,7 +56,7 @@ def algorithm():
 def made(kind="loop", n=30_000):
     """An estimation of a sine.
 
-    The law's first parameter is not visible, and the profile of its last one is too steep.
+    The law's first parameter is not identifiable, and the profile of its last one is too steep.
     """
     law = friction_law("dahl" if kind == "dahl" else "lugre")
     space = ParameterSpace.of(law)
@@ -79,7 +79,7 @@ def made(kind="loop", n=30_000):
     loop = (nan, nan, nan) if simulated is None else (1.5e-4, 0.0171, 0.0426)
     names = space.friction if kind == "friction" else space.reported
     known = {name: identifiability(name) for name in names}
-    known[hidden] = identifiability(hidden, "not visible")
+    known[hidden] = identifiability(hidden, "not identifiable")
     return Estimation(
         recording=recording,
         criterion="inverse model" if kind == "friction" else "output error",
@@ -163,8 +163,8 @@ def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
     kind, estimation, folder = written
     text, name = words(folder), estimation.fit.space.friction[0]
     letter = {"F_s": "Fs", "sigma_0": "σ0"}[name]
-    assert f"Not visible: {letter}." in text
-    assert re.search(rf"Well known: [^.]*{letter}", text) is None
+    assert f"Not identifiable: {letter}." in text
+    assert re.search(rf"Identifiable: [^.]*{letter}", text) is None
     assert f"≈ {number(estimation.known[name].value, 2)}".replace("\u00a0", " ") in text
     motion = " --motion rotary" if kind == "rotary" else ""
     assert f"stickslip plan --show {name}{motion}" in text
@@ -220,7 +220,9 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
     """No sample slides far enough, and no profile has points near the fitted value."""
     estimation = made(n=2000)
     known = {
-        name: replace(one, standard_error=np.inf, low=0.0, high=np.inf, visible="not visible")
+        name: replace(
+            one, standard_error=np.inf, low=0.0, high=np.inf, identifiability="not identifiable"
+        )
         for name, one in estimation.known.items()
     }
     far = estimation.profiles.assign(value=[1e9 * k for k in range(len(estimation.profiles))])
