@@ -8,7 +8,7 @@ Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,26 +78,37 @@ class InverseModel(Closing):
         edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
         self.used = slice(edge, len(self.t) - edge)
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
-        # The velocity of row n + 1 is the one at the end of the step from t[n].
-        self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
-        self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
+        self.inputs = _inputs(self.motion)
+        self.linear = _linear(self.motion)
         self._runs = Runs(self.specification, workers)
         self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        parameters = {
-            f"compensator.{name}": value for name, value in values.items() if name not in DRIVE
-        }
-        return self._runs.run(parameters, self.inputs)["compensator.F_f"]
+        return self._along(self.inputs, values)
 
-    def predicted(self, values: Values) -> Array:
-        """Return the force (n,) [N] that the values predict for the motion, low-passed."""
+    def predicted(self, values: Values, motion: SmoothMotion | None = None) -> Array:
+        """Return the force (n,) [N] that the values predict, low-passed.
+
+        Parameters
+        ----------
+        values : by name
+        motion : through the same low-pass; by default that of the recording
+        """
+        inputs, linear = self.inputs, self.linear
+        if motion is not None:
+            inputs, linear = _inputs(motion), _linear(motion)
         weights = np.array([values["m"], values["b"], values["F_0"]])
         if self.measures_friction:
             weights[:2] = 0.0
-        friction = smoothed(self.friction(values), self.T_s, self.cutoff)
-        return np.asarray(self.linear @ weights + friction)
+        friction = smoothed(self._along(inputs, values), self.T_s, self.cutoff)
+        return np.asarray(linear @ weights + friction)
+
+    def _along(self, inputs: Mapping[str, Array], values: Values) -> Array:
+        parameters = {
+            f"compensator.{name}": value for name, value in values.items() if name not in DRIVE
+        }
+        return self._runs.run(parameters, inputs)["compensator.F_f"]
 
     def measured(self, values: Values) -> Array:
         """Return the measured force (n,) [N] without its delay, low-passed."""
@@ -120,6 +131,16 @@ class InverseModel(Closing):
     def close(self) -> None:
         """Free the FMU."""
         self._runs.close()
+
+
+def _inputs(motion: SmoothMotion) -> dict[str, Array]:
+    """Return the compensator's inputs; that of row n + 1 is taken at the end of step n."""
+    return {"v": np.append(motion.v[1:], motion.v[-1])}
+
+
+def _linear(motion: SmoothMotion) -> Array:
+    """Return the columns (n, 3) of m, b and F_0."""
+    return np.column_stack([motion.a, motion.v, np.ones_like(motion.v)])
 
 
 @dataclass(frozen=True)
@@ -147,8 +168,11 @@ class ForceCost:
 
     def __call__(self, result: cosim.Result) -> float:
         """Return the cost of a run that recorded ``compensator.F_f``."""
-        friction = smoothed(result["compensator.F_f"], self.T_s, self.cutoff)
-        rest = self.target - friction
+        return self.of_friction(result["compensator.F_f"])
+
+    def of_friction(self, friction: Array) -> float:
+        """Return the cost of a friction (n,) [N] along the motion."""
+        rest = self.target - smoothed(friction, self.T_s, self.cutoff)
         # No linear algebra: its sums depend on its threads, in which workers differ.
         for direction in self.basis.T:
             rest = rest - direction * np.sum(direction * rest)

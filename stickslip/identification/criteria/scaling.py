@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.catalog.parameters import force_and_length_of
+from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
@@ -59,6 +60,16 @@ class Scale:
         }
         step = recording.encoder_step * self.length
         return replace(recording, **signals, encoder_step=step)  # type: ignore[arg-type]
+
+
+def recording_scale(recording: Recording) -> Scale:
+    """Return the scale that suits a recording; none where no force was logged."""
+    velocity = np.diff(position_of(recording)) / recording.T_s
+    forces = (recording.force, recording.friction, recording.force_command)
+    force = next((signal for signal in forces if signal is not None), None)
+    if force is None:  # the controller's gains will tell
+        return Scale()
+    return scale_of(force, velocity)
 
 
 def scale_of(force: Array, velocity: Array) -> Scale:

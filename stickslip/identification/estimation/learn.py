@@ -22,7 +22,7 @@ from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.scaling import Scale, scale_of
+from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
 from stickslip.identification.estimation.faults import (
@@ -76,22 +76,13 @@ def learn(
     ga.NothingLearned
         When no candidate could be run.
     """
-    scale = _scale(task.recording)
+    scale = recording_scale(task.recording)
     gains = None if task.gains is None else scale.values(task.gains)
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
     # Sums that are split over threads round differently, and a search amplifies that.
     with threadpool_limits(limits=1, user_api="blas"):
         estimation = _learn(scaled, on_stage, on_generation)
     return restored(estimation, scale)
-
-
-def _scale(recording: Recording) -> Scale:
-    velocity = np.diff(position_of(recording)) / recording.T_s
-    forces = (recording.force, recording.friction, recording.force_command)
-    force = next((signal for signal in forces if signal is not None), None)
-    if force is None:  # the controller's gains will tell
-        return Scale()
-    return scale_of(force, velocity)
 
 
 def _learn(

@@ -1,0 +1,6 @@
+"""Which friction law explains a recording: each predicts the parts that it was not fitted to."""
+
+from stickslip.identification.selection.candidates import Candidate, candidates
+from stickslip.identification.selection.prediction import Prediction, predict, predictions
+
+__all__ = ["Candidate", "Prediction", "candidates", "predict", "predictions"]

@@ -1,0 +1,44 @@
+"""Each law predicts the parts of a recording that it was not fitted to."""
+
+import numpy as np
+import pytest
+from drives import LAWS, STAGE, run
+
+from stickslip.identification.selection import candidates, predictions
+from stickslip.logs import Recording
+from stickslip.models import law_names
+from stickslip.planning import plan
+
+COMMAND = plan()["velocity_command"].to_numpy()[:16_000]
+DAMPING = {"dahl": {"sigma_1": 0.0}}
+
+
+def recording(law, **changes):
+    found = run(law, COMMAND, **{"uneven": 0.0, **changes})
+    return Recording(found["t"], found["position"], found["applied"], encoder_step=4e-7)
+
+
+@pytest.fixture(scope="module", params=[law for law in LAWS if law in law_names()])
+def predicted(request):
+    found = predictions(recording(request.param, **DAMPING.get(request.param, {})))
+    return request.param, {one.candidate.title: one for one in found}
+
+
+def test_every_law_of_the_catalogue_is_a_candidate():
+    found = [one.law.name for one in candidates() if not one.is_level]
+    assert found[0] == "lugre"
+    assert sorted(found) == sorted(law_names())
+    (level,) = (one for one in candidates() if one.is_level)
+    assert level.title == "Coulomb-viscous"
+
+
+def test_the_law_of_the_drive_predicts_what_it_was_not_fitted_to(predicted):
+    law, found = predicted
+    best = min(found.values(), key=lambda one: one.force)
+    (own,) = (one for one in found.values() if one.candidate.law.name == law)
+    assert own.force < 1.05 * best.force
+    assert own.parameters["m"] == pytest.approx(STAGE["m"], rel=0.03)
+    assert own.parameters["F_c"] == pytest.approx(STAGE["F_c"], rel=0.03)
+    assert own.force < 1.3 * own.explained
+    assert float(np.sqrt(own.squares.mean())) == pytest.approx(own.force, rel=0.01)
+    assert found["Coulomb-viscous"].force > 2.0 * own.force
