@@ -37,7 +37,7 @@ FIGURES = {
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    log = {"--log FILE": "log in CSV, Parquet or MAT format"}
+    log = {"--log FILE": "log: CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4"}
     add_options(parser, log, type=Path, required=True)
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     criterion = parser.add_argument(

@@ -109,12 +109,12 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
 
 
 def _may_be_time(table: LogTable, name: str) -> bool:
-    return name in table.texts and (_role_named(name) or ("", 0))[0] == "time"
+    return name in table.texts and (role_named(name) or ("", 0))[0] == "time"
 
 
 def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:
     """Return role and rank (0 is best) of a column, by its name and the unit that it states."""
-    found = _role_named(name)
+    found = role_named(name)
     unit = unit_named(stated) if stated else None
     measured = _MEASURED.get(unit.quantity) if unit else None
     if measured is None:
@@ -128,7 +128,7 @@ def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:
     return (f"{measured}_command", rank) if role.endswith("_command") else None
 
 
-def _role_named(name: str) -> tuple[str, int] | None:
+def role_named(name: str) -> tuple[str, int] | None:
     """Return role and rank of a column's name, None when it says nothing."""
     words = _words(name)
     joined = "_".join(words)

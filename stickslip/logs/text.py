@@ -23,6 +23,7 @@ from stickslip.servo.measurement import Array
 _SAMPLE = 200
 MOST_BYTES = 1 << 28
 MOST_LINES = 4_000_000
+_BEGIN = 1 << 16
 LONGEST = 1 << 17
 """Characters of a line."""
 _BINARY = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
@@ -87,18 +88,29 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     )
 
 
+def is_text(data: bytes) -> bool:
+    """Whether the begin of a file is text."""
+    return not _BINARY.search(_decoded(data[:_BEGIN]))
+
+
+def _decoded(data: bytes) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", "replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
 def _lines(path: str, data: bytes) -> list[_Line]:
     """Return the lines that are not empty."""
     if len(data) > MOST_BYTES:
         raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
-    encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
-    try:
-        text = data.decode(encoding)
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
+    text = _decoded(data)
     if _BINARY.search(text):
         raise RecordingError(
-            f"{path}: binary, not text; expected CSV, Parquet (.parquet) or MATLAB (.mat)"
+            f"{path}: binary, not text, and of no known format; expected CSV or a file that "
+            "ends in .parquet, .mat, .h5, .tdms, .mf4 or .xlsx"
         )
     numbered = enumerate(re.split(r"\r\n|\n|\r", text), start=1)
     lines = [(k, line.strip(" \r")) for k, line in numbered if line.strip()]

@@ -1,25 +1,42 @@
 """Formats of logs besides text: one module each, found in this folder.
 
-A module has ``recognises(data: bytes, suffix: str) -> bool``, which detects the format from the
-content of a file or from the end of its name (``.mat``), and
-``read(path: str, data: bytes) -> LogTable``, which raises RecordingError.
+A module has ``TITLE``, the format's name; ``SUFFIXES`` of its files; ``NEEDS``, module and extra of
+the library that it takes, if that is optional; ``recognises(data: bytes) -> bool``, which detects
+the format from the content; and one of
+
+- ``contents(data: bytes)``, which returns signals as a tree of mappings, lists and arrays, or a
+  table as text. It runs in a process of its own with limits of memory and time. The module is
+  loaded there by its path, and imports no other module of the project.
+- ``read(path: str, data: bytes) -> LogTable``, which runs in our process, for readers that no
+  content can crash. It raises RecordingError.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
+from types import ModuleType
 
 from stickslip.errors import RecordingError
 from stickslip.fmi.files import read_limited
+from stickslip.logs.finding import Finding
+from stickslip.logs.isolated import read_isolated
+from stickslip.logs.signals import table_of
 from stickslip.logs.table import LogTable
-from stickslip.logs.text import read_text
+from stickslip.logs.text import is_text, read_text
 
 MOST = 1 << 30
 """Bytes of a log; of one as text see ``text``."""
-_ARCHIVE = b"PK\x03\x04"
+_FOREIGN = {
+    b"PK\x03\x04": "an archive",
+    b"\xd0\xcf\x11\xe0": "a workbook of Excel 97; save it as .xlsx",
+    b"%PDF": "a PDF document",
+}
 _FORMATS = [import_module(f"{__name__}.{each.name}") for each in iter_modules(__path__)]
+SUFFIXES = tuple(suffix for each in _FORMATS for suffix in each.SUFFIXES)
 
 
 def read_table(path: Path, delimiter: str | None = None, decimal: str | None = None) -> LogTable:
@@ -37,11 +54,41 @@ def read_table(path: Path, delimiter: str | None = None, decimal: str | None = N
     name, suffix = str(path), path.suffix.lower()
     if not data:
         raise RecordingError(f"{name}: empty; expected columns of numbers")
-    for ending in ("", suffix):  # the content decides before the name does
-        for each in _FORMATS:
-            if each.recognises(data, ending):
-                table: LogTable = each.read(name, data)
-                return table
-    if data.startswith(_ARCHIVE):
-        raise RecordingError(f"{name}: an archive or a spreadsheet; export the log as CSV")
+    known = [each for each in _FORMATS if each.recognises(data)]
+    named = [each for each in _FORMATS if suffix in each.SUFFIXES]
+    if not known and named and is_text(data):
+        what = f"a text, not a file of {named[-1].TITLE} as its name says; rename it to .csv"
+        raise RecordingError(f"{name}: {what}")
+    if found := known or named:
+        table = _read(found[-1], name, data, delimiter, decimal)  # MAT files of old have no mark
+        if suffix and found[-1] not in named:
+            what = f"the file is {found[-1].TITLE}, although its name ends in {suffix}"
+            table = replace(table, findings=(Finding("note", what), *table.findings))
+        return table
+    for start, what in _FOREIGN.items():
+        if data.startswith(start):
+            raise RecordingError(f"{name}: {what}; expected a log, export it as CSV")
     return read_text(name, data, delimiter, decimal)
+
+
+def _read(
+    module: ModuleType, path: str, data: bytes, delimiter: str | None, decimal: str | None
+) -> LogTable:
+    """Read a file of a format.
+
+    Raises
+    ------
+    RecordingError
+        When its library is not installed, or the file cannot be read.
+    """
+    library, extra = getattr(module, "NEEDS", ("numpy", ""))
+    if find_spec(library) is None:
+        needed = f"reading {module.TITLE} needs {library}"
+        raise RecordingError(f"{path}: {needed}; pip install 'stickslip[{extra}]'")
+    if hasattr(module, "read"):
+        table: LogTable = module.read(path, data)
+        return table
+    found = read_isolated(path, data, str(module.__file__), module.TITLE)
+    if isinstance(found, str):
+        return read_text(path, found.encode(), delimiter or "\t", decimal)
+    return table_of(path, found)

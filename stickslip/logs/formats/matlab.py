@@ -1,79 +1,45 @@
-"""Logs as MAT files, which ``mat_reader`` reads in a process of its own."""
+"""Logs as MAT files up to version 7, with structures and cells."""
 
 from __future__ import annotations
 
 import io
-import os
-import subprocess
-import sys
-import zipfile
+from typing import Any
 
 import numpy as np
 
-from stickslip.errors import RecordingError
-from stickslip.fmi.process import child_process
-from stickslip.logs import mat_reader
-from stickslip.logs.table import LogTable
-from stickslip.servo.measurement import Array
-
-TIMEOUT = 60.0
-"""Time limit of the reader [s]."""
+TITLE = "MAT"
+SUFFIXES = (".mat",)
 
 
-def recognises(data: bytes, suffix: str) -> bool:
-    """Tell whether a log is of this format."""
-    return data.startswith((b"MATLAB ", b"\x89HDF")) or suffix == ".mat"
+def recognises(data: bytes) -> bool:
+    """Tell whether a file is of this format."""
+    return data.startswith(b"MATLAB ") and not data.startswith(b"MATLAB 7.3")
 
 
-def read(path: str, data: bytes) -> LogTable:
-    """Read the vectors and scalars of a MAT file; fields of structs are called ``struct.field``.
+def contents(data: bytes) -> dict[str, Any]:
+    """Return the variables: structures as mappings, arrays of them and cells as lists."""
+    from scipy.io import loadmat
 
-    Raises
-    ------
-    RecordingError
-        When it cannot be read or holds no vector of numbers.
-    """
-    numbers: dict[str, Array] = {}
-    scalars: dict[str, float] = {}
-    faults: dict[str, str] = {}
-    for name, found in _variables(path, data).items():
-        if found.dtype.kind == "U":
-            faults[name] = f"expected a vector of numbers, got {found}"
-            continue
-        with np.errstate(invalid="ignore"):  # signalling NaN
-            value = found.astype(np.float64)
-        if value.size == 1:
-            scalars[name] = float(value.ravel()[0])
-        elif value.ndim == 2 and min(value.shape) > 1:  # one signal a column
-            matrix = value if value.shape[0] >= value.shape[1] else value.T
-            for k, column in enumerate(matrix.T, start=1):
-                numbers[f"{name}({k})"] = column
-        elif value.ndim <= 2 and value.size:
-            numbers[name] = value.ravel()
-        else:
-            faults[name] = f"expected a vector, got an array {value.shape}"
-    if not numbers:
-        names = ", ".join(sorted([*scalars, *faults])[:8]) or "nothing"
-        raise RecordingError(f"{path}: no vectors of numbers; there is {names}")
-    return LogTable(path, (*numbers, *faults), numbers, faults=faults, scalars=scalars)
+    variables = loadmat(io.BytesIO(data), chars_as_strings=True).items()  # type: ignore[arg-type]
+    return {name: _plain(value) for name, value in variables if not name.startswith("__")}
 
 
-def _variables(path: str, data: bytes) -> dict[str, np.ndarray]:
-    search = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "OPENBLAS_NUM_THREADS": "1"}
-    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-    command = [sys.executable, "-P", mat_reader.__file__]
-    with child_process(command, env=os.environ | search, **pipes) as process:
-        try:
-            output, errors = process.communicate(data, TIMEOUT)
-            with np.load(io.BytesIO(output), allow_pickle=False) as found:
-                names = found["names"].tolist()
-                return {name: found[f"arr_{k}"] for k, name in enumerate(names)}
-        except subprocess.TimeoutExpired:
-            reason = f"not read within {TIMEOUT:g} s"
-        except (ValueError, OSError, KeyError, EOFError, zipfile.BadZipFile):
-            last = errors.decode("utf-8", "replace").strip().splitlines()[-1:]
-            reason = last[0][:80] if last else f"its reader ended with {process.returncode}"
-    raise RecordingError(
-        f"{path}: not a MAT file, damaged, or of version 7.3 and h5py is not installed "
-        f"({reason}); save it with save(..., '-v7')"
-    )
+def _plain(found: Any) -> Any:
+    if not isinstance(found, np.ndarray):
+        return found
+    kind = found.dtype.kind
+    if type(found).__name__ == "MatlabOpaque":
+        cls = found.ravel()["s2"][0]
+        kind_of = cls.decode("latin-1") if isinstance(cls, bytes) else str(cls)
+        return f"a MATLAB object ({kind_of}), which only MATLAB reads; save a structure with time"
+    if kind == "V" and found.dtype.names:
+        each = [
+            {name: _plain(value) for name, value in zip(found.dtype.names, one, strict=True)}
+            for one in found.ravel()
+        ]
+        return each[0] if len(each) == 1 else each
+    if kind == "O":
+        return [_plain(value) for value in found.ravel()]
+    if kind == "U":
+        return str(found.ravel()[0]) if found.size == 1 else ""
+    return found

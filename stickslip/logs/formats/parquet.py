@@ -9,10 +9,14 @@ from stickslip.logs.dialect import split_unit
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
+TITLE = "Parquet"
+SUFFIXES = (".parquet", ".pq")
+NEEDS = ("pyarrow", "parquet")
 
-def recognises(data: bytes, suffix: str) -> bool:
-    """Tell whether a log is of this format."""
-    return data.startswith(b"PAR1") or suffix in (".parquet", ".pq")
+
+def recognises(data: bytes) -> bool:
+    """Tell whether a file is of this format."""
+    return data.startswith(b"PAR1")
 
 
 def read(path: str, data: bytes) -> LogTable:
@@ -21,14 +25,10 @@ def read(path: str, data: bytes) -> LogTable:
     Raises
     ------
     RecordingError
-        When pyarrow is missing, the file cannot be read, or it holds no rows of numbers.
+        When the file cannot be read, or it holds no rows of numbers.
     """
     try:
         columns = read_columns(data)
-    except ImportError:
-        raise RecordingError(
-            f"{path}: reading Parquet needs pyarrow; install stickslip[parquet]"
-        ) from None
     except Unreadable as error:
         raise RecordingError(f"{path}: not a Parquet file, or damaged ({error})") from None
     names: list[str] = []

@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 
 from tests.corpus.hostile.case import family
 from tests.corpus.hostile.sound import sound
+from tests.corpus.hostile.zips import DEFLATE, Member, zipped
 
 
 def _recorded() -> bytes:
@@ -141,20 +142,23 @@ LOGS = [
     _log("many-lines", "five million lines", "at most .* and 4000000 rows", lambda _: b"1\n" * 5_000_000),
     _log("brackets", "a name of brackets and blanks, slow to search", "no column of time",
          lambda _: b"( " * 30_000 + b",b\n" + b"1,2\n" * 50),
-    _log("spreadsheet", "a spreadsheet", "an archive or a spreadsheet", b"PK\3\4" + bytes(30)),
+    _log("spreadsheet", "a spreadsheet", "an archive", b"PK\3\4" + bytes(30)),
     _log("missing", "no file", "log.csv: cannot be read", None),
     _log("pipe", "a pipe that nobody writes to", "no regular file", os.mkfifo),
     _log("huge", "4 GB", "4294967296 bytes, at most", _huge),
     _log("parquet-cut", "half a Parquet file", "not a Parquet file, or damaged", lambda _: _parquet(t=np.arange(99.0), x=np.arange(99.0))[:300], ".parquet"),
     _log("parquet-nested", "a position that is a list", "no column of position", lambda _: _parquet(t=np.arange(50.0), x=[[1.0]] * 50), ".parquet"),
-    _log("mat-text", "a text called .mat", "not a MAT file", LOG, ".mat"),
-    _log("mat-7.3", "a MAT file of version 7.3", "version 7.3", b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
-    _log("mat-cells", "cells instead of numbers", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
-    _log("mat-shape", "a vector whose length lies", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
-    _log("mat-size", "an element longer than the file", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
-    _log("mat-dimensions", "an array of a thousand dimensions", "not a MAT file, damaged", lambda _: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
-    _log("mat-bomb", "320 MB of zeros, packed", "not a MAT file, damaged", lambda _: _mat((15, _bomb())), ".mat"),
-    _log("mat-damaged", "packed data that is none", "not a MAT file, damaged", lambda _: _mat((15, b"x" * 40)), ".mat"),
+    _log("mat-text", "a text called .mat", "a text, not a file of MAT", LOG, ".mat"),
+    _log("mat-7.3", "a MAT file of version 7.3 without content", "cannot be read as HDF5 or MATLAB 7.3", b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", ".mat"),
+    _log("mat-cells", "cells instead of numbers", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", b"", (3, 1), which=1))), ".mat"),
+    _log("mat-shape", "a vector whose length lies", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (2**31 - 1, 2**31 - 1)))), ".mat"),
+    _log("mat-size", "an element longer than the file", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(24), (3, 1))))[:-8], ".mat"),
+    _log("mat-dimensions", "an array of a thousand dimensions", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((14, _matrix(b"x", bytes(8), (1,) * 1000))), ".mat"),
+    _log("mat-bomb", "320 MB of zeros, packed", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((15, _bomb())), ".mat"),
+    _log("excel-bomb", "a workbook of 400 MB of zeros, packed", "cannot be read as Excel", lambda _: zipped([Member(b"xl/workbook.xml", bytes(400 << 20), DEFLATE)]), ".xlsx"),
+    _log("tdms-cut", "a TDMS file that ends in its header", "no vectors of numbers", b"TDSm" + bytes(3), ".tdms"),
+    _log("mdf-cut", "an MF4 file that ends in its header", "cannot be read as MDF", b"MDF     4.10    " + bytes(48), ".mf4"),
+    _log("mat-damaged", "packed data that is none", "cannot be read as MAT, perhaps it is damaged", lambda _: _mat((15, b"x" * 40)), ".mat"),
 ]  # fmt: skip
 
 CONFIGS = [

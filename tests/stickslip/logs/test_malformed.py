@@ -8,15 +8,7 @@ import scipy.io
 
 from stickslip import models
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs import (
-    Column,
-    Controller,
-    Description,
-    load_description,
-    mat_reader,
-    read_recording,
-)
-from stickslip.logs.formats import matlab
+from stickslip.logs import Column, Controller, Description, load_description, read_recording
 
 ROWS = [f"{k * 0.001:.3f},{np.sin(k / 50):.9f},{np.cos(k / 50):.9f}" for k in range(100)]
 
@@ -75,25 +67,6 @@ def test_a_malformed_file_is_reported_in_one_line(name, tmp_path):
     message = str(caught.value)
     assert "\n" not in message
     assert all(part in message for part in parts)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("reader", "message"),
-    [
-        ("import os; os.abort()", "its reader ended with -6"),
-        ("import time; time.sleep(60)", "not read within 1 s"),
-        ("print('no archive')", "its reader ended with 0"),
-    ],
-)
-def test_a_mat_reader_that_crashes_or_hangs(reader, message, tmp_path, monkeypatch):
-    (tmp_path / "reader.py").write_text(reader)
-    monkeypatch.setattr(mat_reader, "__file__", str(tmp_path / "reader.py"))
-    monkeypatch.setattr(matlab, "TIMEOUT", 1.0)
-    path = tmp_path / "log.mat"
-    path.write_bytes(mat({"t": T, "x": X}))
-    with pytest.raises(RecordingError, match=message):
-        read_recording(path)
 
 
 DESCRIPTIONS = {

@@ -1,0 +1,42 @@
+"""Logs as TDMS files of LabVIEW and its relatives."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+
+TITLE = "TDMS"
+SUFFIXES = (".tdms",)
+NEEDS = ("nptdms", "tdms")
+
+
+def recognises(data: bytes) -> bool:
+    """Tell whether a file is of this format."""
+    return data.startswith(b"TDSm")
+
+
+def contents(data: bytes) -> list[dict[str, Any]]:
+    """Return the channels with their units, and their times where the file states the period.
+
+    Raises
+    ------
+    ValueError
+        When the file is cut off.
+    """
+    from nptdms import TdmsFile
+
+    file = TdmsFile.read(io.BytesIO(data))
+    if file.file_status.incomplete_final_segment:
+        raise ValueError("the last segment is cut off")
+    channels = []
+    for group in file.groups():
+        for channel in group.channels():
+            each = {"name": channel.name, "values": channel[:]}
+            each["unit"] = str(channel.properties.get("unit_string", ""))
+            if period := float(channel.properties.get("wf_increment", 0.0)):
+                begin = float(channel.properties.get("wf_start_offset", 0.0))
+                each["time"] = begin + np.arange(len(channel)) * period
+            channels.append(each)
+    return channels

@@ -1,0 +1,149 @@
+"""From signals, each with times of its own or none, to one table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.errors import RecordingError
+from stickslip.fmi.messages import printable
+from stickslip.logs.dialect import split_unit
+from stickslip.logs.finding import Finding
+from stickslip.logs.roles import role_named
+from stickslip.logs.table import LogTable
+from stickslip.servo.measurement import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """A variable of a file.
+
+    Attributes
+    ----------
+    name : in the file
+    values : numbers of any shape; None where there are none
+    unit : as the file states it
+    time : (n,) of its values [s]; None where the file keeps times as a variable
+    instead : what there is instead of numbers
+    """
+
+    name: str
+    values: Array | None
+    unit: str = ""
+    time: Array | None = None
+    instead: str = ""
+
+
+def table_of(path: str, signals: Sequence[Signal]) -> LogTable:
+    """Return one table of signals; what has other times is interpolated.
+
+    Columns of a matrix are called ``name(1)`` and so on. The common times are those at which most
+    signals were logged that a name tells to be of use; of several the coarsest, because a position
+    that is interpolated between its samples shows false accelerations.
+
+    Raises
+    ------
+    RecordingError
+        When there is no vector of numbers.
+    """
+    numbers: dict[str, Array] = {}
+    times: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    faults: dict[str, str] = {}
+    scalars: dict[str, float] = {}
+    names: list[str] = []
+    for signal in signals:
+        for name, column in _columns(signal):
+            name, unit = split_unit(printable(name))
+            while name in names:
+                name = f"{name}_{len(names) + 1}"
+            if isinstance(column, float):
+                scalars[name] = column
+                continue
+            names.append(name)
+            if unit := signal.unit.strip() or unit or "":
+                units[name] = unit
+            if isinstance(column, str):
+                faults[name] = column
+                continue
+            numbers[name] = column
+            if signal.time is not None:
+                times[name] = np.asarray(signal.time, dtype=np.float64).ravel()
+    if not numbers:
+        first = next((f" ({name}: {fault})" for name, fault in faults.items()), "")
+        listed = ", ".join(sorted([*scalars, *faults])[:8]) or "nothing"
+        raise RecordingError(f"{path}: no vectors of numbers; there is {listed}{first}")
+    findings: tuple[Finding, ...] = ()
+    if times:
+        name = "time" if "time" not in names else "time of the signals"
+        numbers[name], findings = _aligned(numbers, times, faults)
+        names.insert(0, name)
+        units[name] = "s"
+    return LogTable(
+        path,
+        tuple(names),
+        {name: column for name, column in numbers.items() if name not in faults},
+        units=units,
+        faults=faults,
+        scalars=scalars,
+        findings=findings,
+    )
+
+
+def _columns(signal: Signal) -> list[tuple[str, Array | float | str]]:
+    """Return the vectors of a signal by name, a number, or what it is instead."""
+    name = signal.name
+    if signal.values is None:
+        return [(name, f"expected a vector of numbers, got {printable(signal.instead)}")]
+    with np.errstate(invalid="ignore"):  # signalling NaN
+        value = signal.values.astype(np.float64)
+    n = None if signal.time is None else signal.time.size
+    if value.ndim == 3 and value.shape[-1] == n:  # one matrix a sample
+        value = value.reshape(-1, value.shape[-1]).T
+    if value.size == 1 and n is None:
+        return [(name, float(value.ravel()[0]))]
+    if value.ndim == 2 and min(value.shape) > 1:  # one signal a column
+        upright = value.shape[0] == n or (value.shape[1] != n and value.shape[0] >= value.shape[1])
+        columns = (value if upright else value.T).T
+        return [(f"{name}({k})", column) for k, column in enumerate(columns, start=1)]
+    if value.ndim > 2 or not value.size:
+        return [(name, f"expected a vector, got an array {value.shape}")]
+    if n not in (None, value.size):
+        return [(name, f"{value.size} values, but {n} times")]
+    return [(name, value.ravel())]
+
+
+def _aligned(
+    numbers: dict[str, Array], times: dict[str, Array], faults: dict[str, str]
+) -> tuple[Array, tuple[Finding, ...]]:
+    """Put all signals that have times on common ones; return these."""
+    groups: dict[bytes, list[str]] = {}
+    for name, t in times.items():
+        groups.setdefault(t.tobytes(), []).append(name)
+
+    def usefulness(names: list[str]) -> tuple[int, int]:
+        useful = len({role for name in names if (role := role_named(name))})
+        n = len(times[names[0]])
+        return useful, -n if useful else n
+
+    common = max(groups.values(), key=usefulness)
+    base = times[common[0]]
+    moved = []
+    for names in groups.values():
+        if names is common:
+            continue
+        t = times[names[0]]
+        rises = bool(np.all(np.diff(t) > 0))
+        for name in names:
+            if not rises:
+                faults[name] = "its times do not rise"
+            else:
+                numbers[name] = np.interp(base, t, numbers[name], left=np.nan, right=np.nan)
+                moved.append(name)
+    if not moved:
+        return base, ()
+    shown = ", ".join(moved[:6]) + (", ..." if len(moved) > 6 else "")
+    what = f"signals with other times, interpolated to those of {common[0]}"
+    return base, (Finding("note", what, shown),)

@@ -1,0 +1,198 @@
+"""Logs in the formats of other tools: each file is made by that format's own library."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import format_writers as writers
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+from stickslip.cli import main
+from stickslip.errors import RecordingError
+from stickslip.logs import Column, Description, isolated, read_recording, reader_process
+from stickslip.logs.formats import read_table
+
+FILES = {
+    "excel": ("log.xlsx", writers.excel),
+    "tdms": ("log.tdms", writers.tdms),
+    "mdf": ("log.mf4", writers.mdf),
+    "mdf 3": ("log.mdf", writers.mdf),
+    "hdf5": ("log.h5", writers.hdf5),
+    "hdf5 table": ("log.hdf5", writers.hdf5_table),
+    "simulink": ("log.mat", writers.simulink),
+    "simulink blocks": ("log.mat", writers.simulink_blocks),
+    "cells": ("log.mat", writers.cells),
+    "matlab 7.3": ("log.mat", writers.matlab73),
+    "simulink in 7.3": ("log.mat", writers.matlab73_simulink),
+    "cells in 7.3": ("log.mat", writers.matlab73_cells),
+}
+WITHOUT_UNITS = ("simulink", "simulink blocks", "matlab 7.3", "simulink in 7.3")
+EXTRAS = {
+    "log.xlsx": ("openpyxl", "excel"),
+    "log.tdms": ("nptdms", "tdms"),
+    "log.mf4": ("asammdf", "mdf"),
+    "log.h5": ("h5py", "hdf5"),
+    "log.parquet": ("pyarrow", "parquet"),
+}
+
+
+def columns(table, *, units: bool = True):
+    """Return time, position, force and command, in mm where units are stated."""
+    scale, mm = (1e3, " [mm]") if units else (1.0, "")
+    return {
+        "time [s]" if units else "time": table["time"].to_numpy(),
+        f"Actual position{mm}": table["position"].to_numpy() * scale,
+        "Motor force [N]" if units else "Motor force": table["force"].to_numpy(),
+        f"v_cmd{mm[:-1]}/s]" if units else "v_cmd": table["velocity_command"].to_numpy() * scale,
+    }
+
+
+@pytest.fixture(params=FILES)
+def written(request, table, tmp_path):
+    """Return the path of a log in each format."""
+    name, write = FILES[request.param]
+    write(tmp_path / name, columns(table, units=request.param not in WITHOUT_UNITS))
+    return tmp_path / name
+
+
+def test_what_a_library_writes_reads_back_equal(written, table):
+    reading = read_recording(written)
+    np.testing.assert_allclose(reading.recording.t, table["time"], rtol=1e-9, atol=1e-9)
+    for name in ("position", "force", "velocity_command"):
+        np.testing.assert_allclose(getattr(reading.recording, name), table[name], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", EXTRAS)
+def test_a_missing_library_is_named_with_its_extra(name, table, tmp_path, monkeypatch, capsys):
+    library, extra = EXTRAS[name]
+    path = tmp_path / name
+    if extra == "parquet":
+        table.to_parquet(path)
+    else:
+        next(write for file, write in FILES.values() if file == name)(path, columns(table))
+    monkeypatch.setitem(sys.modules, library, None)
+    assert main(["learn", "--log", str(path), "--check"]) == 1
+    error = capsys.readouterr().err
+    assert f"needs {library}; pip install 'stickslip[{extra}]'" in error
+    assert error.count("\n") == 1
+
+
+def test_the_extras_are_declared():
+    tomllib = pytest.importorskip("tomllib")
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8"))
+    optional = project["project"]["optional-dependencies"]
+    for library, extra in EXTRAS.values():
+        assert optional[extra][0].lower().startswith(library)
+        assert extra in optional["logs"][0]
+        assert importlib.util.find_spec(library), "the tests need it"
+
+
+def damaged(content: bytes) -> dict[str, bytes]:
+    return {
+        "half": content[: len(content) // 2],
+        "zeros": content[:64] + bytes(len(content) - 64),
+        "short": content[:40],
+        "text": b"time,x,F\n" + b"0,1,2\n" * 50,
+        "empty": b"",
+    }
+
+
+@pytest.mark.parametrize("kind", ["excel", "tdms", "mdf", "hdf5", "matlab 7.3", "cells"])
+def test_a_damaged_file_is_reported_in_one_line(kind, table, tmp_path):
+    name, write = FILES[kind]
+    path = tmp_path / name
+    write(path, columns(table, units=kind not in WITHOUT_UNITS))
+    for content in damaged(path.read_bytes()).values():
+        path.write_bytes(content)
+        with pytest.raises(RecordingError) as caught:
+            read_recording(path)
+        assert "\n" not in str(caught.value)
+        assert str(caught.value).startswith(str(path))
+        assert len(str(caught.value)) < len(str(path)) + 250
+
+
+def test_a_text_called_excel(tmp_path):
+    (tmp_path / "log.xlsx").write_text("t;x;F\n" + "0;1;2\n" * 50)
+    with pytest.raises(RecordingError, match=r"a text, not a file of Excel .* rename it to \.csv"):
+        read_recording(tmp_path / "log.xlsx")
+
+
+def test_the_content_decides_before_the_name_does(table, tmp_path):
+    writers.excel(tmp_path / "log.xlsx", columns(table))
+    (tmp_path / "log.xlsx").rename(tmp_path / "log.csv")
+    reading = read_recording(tmp_path / "log.csv")
+    assert any("is Excel, although its name ends in .csv" in str(f) for f in reading.findings)
+
+
+def test_signals_of_other_times_are_interpolated(tmp_path):
+    """The times are the coarser ones of the two signals that are of use, not the finest."""
+    fast, slow = np.arange(4000) * 5e-4, np.arange(1000) * 2e-3
+    with writers.Matlab73(tmp_path / "log.mat") as file:
+        for name, t, values in (
+            ("noise", np.arange(9000) * 2e-4, np.zeros(9000)),
+            ("position", slow, np.sin(slow)),
+            ("force", fast, 3.0 * fast),
+        ):
+            file.put(name, {"time": t, "data": values, "unit": ""})
+    table = read_table(tmp_path / "log.mat")
+    np.testing.assert_array_equal(table.numbers["time"], slow)
+    np.testing.assert_array_equal(table.numbers["position"], np.sin(slow))
+    np.testing.assert_allclose(table.numbers["force"], 3.0 * slow)
+    assert any("interpolated to those of position: " in str(f) for f in table.findings)
+
+
+@pytest.mark.parametrize("shape", ["(n, 2)", "(2, n)", "(1, 2, n)"])
+def test_matrices_of_signals(shape, tmp_path):
+    n = 50
+    values = np.arange(2 * n, dtype=float).reshape(n, 2)
+    found = {"(n, 2)": values, "(2, n)": values.T, "(1, 2, n)": values.T[None]}[shape]
+    signals = {"values": found, "dimensions": 2.0, "label": "log"}
+    content = {"out": {"time": np.arange(n) * 1e-3, "signals": signals}}
+    scipy.io.savemat(tmp_path / "log.mat", content)
+    table = read_table(tmp_path / "log.mat")
+    assert table.names == ("time", "log(1)", "log(2)")
+    np.testing.assert_array_equal(table.numbers["log(2)"], values[:, 1])
+
+
+def test_objects_of_matlab_are_named(tmp_path):
+    with writers.Matlab73(tmp_path / "log.mat") as file:
+        file.put_object("out", "Simulink.SimulationData.Dataset")
+    with pytest.raises(RecordingError, match=r"object .Simulink.SimulationData.Dataset.*structure"):
+        read_recording(tmp_path / "log.mat")
+
+
+def test_scalars_of_version_7_3_may_be_named(tmp_path, table):
+    writers.matlab73(tmp_path / "log.mat", columns(table, units=False))
+    given = Description(columns={"force": Column(scale="2*gtau")})
+    recording = read_recording(tmp_path / "log.mat", given).recording
+    np.testing.assert_allclose(recording.force, 7.0 * table["force"])
+
+
+def test_a_reference_to_nothing(tmp_path):
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        file["x"] = np.array([h5py.Reference()], dtype=h5py.ref_dtype)
+        file["text"] = "hello"
+    with pytest.raises(RecordingError, match="no vectors of numbers"):
+        read_recording(tmp_path / "log.h5")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("reader", "message"),
+    [
+        ("import os; os.abort()", "its reader ended with -6"),
+        ("import time; time.sleep(60)", "not read within 1 s"),
+        ("print('no archive')", "its reader ended with 0"),
+    ],
+)
+def test_a_reader_that_crashes_or_hangs(reader, message, tmp_path, monkeypatch):
+    (tmp_path / "reader.py").write_text(reader)
+    monkeypatch.setattr(reader_process, "__file__", str(tmp_path / "reader.py"))
+    monkeypatch.setattr(isolated, "TIMEOUT", 1.0)
+    path = tmp_path / "log.mat"
+    scipy.io.savemat(path, {"t": np.arange(50) * 1e-3, "x": np.arange(50.0)})
+    with pytest.raises(RecordingError, match=message):
+        read_recording(path)
