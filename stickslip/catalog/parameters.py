@@ -46,6 +46,7 @@ _ROTARY = {
     "kg": "kg.m2",
     "N.s/m": "N.m.s/rad",
     "N": "N.m",
+    "m": "rad",
     "m/s": "rad/s",
     "N/m": "N.m/rad",
     "N/s": "N.m/s",
@@ -116,7 +117,20 @@ def parameter(name: str) -> LawParameter:
 
 def unit_of(name: str, *, rotary: bool = False) -> str:
     """Return the unit of a parameter, for a linear or a rotary drive."""
-    unit = parameter(name).unit
+    return _motion_unit(parameter(name).unit, rotary=rotary)
+
+
+@cache
+def start_unit(name: str, *, rotary: bool = False) -> str:
+    """Return the unit of a start value of the drive FMU, of any law."""
+    try:
+        return unit_of(name, rotary=rotary)
+    except KeyError:
+        units = {one.name: one.unit for one in models.load_model("drive").variables}
+        return _motion_unit(units[name] or "1", rotary=rotary)
+
+
+def _motion_unit(unit: str, *, rotary: bool) -> str:
     return _ROTARY.get(unit, unit) if rotary else unit
 
 

@@ -12,7 +12,7 @@ from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.evaluation.guards import benefit_on_drives
+from stickslip.evaluation.guards import benefits_on_drives, feedforward
 from stickslip.models.firmware import write_compensator
 from stickslip.results.learned import LearnedFile
 
@@ -85,11 +85,12 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
             f"{path}: validation: {duration:g} s with a sample every {loop.T_s:g} s; expected at "
             f"most {MOST_SAMPLES} samples"
         )
-    benefit, found = benefit_on_drives(
+    (benefit,), found = benefits_on_drives(
         learned.law,
         loop,
         learned.friction,
-        compensator,
+        [feedforward(compensator)],
+        learned.drives,
         command,
         learned.datasheet,
         learned.standard_errors,

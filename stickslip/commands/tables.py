@@ -46,18 +46,18 @@ def print_table4(table: pd.DataFrame) -> None:
 
 
 def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
-    """Print a row for each speed and a column for each drive."""
+    """Print a row for each drive and a column for each command."""
     share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
     print(
         f"\nRMS tracking error of simulated drives [{benefit.unit}], "
         f"without -> with the compensator{share}:",
         file=file,
     )
-    drives = list(dict.fromkeys(row.drive for row in benefit.rows))
-    print(f"{'speed':10}" + "".join(f"{drive:>22}" for drive in drives), file=file)
-    for speed, rows in groupby(benefit.rows, key=lambda row: row.speed):
+    commands = list(dict.fromkeys(row.command for row in benefit.rows))
+    print(f"{'simulated drive':40}" + "".join(f"{name:>18}" for name in commands), file=file)
+    for drive, rows in groupby(benefit.rows, key=lambda row: row.drive):
         cells = (f"{1e3 * row.without:.3g} -> {1e3 * row.compensated:.3g}" for row in rows)
-        print(f"{1e3 * speed:<10.3g}" + "".join(f"{cell:>22}" for cell in cells), file=file)
+        print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
 
 
 def print_published(published: Published) -> None:

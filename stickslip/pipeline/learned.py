@@ -12,10 +12,21 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from stickslip import ga
+from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import Benefit, benefit_on_drives
+from stickslip.evaluation.guards import (
+    Benefit,
+    Drive,
+    Known,
+    Variant,
+    benefits_on_drives,
+    best_of,
+    family,
+    feedforward,
+)
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -24,8 +35,9 @@ from stickslip.identification.estimation import (
     candidate_fmus,
 )
 from stickslip.identification.estimation import learn as estimate
-from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
+from stickslip.models import Law
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.velocity_loop import (
@@ -90,15 +102,39 @@ class SimulatedTrial:
 
     Attributes
     ----------
-    command, datasheet : what it was tried on
-    benefit : tracking errors, and the share of the compensator's force that passes
+    command, datasheet, drives : what it was tried on
+    benefit : tracking errors of what is written, and the share of its force that passes
     warnings : of the guards, a line each
+    others : the same as ``benefit`` for other ways to compensate
     """
 
     command: Trapezoid
     datasheet: Datasheet
     benefit: Benefit
     warnings: tuple[str, ...]
+    drives: tuple[Drive, ...] = ()
+    others: tuple[Benefit, ...] = ()
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each way to compensate, drive and command.
+
+        Speeds and errors are in m/s, or rad/s for a rotary drive.
+        """
+        rows = [
+            {
+                "compensation": benefit.variant.name,
+                "share": benefit.share,
+                "drive": row.drive,
+                "command": row.command,
+                "speed": row.speed,
+                "without": row.without,
+                "with": row.compensated,
+                "ratio": row.ratio,
+            }
+            for benefit in (self.benefit, *self.others)
+            for row in benefit.rows
+        ]
+        return pd.DataFrame(rows)
 
 
 @dataclass(frozen=True)
@@ -121,8 +157,10 @@ class LearnedFromRecording(Learned):
     @property
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
-        share = self.trial.benefit.share if self.trial else 1.0
-        return self.estimation.law.share(self.friction, share)
+        if self.trial is None:
+            return dict(self.friction)
+        benefit = self.trial.benefit
+        return benefit.variant.share(self.estimation.law, benefit.share).feedforward
 
     def with_whole_force(self) -> LearnedFromRecording:
         """Return the same with the compensator at its whole force, whatever that does."""
@@ -231,23 +269,50 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
         tau_i=loop.axis.tau_i,
         encoder_step=reading.recording.encoder_step or 1e-6 * top,
     )
-    errors = {
-        name: estimation.known[name].standard_error
-        for name in estimation.fit.space.friction
-        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
-    }
-    benefit, found = benefit_on_drives(
+    drives = family(estimation.law, learned.friction, command, known_friction(estimation))
+    benefits, found = benefits_on_drives(
         estimation.law,
         loop,
         learned.friction,
-        learned.friction,
+        feedforwards(estimation.law, learned.friction),
+        drives,
         command,
         sheet,
-        errors,
+        {
+            name: estimation.known[name].standard_error
+            for name in estimation.fit.space.friction
+            if estimation.known[name].identifiability != NOT_IDENTIFIABLE
+        },
         rotary=reading.recording.motion == "rotary",
     )
+    best = best_of(benefits)
+    others = tuple(benefit for benefit in benefits if benefit is not best)
     warnings = tuple(map(str, found))
-    return replace(learned, trial=SimulatedTrial(command, sheet, benefit, warnings))
+    return replace(learned, trial=SimulatedTrial(command, sheet, best, warnings, drives, others))
+
+
+def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:
+    """Return what may be written: feedforward of the friction, and of its level alone."""
+    bounded = ParameterSpace.of(law).bounded
+    level = {**friction, **{name: friction[bound] for name, bound in bounded.items()}}
+    names = ", ".join(f"{name} = {bound}" for name, bound in bounded.items())
+    whole = feedforward(friction)
+    return (whole,) if level == friction else (whole, feedforward(level, f"feedforward, {names}"))
+
+
+def known_friction(estimation: Estimation) -> Known:
+    """Return what a log tells of friction besides the estimate, for ``family``."""
+    return Known(
+        plausible=tuple(
+            {name: value for name, value in values.items() if name not in ("F_0", "delay")}
+            for values in estimation.plausible
+        ),
+        ranges={
+            name: (one.low, one.high)
+            for name, one in estimation.known.items()
+            if name in estimation.law.parameters and one.identifiability != IDENTIFIABLE
+        },
+    )
 
 
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:

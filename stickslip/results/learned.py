@@ -23,12 +23,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from stickslip.catalog.parameters import estimated, friction_law, unit_of
+from stickslip.catalog.parameters import estimated, friction_law, start_unit, unit_of
 from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
+from stickslip.evaluation.guards import Drive, Known, family
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
-from stickslip.models import Law, UnknownLaw
+from stickslip.models import Law, StartValueError, UnknownLaw, load_model
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
@@ -162,19 +163,36 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     document = recording_document(learned) | {"refusal": learned.refusal}
     if learned.trial is None:
         return document
+    trial = learned.trial
+    rotary = learned.estimation.recording.motion == "rotary"
     return document | {
-        "share": {"value": learned.trial.benefit.share, "unit": "1"},
-        "validation": validation_document(learned.trial.command),
-        "datasheet": datasheet_document(learned.trial.datasheet),
+        "share": {"value": trial.benefit.share, "unit": "1"},
+        "compensator": _with_units(trial.benefit.variant.feedforward, rotary=rotary),
+        "validation": validation_document(trial.command),
+        "datasheet": datasheet_document(trial.datasheet),
+        "family": [
+            {
+                "drive": drive.name,
+                "law": drive.law,
+                "parameters": _with_units(drive.values, rotary=rotary),
+            }
+            for drive in trial.drives
+        ],
         "tracking_error": [
             {
-                "speed": row.speed,
-                "drive": row.drive,
-                "without": _finite(row.without),
-                "with": _finite(row.compensated),
+                name: _finite(value) if isinstance(value, float) else value
+                for name, value in row.items()
             }
-            for row in learned.trial.benefit.rows
+            for row in trial.table().to_dict("records")
         ],
+    }
+
+
+def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[str, Any]]:
+    """Return values of a law or of the drive FMU as plain data."""
+    return {
+        name: {"value": float(value), "unit": start_unit(name, rotary=rotary)}
+        for name, value in values.items()
     }
 
 
@@ -258,12 +276,30 @@ class LearnedFile:
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The compensator's parameters: the friction, at the ``share`` of its force in the file."""
+        """The compensator's parameters, at the ``share`` of its force in the file.
+
+        They are those of the friction unless the file has an entry for them.
+        """
         entry = self._document.get("share", {"value": 1.0})
         share = self._values("share", {"share": entry})["share"]
         if not 0.0 < share <= 1.0:
             raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
-        return self.law.share(self.friction, share)
+        whole = {**self.friction, **(self._entry("compensator") or {})}
+        return self.law.share(whole, share)
+
+    @property
+    def drives(self) -> tuple[Drive, ...]:
+        """The drives on which the compensator is tried; by default those around the friction."""
+        entries = self._document.get("family")
+        if entries is None:
+            return family(self.law, self.friction, self.validation, Known())
+        try:
+            return tuple(map(self._drive, entries))
+        except (KeyError, TypeError, UnknownLaw) as error:
+            raise UsageError(
+                f"{self.path}: family: expected drives, each with drive, law and parameters; "
+                f"got {error}"
+            ) from None
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -336,6 +372,19 @@ class LearnedFile:
                 f"got {entry}"
             )
         return Datasheet(**entry)
+
+    def _drive(self, entry: Mapping[str, Any]) -> Drive:
+        """Return an entry of ``family``."""
+        law = friction_law(str(entry["law"]))
+        values: dict[str, float | bool] = dict(self._values("family", entry["parameters"]))
+        model = load_model("drive", law.name)
+        switches = [one.name for one in model.variables if one.type == "boolean"]
+        values |= {name: bool(values[name]) for name in switches if name in values}
+        try:
+            model.with_start(values)
+        except StartValueError as error:
+            raise UsageError(f"{self.path}: family: {error}") from None
+        return Drive(str(entry["drive"]), law.name, values)
 
     def _entry(self, name: str) -> dict[str, float] | None:
         """Return the values of an entry, None if it is absent."""

@@ -23,7 +23,7 @@ from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
 from stickslip.servo.datasheet import Datasheet
 
-FILES = ("learned.json", "compensator.fmu", *REPORT)
+FILES = ("learned.json", "compensator.fmu", "tracking_error.csv", *REPORT)
 """What ``write_learned`` writes or removes."""
 RECORD_FILES = (
     *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
@@ -46,7 +46,9 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     if force:
         learned = learned.with_whole_force()
     further = [compensation(learned.trial.benefit)] if learned.trial else []
-    with staged(folder, command, without=["compensator.fmu"]) as staging:
+    with staged(folder, command, without=["compensator.fmu", "tracking_error.csv"]) as staging:
+        if learned.trial:
+            write_tables({"tracking_error": learned.trial.table()}, staging)
         write_compensator(
             learned, log_document(learned), staging, further, export=force or not learned.refusal
         )

@@ -1,24 +1,30 @@
 """Checks before export: where feedforward of friction would increase the tracking error.
 
-Each guard returns findings, one line each: what, figure, limit, what to do. All evaluate a loop
-whose axis has exactly the friction that the compensator assumes.
+``benefit`` tries compensators on a ``family`` of drives that the log supports, and finds the
+largest share of the force that never increases the error. The guards return findings, one line
+each: what, figure, limit, what to do. They evaluate a loop whose axis has exactly the friction that
+the compensator assumes.
 
     stribeck      friction that falls with speed, against the damping of the loop
     tolerance     how much too large a force may be, compared with its confidence interval
     hunting       stick-slip at a constant command
-    benefit       tracking errors without and with the compensator, and the largest share of its
-                  force that never increases them
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-
-import numpy as np
+from collections.abc import Mapping, Sequence
 
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards.benefit import Benefit, Tried, benefit_of
+from stickslip.evaluation.guards.benefit import (
+    NONE,
+    Bench,
+    Benefit,
+    Tried,
+    Variant,
+    best_of,
+    feedforward,
+)
+from stickslip.evaluation.guards.family import Drive, Known, commands, family
 from stickslip.evaluation.guards.hunting import hunting
 from stickslip.evaluation.guards.stribeck import stribeck
 from stickslip.evaluation.guards.tolerance import tolerance
@@ -26,16 +32,24 @@ from stickslip.evaluation.guards.trial import Finding, Trial
 from stickslip.fmi.process import temporary_folder
 from stickslip.models import Law
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.systems import Feed, build_fmus
+from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
 __all__ = [
+    "NONE",
+    "Bench",
     "Benefit",
+    "Drive",
     "Finding",
+    "Known",
     "Trial",
     "Tried",
-    "benefit_of",
-    "benefit_on_drives",
+    "Variant",
+    "benefits_on_drives",
+    "best_of",
+    "commands",
+    "family",
+    "feedforward",
     "hunting",
     "inspect",
     "stribeck",
@@ -48,32 +62,44 @@ def inspect(trial: Trial, standard_errors: dict[str, float]) -> list[Finding]:
     return [*stribeck(trial), *tolerance(trial, standard_errors), *hunting(trial)]
 
 
-def benefit_on_drives(
+def benefits_on_drives(
     law: Law,
     loop: VelocityLoop,
     friction: Mapping[str, float],
-    compensator: Mapping[str, float],
+    variants: Sequence[Variant],
+    drives: Sequence[Drive],
     command: Trapezoid,
     datasheet: Datasheet,
-    standard_errors: dict[str, float],
+    standard_errors: Mapping[str, float],
     *,
     feed: Feed = "nominal",
     rotary: bool = False,
     force: bool = False,
-) -> tuple[Benefit, list[Finding]]:
-    """Try a compensator on simulated drives; return its benefit and what all guards find.
+) -> tuple[tuple[Benefit, ...], list[Finding]]:
+    """Try ways to compensate on a family of drives.
 
     Parameters
     ----------
-    friction : of the drive, parameters of the law by name
-    force : whether the guards take its whole force instead of the share that is acceptable
+    law : of the feedforward
+    friction : as fitted, parameters of the law by name
+    variants : each is tried, in this order
+    drives : see ``family``
+    command : at the highest speed; see ``commands``
+    standard_errors : of the friction, by name
+    force : whether the guards take the whole force instead of the share that is acceptable
+
+    Returns
+    -------
+    benefits : of each variant
+    findings : of all guards on the best feedforward among the variants
     """
-    duration = command.corners()[-1] + command.begin
-    v_cmd = command.sample(np.arange(round(duration / loop.T_s) + 1) * loop.T_s)
     with temporary_folder() as folder:
-        build_fmus(folder, {"law": law.name}, law.name)
-        trial = Trial(folder, loop, friction, compensator, v_cmd, feed, datasheet, law)
-        benefit = benefit_of(trial, rotary=rotary)
-        share = 1.0 if force else benefit.share
-        written = replace(trial, compensator=law.share(compensator, share))
-        return benefit, inspect(written, standard_errors)
+        tried = commands(command, loop.T_s, friction, rotary=rotary)
+        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, rotary)
+        benefits = bench.benefits(variants)
+        best = best_of(benefits)
+        written = best.variant.share(law, 1.0 if force else best.share).feedforward
+        v_cmd = tried[0].v_cmd
+        own = bench.folder_of(law.name)
+        trial = Trial(own, loop, friction, written, v_cmd, feed, datasheet, law)
+        return benefits, inspect(trial, dict(standard_errors))

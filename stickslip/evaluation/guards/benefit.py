@@ -1,43 +1,102 @@
 """Whether a compensator helps, and at which share of its force it never makes the loop worse.
 
-It is tried at the command's speed, a tenth and a hundredth of it, on drives whose friction is as
-fitted, without its rise towards rest, half of it, and half as much again. Where friction has
-halved, exact feedforward leaves an error like that without it, or a larger one; a share of 0.85 to
-0.9 of its force then leaves less, and hardly more on the fitted drive.
+Each way to compensate is a chain of compensators. It is tried on every drive of a family, on every
+command, and compared with the loop without compensation. Where friction has halved, exact
+feedforward leaves an error like that without it, or a larger one; a share of 0.85 to 0.9 of its
+force then leaves less, and hardly more on the fitted drive.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
-from stickslip.catalog.space import ParameterSpace
-from stickslip.evaluation.guards.trial import Trial
+from stickslip import cosim
+from stickslip.evaluation.guards.family import MOVES, Command, Drive
+from stickslip.evaluation.guards.trial import axis_values
+from stickslip.models import Law
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
+from stickslip.servo.velocity_loop import VelocityLoop
 
 WORSE = 1.02
 """Largest ratio of the error with the compensator to that without it."""
-SPEEDS = (1.0, 0.1, 0.01)
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5)
+FEEDFORWARD = "compensator"
+"""Model whose force a share reduces."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A way to compensate.
+
+    Attributes
+    ----------
+    name : for people, such as "feedforward"
+    chain : compensators in the order in which their forces are added; empty for none
+    """
+
+    name: str
+    chain: tuple[Compensator, ...] = ()
+
+    @property
+    def has_feedforward(self) -> bool:
+        """Whether a share of its force can be taken."""
+        return any(one.model == FEEDFORWARD for one in self.chain)
+
+    def share(self, law: Law, share: float) -> Variant:
+        """Return the same with a share of the feedforward's force."""
+        chain = (
+            replace(one, values=law.share(one.values, share)) if one.model == FEEDFORWARD else one
+            for one in self.chain
+        )
+        return replace(self, chain=tuple(chain))
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Start values of the loop's FMUs."""
+        return {
+            f"{one.name}.{name}": value for one in self.chain for name, value in one.values.items()
+        }
+
+    @property
+    def feedforward(self) -> dict[str, float]:
+        """Parameters of its feedforward by name; empty without one."""
+        found: Mapping[str, float] = {}
+        for one in self.chain:
+            found = one.values if one.model == FEEDFORWARD else found
+        return dict(found)
+
+
+NONE = Variant("none")
+
+
+def feedforward(values: Mapping[str, float], name: str = "feedforward") -> Variant:
+    """Return feedforward of friction by its parameters."""
+    return Variant(name, (Compensator(FEEDFORWARD, FEEDFORWARD, values),))
 
 
 @dataclass(frozen=True)
 class Tried:
-    """RMS of v - v_cmd [m/s] on one simulated drive, without and with the compensator.
+    """RMS of v - v_cmd [m/s] on one simulated drive, without and with compensation.
 
     Attributes
     ----------
     speed : largest of the command [m/s]
     drive : how its friction differs from the fitted one
+    command : its name
     """
 
     speed: float
     drive: str
     without: float
     compensated: float
+    command: str = ""
 
     @property
     def ratio(self) -> float:
@@ -49,20 +108,22 @@ class Tried:
 
 @dataclass(frozen=True)
 class Benefit:
-    """What a compensator does to the tracking error.
+    """What one variant does to the tracking error.
 
     Attributes
     ----------
-    share : of the compensator's force; the largest of ``SHARES`` that is acceptable, or 1
-    rows : at that share, one for each speed and drive
+    share : of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
+    rows : at that share, one for each drive and command
     full : the same at the whole force
     unit : of a thousandth of a speed, for people
+    variant : at its whole force
     """
 
     share: float
     rows: tuple[Tried, ...]
     full: tuple[Tried, ...]
     unit: str = "mm/s"
+    variant: Variant = NONE
 
     @property
     def acceptable(self) -> bool:
@@ -70,12 +131,20 @@ class Benefit:
         return all(row.ratio <= WORSE for row in self.rows)
 
     @property
+    def mean_ratio(self) -> float:
+        """Geometric mean of the ratios of the errors."""
+        return float(np.exp(np.mean(np.log([max(row.ratio, 1e-9) for row in self.rows]))))
+
+    @property
     def reason(self) -> str:
         """Where the whole force makes the error grow most."""
         worst = max(self.full, key=lambda row: row.ratio)
+        where = f"at {1e3 * worst.speed:.3g} {self.unit}"
+        if worst.command in MOVES:
+            where = f"in {worst.command} of up to {1e3 * worst.speed:.3g} {self.unit}"
         return (
-            f"with the whole force the simulated tracking error at {1e3 * worst.speed:.3g}"
-            f" {self.unit} on a drive with {worst.drive} is {1e3 * worst.compensated:.3g}"
+            f"with the whole force the simulated tracking error {where}"
+            f" on a drive with {worst.drive} is {1e3 * worst.compensated:.3g}"
             f" {self.unit}, {worst.ratio:.3g} times that without the compensator"
         )
 
@@ -89,48 +158,115 @@ class Benefit:
         )
 
 
-def benefit_of(trial: Trial, *, rotary: bool = False) -> Benefit:
-    """Try a compensator at every speed and on every drive, with the largest acceptable share."""
-    unit = "mrad/s" if rotary else "mm/s"
-    cells = list(_cells(trial))
-    with ExitStack() as stack:
-        without = [_without(cell) for _, _, cell in cells]
-        runs = [stack.enter_context(cell.runs(compensated=True)) for _, _, cell in cells]
+def best_of(benefits: Sequence[Benefit]) -> Benefit:
+    """Return the acceptable one with the smallest mean ratio; the first where none is."""
+    acceptable = [benefit for benefit in benefits if benefit.acceptable]
+    return min(acceptable, key=lambda one: one.mean_ratio, default=benefits[0])
 
-        def tried(share: float) -> tuple[Tried, ...]:
-            compensator = trial.law.share(trial.compensator, share)
-            return tuple(
-                Tried(speed, name, error, run.error(compensator))
-                for (speed, name, _), error, run in zip(cells, without, runs, strict=True)
+
+@dataclass(frozen=True)
+class Bench:
+    """The loop in which variants are tried, on drives of any law.
+
+    Attributes
+    ----------
+    folder : empty; FMUs are built into it
+    law : of the feedforward
+    drives, commands : every drive is tried on every command
+    """
+
+    folder: Path
+    law: Law
+    loop: VelocityLoop
+    drives: Sequence[Drive]
+    commands: Sequence[Command]
+    feed: Feed = "nominal"
+    datasheet: Datasheet = field(default_factory=Datasheet)
+    rotary: bool = False
+
+    def __post_init__(self) -> None:
+        for name in self.laws:
+            build_fmus(self.folder_of(name), {"law": name}, self.law.name)
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws of the drives, that of the feedforward first."""
+        return tuple(dict.fromkeys([self.law.name, *(drive.law for drive in self.drives)]))
+
+    def folder_of(self, law: str) -> Path:
+        """Return the folder of the FMUs with drives of a law."""
+        return self.folder / law
+
+    def benefits(self, variants: Iterable[Variant]) -> tuple[Benefit, ...]:
+        """Try each variant, with the largest acceptable share of its feedforward."""
+        with _Runs(self, NONE) as runs:
+            without = [runs.error(*cell, NONE) for cell in self._cells()]
+        return tuple(self._benefit(variant, without) for variant in variants)
+
+    def _cells(self) -> Iterator[tuple[Drive, Command]]:
+        for drive in self.drives:
+            for command in self.commands:
+                yield drive, command
+
+    def _benefit(self, variant: Variant, without: Sequence[float]) -> Benefit:
+        unit = "mrad/s" if self.rotary else "mm/s"
+        cells = list(zip(self._cells(), without, strict=True))
+        with _Runs(self, variant) as runs:
+
+            def tried(k: int, share: float) -> Tried:
+                (drive, command), error = cells[k]
+                compensated = runs.error(drive, command, variant.share(self.law, share))
+                return Tried(command.speed, drive.name, error, compensated, command.name)
+
+            full = tuple(tried(k, 1.0) for k in range(len(cells)))
+            if not variant.has_feedforward or all(row.ratio <= WORSE for row in full):
+                return Benefit(1.0, full, full, unit, variant)
+            # Where the whole force harms most, a share fails first.
+            order = sorted(range(len(cells)), key=lambda k: -full[k].ratio)
+            for share in SHARES[1:]:
+                rows = {}
+                for k in order:
+                    rows[k] = tried(k, share)
+                    if rows[k].ratio > WORSE:
+                        break
+                else:
+                    found = tuple(rows[k] for k in range(len(cells)))
+                    return Benefit(share, found, full, unit, variant)
+        return Benefit(1.0, full, full, unit, variant)
+
+
+class _Runs(ExitStack):
+    """Loops with one variant: a prepared simulation for each law of the drives."""
+
+    def __init__(self, bench: Bench, variant: Variant) -> None:
+        super().__init__()
+        loop = bench.loop
+        self.T_s, self.axis = loop.T_s, axis_values(loop, bench.datasheet)
+        self.n = max(len(command.v_cmd) for command in bench.commands)
+        self.commands = {
+            command.name: loop.commands(
+                np.pad(command.v_cmd, (0, self.n - len(command.v_cmd)), mode="edge")
             )
+            for command in bench.commands
+        }
+        self.simulations = {
+            name: self.enter_context(
+                build_loop(bench.folder_of(name), loop, variant.chain, bench.feed).prepare(
+                    step=loop.T_s, stop=(self.n - 1) * loop.T_s, record=("drive.v",)
+                )
+            )
+            for name in bench.laws
+        }
 
-        full = tried(1.0)
-        for share in SHARES:
-            benefit = Benefit(share, full if share == 1.0 else tried(share), full, unit)
-            if benefit.acceptable:
-                return benefit
-    return Benefit(1.0, full, full, unit)
-
-
-def _cells(trial: Trial) -> Iterator[tuple[float, str, Trial]]:
-    top = float(np.abs(trial.v_cmd).max())
-    for speed in SPEEDS:
-        for name, friction in _drives(trial).items():
-            yield speed * top, name, replace(trial, friction=friction, v_cmd=speed * trial.v_cmd)
-
-
-def _drives(trial: Trial) -> dict[str, Mapping[str, float]]:
-    friction, law = trial.friction, trial.law
-    bounded = ParameterSpace.of(law).bounded.items()
-    level = {f"{name} = {bound}": {**friction, name: friction[bound]} for name, bound in bounded}
-    return {
-        "friction as fitted": friction,
-        **level,
-        "friction x 0.5": law.share(friction, 0.5),
-        "friction x 1.5": law.share(friction, 1.5),
-    }
-
-
-def _without(trial: Trial) -> float:
-    with trial.runs(compensated=False) as run:
-        return run.error()
+    def error(self, drive: Drive, command: Command, variant: Variant) -> float:
+        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""
+        values = {f"drive.{name}": value for name, value in {**self.axis, **drive.values}.items()}
+        until = (len(command.v_cmd) - 1) * self.T_s
+        try:
+            result = self.simulations[drive.law].run(
+                values | variant.parameters, self.commands[command.name], until=until
+            )
+        except cosim.SimulationError:
+            return math.inf
+        v = result["drive.v"][: len(command.v_cmd)]
+        return float(np.sqrt(np.mean((v - command.v_cmd) ** 2)))

@@ -46,18 +46,20 @@ class Trial:
         """Prepare runs with or without the compensator."""
         chosen = dict(self.compensator) if compensated else None
         system = paper_loop(self.fmus, self.loop, chosen, self.feed)
-        system.parameters |= {f"drive.{name}": value for name, value in self._axis().items()}
+        axis = {**self.friction, **axis_values(self.loop, self.datasheet)}
+        system.parameters |= {f"drive.{name}": value for name, value in axis.items()}
         stop = (len(self.v_cmd) - 1) * self.loop.T_s
         with system.prepare(step=self.loop.T_s, stop=stop, record=("drive.v",)) as simulation:
             yield Run(self, simulation)
 
-    def _axis(self) -> dict[str, float | bool]:
-        axis, sheet = self.loop.axis, self.datasheet
-        lag = {"tau_i": axis.tau_i} if axis.tau_i else {"current_loop": False}
-        known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
-        # The paper's converter has steps larger than the friction of a small drive.
-        converters = {"dac": False, "encoder_step": sheet.encoder_step}
-        return {**self.friction, **known, **lag, **converters}
+
+def axis_values(loop: VelocityLoop, sheet: Datasheet) -> dict[str, float | bool]:
+    """Return the start values of a drive FMU on the axis that a loop counts on."""
+    axis = loop.axis
+    lag = {"tau_i": axis.tau_i} if axis.tau_i else {"current_loop": False}
+    known = {"m": axis.m, "b": axis.b, "u_max": sheet.peak_force}
+    # The paper's converter has steps larger than the friction of a small drive.
+    return {**known, **lag, "dac": False, "encoder_step": sheet.encoder_step}
 
 
 @dataclass(frozen=True)

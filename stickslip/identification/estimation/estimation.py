@@ -75,6 +75,8 @@ class Estimation:
     remarks : changes made to the recording
     model_error : residual of the loop over that from encoder and noise; NaN without the loop
     faults : those of the task, and those that learning found; no parameter is identifiable then
+    plausible : all values by name that the recording supports: the fit's, and draws from its
+        covariance
     """
 
     recording: Recording
@@ -94,6 +96,7 @@ class Estimation:
     gains: Mapping[str, float] | None = None
     remarks: tuple[str, ...] = ()
     faults: tuple[Finding, ...] = ()
+    plausible: tuple[Mapping[str, float], ...] = ()
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.
@@ -164,4 +167,5 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
         controller=check
         and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),
         gains=None if estimation.gains is None else scale.restored(estimation.gains),
+        plausible=tuple(map(scale.restored, estimation.plausible)),
     )

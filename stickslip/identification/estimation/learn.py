@@ -31,7 +31,7 @@ from stickslip.identification.estimation.faults import (
     found_faults,
 )
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
-from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, value_errors
+from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (
     conservative,
     identifiability,
@@ -56,6 +56,8 @@ LAG = 0.2
 """Initial lag of the force behind its command, in samples."""
 F_0_DEVIATION = 0.01
 """Least prior standard deviation of the constant force from the inverse model, in F_c."""
+DRAWS = 3
+"""Number of draws from the covariance of the fit, on which the compensator is tried."""
 BIAS_ERROR = 0.12
 """Standard error of the bias that is subtracted, as share of it."""
 
@@ -155,6 +157,7 @@ def _learn(
         task.gains,
         remarks,
         faults,
+        plausible(best, task.seed, DRAWS),
     )
 
 

@@ -16,6 +16,8 @@ STEP = 1e-3  # of a coordinate, for differences
 BLOCKS = 100
 """Number of blocks of a recording whose sums of scores are taken to be independent."""
 ROUNDS = 30
+FAR = 2.0
+"""Distance from a fit at which a draw of a coordinate ends."""
 
 
 class Criterion(Protocol):
@@ -88,6 +90,14 @@ class Fit:
     def errors(self) -> dict[str, float]:
         """Return the standard errors of the values by name, in SI units."""
         return value_errors(self.space, self.q, self.covariance)
+
+
+def plausible(fitted: Fit, seed: int, count: int) -> tuple[dict[str, float], ...]:
+    """Return the values by name of a fit, and of draws from its covariance."""
+    space, rng = fitted.space, np.random.default_rng(seed)
+    draws = rng.multivariate_normal(np.zeros(len(fitted.q)), fitted.covariance, count)
+    points = np.clip(fitted.q + np.clip(draws, -FAR, FAR), space.lower, space.upper)
+    return tuple(space.decode(q) for q in (fitted.q, *points))
 
 
 def value_errors(space: ParameterSpace, q: Array, covariance: Array) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from functools import partial
+from itertools import groupby
 
 import numpy as np
 
@@ -148,26 +149,28 @@ def compensation(benefit: Benefit) -> Section:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
         verdict = f"It gives {percentage(benefit.share)} of the learned force: {benefit.reason}."
+    commands = list(dict.fromkeys(row.command for row in benefit.rows))
     rows = [
         (
-            row.drive.replace(" x ", " × "),
-            number(1e3 * row.speed, 3),
-            number(1e3 * row.without, 3),
-            number(1e3 * row.compensated, 3),
-            number(row.ratio, 3),
+            drive.replace(" x ", " × ").replace("+-", "±"),
+            *(f"{number(1e3 * row.without, 3)} → {number(1e3 * row.compensated, 3)}" for row in of),
         )
-        for row in benefit.rows
+        for drive, of in groupby(benefit.rows, key=lambda row: row.drive)
     ]
     return Section(
         "Whether compensation helps",
         paragraph(
-            "The compensator was tried on the paper’s trapezoid at the log’s speed, a tenth and a "
-            f"hundredth of it, on simulated drives. {verdict}"
+            "The compensator was tried on a family of simulated drives that the log supports: the "
+            "friction as fitted, plausible values around it, the ends of the intervals of what is "
+            "poorly identified, half the friction and half as much again, friction that differs by "
+            "direction and position, and other friction laws. Commands are the paper’s trapezoid "
+            "at the log’s speed, a tenth and a hundredth of it, moves of a few presliding "
+            f"deflections, and short moves. {verdict}"
         ),
         table(
-            ("Simulated drive", "Speed", "Without", "With", "Ratio"),
+            ("Simulated drive", *commands),
             rows,
-            f"RMS tracking error, all in {benefit.unit}",
+            f"RMS tracking error without → with the compensator, in {benefit.unit}",
             (0,),
         ),
     )

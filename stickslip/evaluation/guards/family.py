@@ -1,0 +1,203 @@
+"""The drives and the commands on which a compensator is tried before it is written.
+
+One log supports many drives, and the drive changes after it. The family has the fitted friction,
+plausible values around it, the ends of the intervals of what is poorly identified, more and less
+friction, friction that differs by direction and position, and other friction laws.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stickslip.catalog.parameters import friction_law, scaled_start
+from stickslip.catalog.space import ParameterSpace
+from stickslip.cosim import Trapezoid
+from stickslip.models import Law, law_names
+from stickslip.servo.measurement import Array
+
+Values = Mapping[str, float]
+
+SPEEDS = (1.0, 0.1, 0.01)
+"""Shares of the log's speed."""
+MOVES = {"micro-steps": (3.0, 0.01), "short moves": (30.0, 0.1)}
+"""Lengths of small moves: in presliding deflections, and at most as a share of the travel."""
+LEVELS = (0.5, 1.5)
+"""Shares of the fitted friction."""
+UNEVEN = 0.1
+"""Share by which friction differs by direction, and along the guide."""
+PERIOD = 0.4
+"""Length of its variation along the guide, as a share of the travel."""
+_REST = 0.1
+"""Pause between moves [s]."""
+_LEAST = 20
+"""Samples in a move."""
+_DEFLECTION = 4e-4
+"""Presliding deflection over the command's speed where no stiffness is known [s]."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive of the family.
+
+    Attributes
+    ----------
+    name : how it differs from the fitted one
+    law : name of its friction law
+    values : start values of the drive FMU: friction, and what else differs
+    """
+
+    name: str
+    law: str
+    values: Values
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """A command on which drives are tried.
+
+    Attributes
+    ----------
+    name : for people
+    v_cmd : (n,) one value a sample [m/s]
+    """
+
+    name: str
+    v_cmd: Array
+
+    @property
+    def speed(self) -> float:
+        """Largest speed [m/s]."""
+        return float(np.max(np.abs(self.v_cmd)))
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a log tells of a drive's friction besides the values that a compensator takes.
+
+    Attributes
+    ----------
+    plausible : values that the log supports, such as the fit and draws from its covariance
+    ranges : interval by name for parameters that are poorly identified
+    rivals : values by name for other laws fitted to the same log, by name of the law; those left
+        out take the values of the same names
+    """
+
+    plausible: Sequence[Values] = ()
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    rivals: Mapping[str, Values] = field(default_factory=dict)
+
+
+def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tuple[Drive, ...]:
+    """Return the drives on which a compensator is tried.
+
+    Parameters
+    ----------
+    friction : parameters of the law, as the compensator takes them
+    command : the fastest one, whose travel gives the period of friction along the guide
+    """
+    uneven = {
+        f"friction {100 * UNEVEN:g} % higher in one direction": {
+            "asymmetric": True,
+            "asymmetry": UNEVEN,
+        },
+        f"friction +-{100 * UNEVEN:g} % along the guide": {
+            "position_dependent": True,
+            "position_amplitude": UNEVEN,
+            "position_period": PERIOD * travel(command),
+        },
+    }
+    own = {
+        "friction as fitted": friction,
+        **{f"friction x {level:g}": law.share(friction, level) for level in LEVELS},
+        **{name: {**friction, **changes} for name, changes in uneven.items()},
+        **dict(_corners(law, friction, known.ranges)),
+        **{f"plausible friction {k + 1}": one for k, one in enumerate(known.plausible)},
+    }
+    drives = [Drive(name, law.name, values) for name, values in own.items()]
+    length = deflection(friction, command)
+    for other in law_names():
+        if other != law.name:
+            rival = friction_law(other)
+            values = known.rivals.get(other) or _alike(rival, friction, length)
+            drives.append(Drive(f"{rival.title} friction", other, values))
+    return tuple(drives)
+
+
+def commands(
+    command: Trapezoid, T_s: float, friction: Values, *, rotary: bool = False
+) -> tuple[Command, ...]:
+    """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves.
+
+    Parameters
+    ----------
+    command : the trapezoid at full speed
+    friction : gives the presliding deflection, in which small moves are measured
+    """
+    unit = "mrad/s" if rotary else "mm/s"
+    t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
+    found = []
+    for share in SPEEDS:
+        slower = replace(command, height=share * command.height, slope=share * command.slope)
+        found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
+    for name, (deflections, share) in MOVES.items():
+        length = min(
+            deflections * deflection(friction, command),
+            share * travel(command),
+        )
+        found.append(Command(name, _moves(length, command, T_s)))
+    return tuple(found)
+
+
+def travel(command: Trapezoid) -> float:
+    """Return how far a trapezoid moves in one direction [m]."""
+    return abs(command.height) * (command.plateau + abs(command.height) / command.slope)
+
+
+def deflection(friction: Values, command: Trapezoid) -> float:
+    """Return the presliding deflection F_c / sigma_0 [m], or one typical of the speed."""
+    if "sigma_0" in friction:
+        return friction["F_c"] / friction["sigma_0"]
+    return _DEFLECTION * abs(command.height)
+
+
+def _corners(
+    law: Law, friction: Values, ranges: Mapping[str, tuple[float, float]]
+) -> Iterator[tuple[str, Values]]:
+    """Yield friction without rise towards rest, and with each value at either end."""
+    bounded = ParameterSpace.of(law).bounded
+    for name, bound in bounded.items():
+        yield f"{name} = {bound}", {**friction, name: friction[bound]}
+    for name, ends in ranges.items():
+        unit = law.parameters[name].unit
+        for value in ends:
+            changed = {**friction, name: value}
+            changed |= {one: max(changed[one], changed[bound]) for one, bound in bounded.items()}
+            yield f"{name} = {value:.3g} {unit}", changed
+
+
+def _alike(law: Law, friction: Values, length: float) -> dict[str, float]:
+    """Return the values of the same names in another law, and typical ones for the rest."""
+    values = {}
+    for name, one in law.parameters.items():
+        if len(one.start) == 1:
+            typical = scaled_start(one, friction["F_c"], length)
+            values[name] = friction.get(name, typical)
+    return values
+
+
+def _moves(length: float, command: Trapezoid, T_s: float) -> Array:
+    """Return smooth moves forward and backward, three each, with the command's acceleration."""
+    duration = max(
+        math.sqrt(2.0 * math.pi * length / command.slope),
+        2.0 * length / abs(command.height),
+        _LEAST * T_s,
+    )
+    n = math.ceil(duration / T_s)
+    move = length / (n * T_s) * (1.0 - np.cos(2.0 * np.pi * np.arange(n) / n))
+    rest = np.zeros(math.ceil(_REST / T_s))
+    both = np.concatenate([move, rest, -move, rest])
+    return np.concatenate([rest, *3 * [both]])

@@ -1,0 +1,193 @@
+"""A compensator is tried on a family of drives and commands, and is never worse than none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import friction_law
+from stickslip.cosim import Trapezoid
+from stickslip.evaluation.guards import (
+    NONE,
+    Bench,
+    Benefit,
+    Drive,
+    Known,
+    Trial,
+    Tried,
+    Variant,
+    benefits_on_drives,
+    best_of,
+    commands,
+    family,
+    feedforward,
+)
+from stickslip.evaluation.guards.family import deflection, travel
+from stickslip.models import law_names
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.systems import Compensator, build_fmus
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
+
+AXIS = Axis(5.557, 6.6135, 1e-4)
+TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}
+PAPER = design_velocity_loop(AXIS, LOOP)
+LUGRE = friction_law()
+KNOWN = Known(
+    plausible=[{**TABLE_2, "m": 5.6}],
+    ranges={"F_s": (5.0, 12.0), "sigma_0": (2e5, 8e5)},
+    rivals={"dahl": {"sigma_0": 3e5, "F_c": 6.5}},
+)
+
+
+def tried(values, drives, loop=PAPER, command=VALIDATION):
+    (benefit,), findings = benefits_on_drives(
+        LUGRE, loop, TABLE_2, [feedforward(values)], drives, command, Datasheet(), {}
+    )
+    return benefit, findings
+
+
+@pytest.mark.parametrize("law", law_names())
+def test_a_family_has_every_law_and_what_the_log_leaves_open(law):
+    own = friction_law(law)
+    friction = {name: TABLE_2.get(name, one.start[0]) for name, one in own.parameters.items()}
+    known = Known(KNOWN.plausible, {"F_c": (5.0, 7.0)}, KNOWN.rivals if law != "dahl" else {})
+    drives = {drive.name: drive for drive in family(own, friction, VALIDATION, known)}
+    assert {drive.law for drive in drives.values()} == set(law_names())
+    assert drives["friction as fitted"].values == friction
+    assert drives["friction x 0.5"].values["F_c"] == pytest.approx(0.5 * 5.999)
+    assert drives["friction x 1.5"].values["F_c"] == pytest.approx(1.5 * 5.999)
+    assert drives["F_c = 5 N"].values["F_c"] == 5.0
+    assert drives["plausible friction 1"].values["m"] == 5.6
+    if law != "dahl":
+        assert drives["Dahl friction"].values == {"sigma_0": 3e5, "F_c": 6.5}
+    if own.steady == "stribeck":
+        assert drives["F_s = F_c"].values["F_s"] == friction["F_c"]
+        assert drives["F_c = 7 N"].values["F_s"] >= 7.0
+
+
+@pytest.mark.parametrize("top", [2e-3, 0.04, 0.3])
+def test_commands_are_the_trapezoid_at_three_speeds_and_small_moves(top):
+    command = replace(VALIDATION, height=top, slope=top / VALIDATION.height * VALIDATION.slope)
+    full, tenth, hundredth, micro, short = commands(command, 5e-4, TABLE_2)
+    assert [one.speed for one in (full, tenth, hundredth)] == pytest.approx(
+        [top, 0.1 * top, 0.01 * top]
+    )
+    x = 5e-4 * np.cumsum(full.v_cmd)
+    assert np.ptp(x) == pytest.approx(travel(command), rel=1e-3)
+    for small, lengths in ((micro, 3.0), (short, 30.0)):
+        moved = 5e-4 * np.cumsum(small.v_cmd)
+        assert np.ptp(moved) <= 1.001 * lengths * deflection(TABLE_2, command)
+        assert np.ptp(moved) >= 0.99 * min(
+            lengths * deflection(TABLE_2, command), lengths / 300.0 * travel(command)
+        )
+        assert small.speed <= 1.001 * top
+        assert np.max(np.abs(np.diff(small.v_cmd))) / 5e-4 <= 1.001 * command.slope
+        assert moved[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def full_benefit():
+    drives = family(LUGRE, TABLE_2, VALIDATION, KNOWN)
+    return tried(TABLE_2, drives)[0]
+
+
+def test_errors_are_those_of_the_loop_with_each_drive(full_benefit, tmp_path):
+    """Each is that of a trial of its own, of other code."""
+    build_fmus(tmp_path, {"law": "lugre"})
+    slower = replace(VALIDATION, height=0.1 * VALIDATION.height, slope=0.1 * VALIDATION.slope)
+    rows = {(row.command, row.drive): row for row in full_benefit.full}
+    frictions = {
+        "friction as fitted": TABLE_2,
+        "F_s = F_c": {**TABLE_2, "F_s": TABLE_2["F_c"]},
+        "friction x 0.5": LUGRE.share(TABLE_2, 0.5),
+    }
+    t = np.arange(round((slower.corners()[-1] + slower.begin) / 5e-4) + 1) * 5e-4
+    for name, friction in frictions.items():
+        trial = Trial(tmp_path, PAPER, friction, TABLE_2, slower.sample(t))
+        row = rows["4 mm/s", name]
+        with trial.runs(compensated=False) as run:
+            assert row.without == pytest.approx(run.error(), rel=1e-12)
+        with trial.runs(compensated=True) as run:
+            assert row.compensated == pytest.approx(run.error(), rel=1e-12)
+
+
+def test_the_share_is_the_largest_that_is_never_worse(full_benefit):
+    assert full_benefit.acceptable
+    assert 0.5 <= full_benefit.share < 1.0
+    assert max(row.ratio for row in full_benefit.rows) <= 1.02
+    assert max(row.ratio for row in full_benefit.full) > 1.02
+    assert len({(row.command, row.drive) for row in full_benefit.rows}) == len(full_benefit.rows)
+    assert "friction x 0.5" in full_benefit.reason
+    drives = family(LUGRE, TABLE_2, VALIDATION, KNOWN)
+    more, _ = tried(LUGRE.share(TABLE_2, full_benefit.share + 0.05), drives)
+    assert max(row.ratio for row in more.full) > 1.02
+
+
+def test_friction_that_is_not_there_is_refused_or_reduced():
+    """F_s at 20 times F_c, as a fit once preferred it; the drive with F_s = F_c shows the harm."""
+    wrong = {**TABLE_2, "F_s": 20.0 * TABLE_2["F_c"], "v_s": 8e-5}
+    drives = family(LUGRE, wrong, VALIDATION, Known())
+    level = feedforward({**wrong, "F_s": wrong["F_c"]})
+    benefits, _ = benefits_on_drives(
+        LUGRE, PAPER, TABLE_2, [feedforward(wrong), level], drives, VALIDATION, Datasheet(), {}
+    )
+    assert not benefits[0].acceptable
+    assert max(row.ratio for row in benefits[0].full) > 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("v", [0.3e-3, 1e-3])
+def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(v):
+    """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""
+    command = Trapezoid(height=v, slope=20 * v, plateau=2.0, begin=0.1)
+    loop = close_velocity_loop(AXIS, 5e-4, 5e-4, 200.0, 2000.0)
+    drives = family(LUGRE, TABLE_2, command, Known())
+    benefit, findings = tried(TABLE_2, drives, loop, command)
+    assert not benefit.acceptable
+    assert benefit.share == 1.0
+    assert "; expected at most 1.02 times, and no share of the force" in benefit.refusal
+    assert {"stribeck", "over-compensation"} <= {finding.guard for finding in findings}
+
+
+@pytest.mark.parametrize("without", [1.0, 0.0, np.inf, np.nan])
+@pytest.mark.parametrize("compensated", [1.0, 1.02, 1.03, np.inf, np.nan])
+def test_an_error_that_is_not_finite_is_worse(without, compensated):
+    """Harmless needs two errors that can be compared; the worst row is named in any order."""
+    fine = Tried(0.04, "friction as fitted", 1.0, 1.0)
+    row = Tried(0.004, "another friction", without, compensated)
+    finite = np.isfinite(compensated) and (without == 1.0 or without == np.inf)
+    assert np.isfinite(row.ratio) == finite
+    assert not np.isnan(row.ratio)
+    for rows in ((fine, row), (row, fine)):
+        benefit = Benefit(1.0, rows, rows)
+        assert benefit.acceptable == (finite and compensated <= 1.02 * without)
+        worst = max(rows, key=lambda row: row.ratio)  # the first of equals, as a ratio is no NaN
+        assert worst.drive in benefit.reason
+
+
+def test_the_best_is_acceptable_and_has_the_smallest_errors():
+    def benefit(*ratios):
+        rows = tuple(Tried(0.04, "one", 1.0, ratio) for ratio in ratios)
+        return Benefit(1.0, rows, rows)
+
+    harmful, weak, strong = benefit(0.1, 1.5), benefit(0.9, 0.9), benefit(0.5, 0.9)
+    assert best_of([harmful, weak, strong]) is strong
+    assert best_of([harmful]) is harmful
+
+
+def test_any_chain_of_compensators_is_tried(tmp_path):
+    """Static feedforward has no share; a loop with a chain of none is that without."""
+    own = [Drive("it", "lugre", TABLE_2)]
+    static = Variant(
+        "static", (Compensator("static", "static_feedforward", {"F_c": 0.8 * TABLE_2["F_c"]}),)
+    )
+    bench = Bench(tmp_path, LUGRE, PAPER, own, commands(VALIDATION, 5e-4, TABLE_2)[:1])
+    none, some = bench.benefits([NONE, static])
+    assert [row.ratio for row in none.rows] == [1.0]
+    assert some.share == 1.0
+    assert some.rows[0].ratio < 0.8
+    assert not static.has_feedforward
+    assert static.share(LUGRE, 0.5) == static
