@@ -11,9 +11,9 @@ from stickslip.catalog.parameters import unit_of
 from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
 from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
-from stickslip.commands.log_options import add_log_options, description_of
+from stickslip.commands.log_options import add_log_argument, add_log_options, description_of, log_of
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_benefit
+from stickslip.commands.tables import print_benefit, print_tracking
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, Finding, raise_errors
 from stickslip.pipeline.learned import LearnedFromRecording
@@ -37,8 +37,7 @@ FIGURES = {
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    log = {"--log FILE": "log: CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4"}
-    add_options(parser, log, type=Path, required=True)
+    add_log_argument(parser)
     add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     criterion = parser.add_argument(
         "--criterion",
@@ -64,6 +63,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Check the log, learn, print the parameters, and write the results."""
+    options.log = log_of(options)
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
@@ -89,6 +89,9 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             on_stage=progress.stage,
         )
         print_estimation(learned.estimation)
+        if learned.tracking:
+            rotary = learned.estimation.recording.motion == "rotary"
+            print_tracking(learned.tracking, rotary=rotary)
         if learned.trial:
             print_benefit(learned.trial.benefit)
         for warning in learned.warnings:

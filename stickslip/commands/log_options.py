@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 from stickslip.commands import SEVERAL, add_options
 from stickslip.commands.assignments import split_assignments
+from stickslip.errors import UsageError
 from stickslip.logs import ROLES, Column, Description, Kind, load_description
 from stickslip.logs.controller import GAINS
 from stickslip.logs.description import CONFIRMED
@@ -19,6 +20,33 @@ _SINGLE = (
     *("motion", "encoder_step", "force_limit", "delimiter", "decimal"),
     *("sample_period", "tau_i"),
 )
+
+
+def add_log_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare the log's file as an argument, and ``--log`` as another spelling of it."""
+    parser.add_argument(
+        "log",
+        nargs="?",
+        type=Path,
+        metavar="LOG",
+        help="CSV, Excel, Parquet, MAT, HDF5, TDMS or MF4",
+    )
+    parser.add_argument("--log", dest="log_option", type=Path, help=argparse.SUPPRESS)
+
+
+def log_of(options: argparse.Namespace) -> Path:
+    """Return the log's file.
+
+    Raises
+    ------
+    UsageError
+        When none, or two, are given.
+    """
+    given = [path for path in (options.log, options.log_option) if path is not None]
+    if len(given) != 1:
+        what = "no log" if not given else f"two logs, {given[0]} and {given[1]}"
+        raise UsageError(f"{what}; expected one: stickslip learn LOG, before options of any number")
+    return Path(given[0])
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.guards import Benefit
+from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import staged
 from stickslip.tuning.published import Published
@@ -58,6 +59,28 @@ def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
     for drive, rows in groupby(benefit.rows, key=lambda row: row.drive):
         cells = (f"{1e3 * row.without:.3g} -> {1e3 * row.compensated:.3g}" for row in rows)
         print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
+
+
+WIDTHS = (9, 9, 9, 13)
+
+
+def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
+    """Print RMS and maximum of the tracking errors, measured and simulated."""
+    length = "rad" if rotary else "m"
+    print(
+        f"\ntracking error on {tracking.command}, in the loop of {tracking.loop}:\n"
+        "                      measured             simulated drive\n"
+        "                       the log  without     with  no friction  reduction"
+    )
+    errors = [tracking.measured, *tracking.errors().values()]
+    for key in TRACKING_FIGURES:
+        what, size = key.split("_")
+        factor, unit = (1e3, f"m{length}/s") if what == "velocity" else (1e6, f"u{length}")
+        cells = [f"{factor * error.items()[key]:.3g}" if error else "-" for error in errors]
+        shown = "".join(f"{cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True))
+        size = size.upper() if size == "rms" else size
+        reduction = 100.0 * tracking.reduction(key)
+        print(f"{what} {size:4}{unit:8}{shown} {reduction:8.1f} %")
 
 
 def print_published(published: Published) -> None:

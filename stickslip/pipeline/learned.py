@@ -27,6 +27,7 @@ from stickslip.evaluation.guards import (
     family,
     feedforward,
 )
+from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -146,6 +147,7 @@ class LearnedFromRecording(Learned):
     findings : of reading and checking it
     trial : of the compensator in a loop; None where none was closed or the drive itself is there
     implausible : why the learned mass cannot be right, or empty
+    tracking : simulated in the loop of the log, without and with the compensator
     """
 
     estimation: Estimation
@@ -153,6 +155,7 @@ class LearnedFromRecording(Learned):
     seed: int
     trial: SimulatedTrial | None = None
     implausible: str = ""
+    tracking: Tracking | None = None
 
     @property
     def compensator(self) -> dict[str, float]:

@@ -25,6 +25,7 @@ from stickslip.pipeline.learned import (
     loops_of_log,
     try_compensator,
 )
+from stickslip.pipeline.tracking import with_tracking
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
@@ -86,4 +87,4 @@ def learn(
         on_stage=on_stage,
     )
     on_stage("trying the compensator")
-    return try_compensator(reading, learned)
+    return with_tracking(reading, try_compensator(reading, learned))

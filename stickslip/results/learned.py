@@ -28,6 +28,7 @@ from stickslip.cosim import Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.guards import Drive, Known, family
+from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.models import Law, StartValueError, UnknownLaw, load_model
 from stickslip.pipeline.learned import LearnedFromRecording
@@ -161,6 +162,8 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     Speeds and errors are in m/s, or rad/s for a rotary drive; an error that is not finite is null.
     """
     document = recording_document(learned) | {"refusal": learned.refusal}
+    if learned.tracking is not None:
+        document["tracking"] = _tracking_document(learned.tracking)
     if learned.trial is None:
         return document
     trial = learned.trial
@@ -194,6 +197,13 @@ def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[
         name: {"value": float(value), "unit": start_unit(name, rotary=rotary)}
         for name, value in values.items()
     }
+
+
+def _tracking_document(tracking: Tracking) -> dict[str, Any]:
+    errors = {name: dict(error.items()) for name, error in tracking.errors().items()}
+    measured = tracking.measured and dict(tracking.measured.items())
+    words = {"loop": tracking.loop, "command": tracking.command}
+    return words | {"measured": measured, "simulated": errors}
 
 
 def _finite(value: float) -> float | None:

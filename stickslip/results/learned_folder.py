@@ -16,6 +16,8 @@ from stickslip.pipeline.record_mode import RecordReproduction, commissioning_loo
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
 from stickslip.report.learned.content import compensation
+from stickslip.report.learned.tracking import FIGURE as TRACKING
+from stickslip.report.learned.tracking import tracking_section
 from stickslip.report.page import Section, picture_files
 from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
@@ -23,7 +25,9 @@ from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
 from stickslip.servo.datasheet import Datasheet
 
-FILES = ("learned.json", "compensator.fmu", "tracking_error.csv", *REPORT)
+TABLE = "tracking_error.csv"
+"""Errors on the family of simulated drives."""
+FILES = ("learned.json", "compensator.fmu", TABLE, *picture_files([TRACKING]), *REPORT)
 """What ``write_learned`` writes or removes."""
 RECORD_FILES = (
     *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
@@ -46,11 +50,21 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     if force:
         learned = learned.with_whole_force()
     further = [compensation(learned.trial.benefit)] if learned.trial else []
-    with staged(folder, command, without=["compensator.fmu", "tracking_error.csv"]) as staging:
+    opening = []
+    if learned.tracking and learned.trial:
+        motion, share = learned.estimation.recording.motion, learned.trial.benefit.share
+        opening.append(tracking_section(learned.tracking, motion, share))
+    absent = ["compensator.fmu", TABLE, *picture_files([TRACKING])]
+    with staged(folder, command, without=absent) as staging:
         if learned.trial:
-            write_tables({"tracking_error": learned.trial.table()}, staging)
+            write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
         write_compensator(
-            learned, log_document(learned), staging, further, export=force or not learned.refusal
+            learned,
+            log_document(learned),
+            staging,
+            further,
+            opening,
+            export=force or not learned.refusal,
         )
 
 
@@ -59,6 +73,7 @@ def write_compensator(
     document: Mapping[str, Any],
     staging: Path,
     further: Sequence[Section],
+    opening: Sequence[Section] = (),
     *,
     export: bool = True,
 ) -> None:
@@ -67,14 +82,14 @@ def write_compensator(
     Parameters
     ----------
     document : content of learned.json
-    further : sections of the report
+    further, opening : sections of the report after and before that of the parameters
     export : whether to write compensator.fmu
     """
     write_json(document, staging / "learned.json")
     if export:
         law = learned.estimation.law.name
         models.build_fmu("compensator", staging, start=learned.compensator, law=law)
-    write_estimation_report(learned.estimation, learned.findings, staging, further)
+    write_estimation_report(learned.estimation, learned.findings, staging, further, opening)
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:

@@ -15,16 +15,14 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def folder(log, tmp_path_factory):
     out = tmp_path_factory.mktemp("learned") / "out"
-    assert main(["learn", "--log", str(log), "--workers", "3", "--out", str(out)]) == 0
+    assert main(["learn", str(log), "--workers", "3", "--out", str(out)]) == 0
     return out
 
 
 def test_it_prints_parameters_with_intervals(log, capsys):
     assert main(["learn", "--log", str(log), "--criterion", "inverse"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    known = {
-        line.split()[0]: line for line in lines if "known" in line or "identifiability" in line
-    }
+    known = {line.split()[0]: line for line in lines if "identifiable" in line}
     assert {"F_s", "F_c", "v_s", "sigma_0", "sigma_1", "m", "b"} <= {*known}
     low, high = known["F_c"].split("[")[1].split("]")[0].split(", ")
     assert float(low) < 4.0 < float(high)
@@ -122,6 +120,15 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     assert f"{1e3 * first['without']:.3g} -> {1e3 * first['with']:.3g}" in table[2]
     assert "tried in one designed for the learned mass" in error
     report = (folder / "report.html").read_text(encoding="utf-8")
+    opening = report.index("Tracking without and with the compensator")
+    assert report.index("<h1>") < opening < report.index("Learned parameters")
+    tracking = document["tracking"]
+    assert tracking["measured"] is None  # no command was logged
+    simulated = tracking["simulated"]
+    assert simulated["with compensator"]["velocity_rms"] < (
+        0.8 * simulated["without compensator"]["velocity_rms"]
+    )
+    assert "tracking error on a trapezoid at the log's speed" in out
     assert "Whether compensation helps" in report
 
 

@@ -79,7 +79,13 @@ class KnownLoop(Closing):
             system,
             step=recording.T_s,
             stop=(len(recording.t) - 1) * recording.T_s,
-            record=("candidate.x", "candidate.x_enc", "candidate.F_m", "controller.u"),
+            record=(
+                "candidate.x",
+                "candidate.v",
+                "candidate.x_enc",
+                "candidate.F_m",
+                "controller.u",
+            ),
         )
         self._runs = Runs(specification, workers)
         self.each, self.workers = self._runs.each, workers
@@ -88,12 +94,18 @@ class KnownLoop(Closing):
         self._first = None if force is None else float(force[0])
         self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
-    def run(self, values: Values, further: Mapping[str, float] | None = None) -> cosim.Result:
+    def run(
+        self,
+        values: Values,
+        further: Mapping[str, float] | None = None,
+        feedforward: Array | float = 0.0,
+    ) -> cosim.Result:
         """Run the experiment with these values in the drive.
 
         Parameters
         ----------
         further : parameters of this run only, such as ``candidate.noise_x``
+        feedforward : (n,) force of a compensator from each sample on [N]
         """
         parameters = {**candidate(values), **(further or {})}
         if self._first is not None:  # friction balances the motor force
@@ -101,7 +113,9 @@ class KnownLoop(Closing):
             for name, state in STATES.items():
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
-        return self._runs.run(parameters, {**self._inputs, "F_ff": self._memory - values["F_0"]})
+        return self._runs.run(
+            parameters, {**self._inputs, "F_ff": self._memory - values["F_0"] + feedforward}
+        )
 
     def close(self) -> None:
         """Free the FMUs."""

@@ -44,6 +44,7 @@ def sections(
     findings: Sequence[Finding],
     beside: Sequence[str],
     further: Sequence[Section] = (),
+    opening: Sequence[Section] = (),
 ) -> list[Section]:
     """Return the sections of the page.
 
@@ -51,10 +52,12 @@ def sections(
     ----------
     findings : of reading and checking the log
     beside : names of the files in the page's folder
-    further : sections that follow the first
+    further, opening : sections that follow that of the parameters, and that precede it
     """
     return [
         content.head(estimation),
+        *opening,
+        content.learned(estimation),
         *further,
         content.criterion(estimation),
         content.log(estimation, findings),
@@ -69,6 +72,7 @@ def write_estimation_report(
     findings: Sequence[Finding],
     folder: Path,
     further: Sequence[Section] = (),
+    opening: Sequence[Section] = (),
 ) -> list[Path]:
     """Write parameters.csv, each figure as PNG and SVG, and report.html.
 
@@ -79,4 +83,6 @@ def write_estimation_report(
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"
-    return written + write_page(folder, title, sections(estimation, findings, beside, further))
+    return written + write_page(
+        folder, title, sections(estimation, findings, beside, further, opening)
+    )

@@ -43,10 +43,14 @@ ERRORS = {
 
 
 def head(estimation: Estimation) -> Section:
+    """Return the head of the page: of which recording what was learned."""
+    return Section("", _what(estimation))
+
+
+def learned(estimation: Estimation) -> Section:
     """Return what was learned: verdict, relative errors, and the table of parameters."""
-    return Section(
-        "", _what(estimation), _verdict(estimation), _table(estimation), _rest(estimation)
-    )
+    title = "Learned parameters"
+    return Section(title, _verdict(estimation), _table(estimation), _rest(estimation))
 
 
 def _what(estimation: Estimation) -> Html:

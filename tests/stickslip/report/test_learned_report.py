@@ -233,7 +233,7 @@ def test_pictures_bear_an_estimation_that_knows_nothing():
     with house_style():
         for name in ("force", "profiles"):
             drawing(name, blind)().draw_without_rendering()
-    assert "≈ 6" in content.head(blind).markup({})
+    assert "≈ 6" in content.learned(blind).markup({})
 
 
 def test_a_thinned_signal_keeps_its_extremes_and_its_order():
