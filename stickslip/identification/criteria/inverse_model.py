@@ -4,27 +4,31 @@
 
 F_f comes from the compensator FMU, driven by the recorded velocity; all terms are low-passed alike.
 Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
+A law without presliding gives any force up to that of break-away at rest: there F_f balances F.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip import cosim
-from stickslip.catalog.parameters import DRIVE, friction_law
+from stickslip.catalog.parameters import DRIVE, friction_law, presliding
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.motion import (
     SmoothMotion,
     measured_force,
+    position_noise,
     position_of,
     smooth_motion,
+    velocity_noise,
 )
 from stickslip.identification.criteria.runs import Runs
 from stickslip.logs import Recording
@@ -34,6 +38,8 @@ from stickslip.servo.measurement import Array, smoothed
 SHARE = 1.0 / 16.0
 """Cut-off of the low-pass, as a share of the sample rate."""
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
+REST = 3.0
+"""Speed up to which a drive may be at rest, in standard deviations of the velocity's noise."""
 
 
 def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
@@ -56,6 +62,10 @@ class InverseModel(Closing):
     cutoff : of the low-pass [Hz]; a share of the sample rate by default
     workers : number of parallel runs
     law : friction law of the compensator FMU; LuGre by default
+
+    Attributes
+    ----------
+    slides : (n,) where friction follows from the motion; everywhere for a law with presliding
     """
 
     name = "inverse model"
@@ -78,37 +88,37 @@ class InverseModel(Closing):
         edge = min(int(EDGE / self.cutoff / self.T_s) + 1, len(self.t) // 10)
         self.used = slice(edge, len(self.t) - edge)
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
-        self.inputs = _inputs(self.motion)
-        self.linear = _linear(self.motion)
+        self.law = law or friction_law()
+        self.slides = np.ones(len(self.t), dtype=bool)
+        if not presliding(self.law):
+            noise = position_noise(position_of(recording), recording.encoder_step)
+            floor = velocity_noise(noise, self.T_s, self.cutoff)
+            self.slides = np.abs(self.motion.v) > REST * floor
+        # The velocity of row n + 1 is the one at the end of the step from t[n].
+        self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
+        self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self._runs = Runs(self.specification, workers)
         self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        return self._along(self.inputs, values)
-
-    def predicted(self, values: Values, motion: SmoothMotion | None = None) -> Array:
-        """Return the force (n,) [N] that the values predict, low-passed.
-
-        Parameters
-        ----------
-        values : by name
-        motion : through the same low-pass; by default that of the recording
-        """
-        inputs, linear = self.inputs, self.linear
-        if motion is not None:
-            inputs, linear = _inputs(motion), _linear(motion)
-        weights = np.array([values["m"], values["b"], values["F_0"]])
-        if self.measures_friction:
-            weights[:2] = 0.0
-        friction = smoothed(self._along(inputs, values), self.T_s, self.cutoff)
-        return np.asarray(linear @ weights + friction)
-
-    def _along(self, inputs: Mapping[str, Array], values: Values) -> Array:
         parameters = {
             f"compensator.{name}": value for name, value in values.items() if name not in DRIVE
         }
-        return self._runs.run(parameters, inputs)["compensator.F_f"]
+        return self._runs.run(parameters, self.inputs)["compensator.F_f"]
+
+    def predicted(self, values: Values) -> Array:
+        """Return the force (n,) [N] that the values predict for the motion, low-passed."""
+        weights = np.array([values["m"], values["b"], values["F_0"]])
+        if self.measures_friction:
+            weights[:2] = 0.0
+        rigid = self.linear @ weights
+        friction = self.friction(values)
+        if not self.slides.all():
+            most = values["F_s" if self.law.steady == "stribeck" else "F_c"]
+            held = np.clip(self.measured(values) - rigid, -most, most)
+            friction = np.where(self.slides, friction, held)
+        return np.asarray(rigid + smoothed(friction, self.T_s, self.cutoff))
 
     def measured(self, values: Values) -> Array:
         """Return the measured force (n,) [N] without its delay, low-passed."""
@@ -133,16 +143,6 @@ class InverseModel(Closing):
         self._runs.close()
 
 
-def _inputs(motion: SmoothMotion) -> dict[str, Array]:
-    """Return the compensator's inputs; that of row n + 1 is taken at the end of step n."""
-    return {"v": np.append(motion.v[1:], motion.v[-1])}
-
-
-def _linear(motion: SmoothMotion) -> Array:
-    """Return the columns (n, 3) of m, b and F_0."""
-    return np.column_stack([motion.a, motion.v, np.ones_like(motion.v)])
-
-
 @dataclass(frozen=True)
 class ForceCost:
     """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
@@ -152,19 +152,22 @@ class ForceCost:
     T_s, cutoff : of the low-pass [s], [Hz]
     target : (n,) recorded force, low-passed [N]
     basis : (n, k) orthonormal, of what is linear
+    slides : (n,) where friction follows from the motion
     """
 
     T_s: float
     cutoff: float
     target: Array
     basis: Array
+    slides: NDArray[np.bool_]
 
     @classmethod
     def of(cls, model: InverseModel, delay: float) -> ForceCost:
         """Return the cost of a model for a given delay [s]."""
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
-        target = np.interp(model.t - delay, model.t, model.force)
-        return cls(model.T_s, model.cutoff, target, np.linalg.qr(columns)[0])
+        target = np.where(model.slides, np.interp(model.t - delay, model.t, model.force), 0.0)
+        basis = np.linalg.qr(columns * model.slides[:, np.newaxis])[0]
+        return cls(model.T_s, model.cutoff, target, basis, model.slides)
 
     def __call__(self, result: cosim.Result) -> float:
         """Return the cost of a run that recorded ``compensator.F_f``."""
@@ -172,7 +175,8 @@ class ForceCost:
 
     def of_friction(self, friction: Array) -> float:
         """Return the cost of a friction (n,) [N] along the motion."""
-        rest = self.target - smoothed(friction, self.T_s, self.cutoff)
+        friction = smoothed(friction, self.T_s, self.cutoff)
+        rest = self.target - np.where(self.slides, friction, 0.0)
         # No linear algebra: its sums depend on its threads, in which workers differ.
         for direction in self.basis.T:
             rest = rest - direction * np.sum(direction * rest)

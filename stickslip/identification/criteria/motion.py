@@ -44,6 +44,14 @@ def position_noise(position: Array, step: float) -> float:
     return float(np.sqrt(max(third, step**2 / 12.0, np.finfo(float).tiny)))
 
 
+def velocity_noise(noise: float, T_s: float, cutoff: float) -> float:
+    """Return the standard deviation [m/s] of the velocity from white noise on the position [m].
+
+    It is differentiated and cut off [Hz].
+    """
+    return float(2.0 * np.pi * noise * np.sqrt(2.0 * cutoff**3 * T_s / 3.0))
+
+
 def position_of(recording: Recording) -> Array:
     """Return the position (n,) [m], integrated from the velocity where it was not logged.
 

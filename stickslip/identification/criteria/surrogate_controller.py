@@ -58,14 +58,11 @@ def correct_inverse(
     rng = np.random.default_rng(seed)
     at, ratios = fitted, []
     loose = np.sqrt(np.diag(fitted.covariance)) > LOOSE
-    path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
-    led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
-    gains = _gains(fitted.parameters, inverse.T_s)
-    with KnownLoop(fmus, led, gains, encoder=True, workers=inverse.workers) as loop:
+    with surrogate_loop(inverse, fitted.parameters, fmus, recording) as loop:
         for _ in range(ROUNDS):
             drawn = recording.encoder_step * rng.random(RUNS)
             left = loop.each(
-                partial(_residual, inverse, loop, fmus, recording, at.parameters), drawn
+                partial(resimulated, inverse, loop, fmus, recording, at.parameters), drawn
             )
             ratios.append(float(np.mean(np.square(left))) / at.variance)
             own = at.step() - np.mean([at.shift(one) for one in left], axis=0)
@@ -76,6 +73,16 @@ def correct_inverse(
     return replace(at, covariance=fitted.covariance), fitted.q - at.q, alike
 
 
+def surrogate_loop(
+    inverse: InverseModel, values: Values, fmus: Path, recording: Recording
+) -> KnownLoop:
+    """Return a loop in which the drive with these values follows the recorded motion."""
+    path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
+    led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
+    gains = _gains(values, inverse.T_s)
+    return KnownLoop(fmus, led, gains, encoder=True, workers=inverse.workers)
+
+
 def _gains(values: Values, T_s: float) -> dict[str, float]:
     """Return a cascade for the fitted mass whose integral starts at the constant force."""
     rate = 2.0 * np.pi * BANDWIDTH / T_s  # [rad/s]
@@ -84,17 +91,24 @@ def _gains(values: Values, T_s: float) -> dict[str, float]:
     return {**gains, HELD: values["F_0"]}
 
 
-def _residual(
+def resimulated(
     inverse: InverseModel,
     loop: KnownLoop,
     fmus: Path,
     recording: Recording,
     values: Values,
     offset: float,
+    noise: float = 0.0,
 ) -> Array:
-    """Return the residual (k,) [N] of a drive that is resimulated with a displacement [m]."""
+    """Return the residual (k,) [N] of the drive with these values, simulated and recorded again.
+
+    Parameters
+    ----------
+    offset : displacement of the drive, and so of the encoder's steps [m]
+    noise : standard deviation of white noise on the position [m]
+    """
     start = position_of(recording)[0] + offset
-    further = {"candidate.x": start, "candidate.noise_x": 1e-9 * abs(offset)}
+    further = {"candidate.x": start, "candidate.noise_x": max(noise, 1e-9 * abs(offset))}
     result = loop.run({**values, "delay": 0.0}, further)
     # The drive's output at the end of a sample is the force held over it; the controller adds the
     # constant force, so the output contains it.

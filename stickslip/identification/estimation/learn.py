@@ -25,11 +25,7 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
-from stickslip.identification.estimation.faults import (
-    MODEL_ERROR,
-    change_of_friction,
-    found_faults,
-)
+from stickslip.identification.estimation.faults import MODEL_ERROR, change_of_friction, found_faults
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (

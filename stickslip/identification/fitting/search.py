@@ -100,8 +100,9 @@ def solve_linear(model: InverseModel, start: Start, friction: Array) -> dict[str
     values = {**start.line, **dict(zip(start.space.friction, friction.tolist(), strict=True))}
     if model.measures_friction:
         return values
-    rest = model.residual({**values, "m": 0.0, "b": 0.0, "F_0": 0.0})
-    found, *_ = np.linalg.lstsq(model.linear[model.used], rest, rcond=None)
+    slides = model.slides[model.used]
+    rest = model.residual({**values, "m": 0.0, "b": 0.0, "F_0": 0.0})[slides]
+    found, *_ = np.linalg.lstsq(model.linear[model.used][slides], rest, rcond=None)
     low = start.space.decode(start.space.lower)
     values["m"], values["b"] = max(float(found[0]), low["m"]), max(float(found[1]), 0.0)
     values["F_0"] = float(found[2])

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from stickslip import models
 from stickslip.catalog.space import ParameterSpace
-from stickslip.fmi.process import temporary_folder
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
 from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.identification.estimation.candidate_fmus import candidate_fmus
 from stickslip.identification.fitting.fit import Fit, fit, inverse_information
 from stickslip.identification.fitting.multistart import SURE, select, variants
 from stickslip.identification.fitting.search import solve_linear
@@ -59,9 +59,16 @@ class Prediction:
 
 
 def predictions(
-    recording: Recording, among: Iterable[Candidate] | None = None, workers: int = 1
+    recording: Recording,
+    gains: Mapping[str, float] | None = None,
+    among: Iterable[Candidate] | None = None,
+    workers: int = 1,
 ) -> list[Prediction]:
     """Return the prediction of each law of the catalogue, or of those given.
+
+    Parameters
+    ----------
+    gains : of a controller that is known to command the logged force
 
     Raises
     ------
@@ -73,12 +80,15 @@ def predictions(
     scale = recording_scale(recording)
     scaled = scale.recording(recording)
     found = []
-    with threadpool_limits(limits=1, user_api="blas"), temporary_folder() as folder:
+    gains = None if gains is None else scale.values(gains)
+    with threadpool_limits(limits=1, user_api="blas"):
         for candidate in candidates() if among is None else among:
-            models.build_fmu("compensator", folder, law=candidate.law.name)
-            with InverseModel(folder, scaled, workers=workers, law=candidate.law) as inverse:
+            with (
+                candidate_fmus(candidate.law.name) as fmus,
+                InverseModel(fmus, scaled, workers=workers, law=candidate.law) as inverse,
+            ):
                 fitted = _fitted(inverse, begin(inverse, scaled), candidate)
-                one = predict(inverse, fitted, scaled, candidate)
+                one = predict(inverse, fitted, fmus, scaled, candidate, gains)
             found.append(
                 replace(
                     one,
@@ -93,7 +103,12 @@ def predictions(
 
 
 def predict(
-    inverse: InverseModel, fitted: Fit, recording: Recording, candidate: Candidate
+    inverse: InverseModel,
+    fitted: Fit,
+    fmus: Path,
+    recording: Recording,
+    candidate: Candidate,
+    gains: Mapping[str, float] | None = None,
 ) -> Prediction:
     """Return what a fit by the inverse model to the whole recording predicts of its parts."""
     residual = held_out(inverse, fitted)
@@ -106,7 +121,7 @@ def predict(
         fitted.errors(),
         force,
         force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
-        explained(inverse, fitted, recording),
+        explained(inverse, fitted, fmus, recording, gains),
         np.bincount(blocks(len(residual)), residual**2) / count,
     )
 

