@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import control
 import numpy as np
@@ -61,15 +62,23 @@ class Axis:
         (x, v, d)+ = A (x, v, d) + last F + now F+, with a held disturbing force d [N]: A (3, 3),
         last (3,), now (3,). Exact, since between samples F follows the lag.
         """
-        system = self.sampled(T_s)
-        keep, held = system.A[0, 0], system.B[[2, 1], 0]
-        now = held / (1.0 - keep)
-        last = system.A[[2, 1], 0] - now * keep
-        A = np.eye(3)
-        A[:2, :2] = system.A[np.ix_([2, 1], [2, 1])]
-        free = Axis(self.m, self.b).sampled(T_s)
-        A[:2, 2] = free.B[[2, 1], 0]
-        return A, np.append(last, 0.0), np.append(now, 0.0)
+        return _period(self, T_s)
+
+
+@lru_cache(maxsize=16)
+def _period(axis: Axis, T_s: float) -> tuple[Array, Array, Array]:
+    system = axis.sampled(T_s)
+    keep, held = system.A[0, 0], system.B[[2, 1], 0]
+    now = held / (1.0 - keep)
+    last = system.A[[2, 1], 0] - now * keep
+    A = np.eye(3)
+    A[:2, :2] = system.A[np.ix_([2, 1], [2, 1])]
+    free = Axis(axis.m, axis.b).sampled(T_s)
+    A[:2, 2] = free.B[[2, 1], 0]
+    found = A, np.append(last, 0.0), np.append(now, 0.0)
+    for array in found:
+        array.flags.writeable = False
+    return found
 
 
 def check(name: str, value: float, unit: str, holds: bool, expected: str) -> None:

@@ -31,9 +31,14 @@ def frequency_response(system: control.StateSpace, f: Array | float) -> NDArray[
     -------
     ndarray, shape (n,) or ()
     """
-    z = np.exp(2j * np.pi * np.asarray(f) * system.dt)[..., None, None]
-    states = np.linalg.solve(z * np.eye(system.nstates) - system.A, system.B + 0j * z)
-    return np.asarray((system.C @ states + system.D)[..., 0, 0])
+    return respond(system, np.exp(2j * np.pi * np.asarray(f) * system.dt))[..., 0, 0]
+
+
+def respond(system: control.StateSpace, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return the response of a discrete system at points z (...) as (..., outputs, inputs)."""
+    points = z[..., None, None]
+    states = np.linalg.solve(points * np.eye(system.nstates) - system.A, system.B + 0j * points)
+    return np.asarray(system.C @ states + system.D)
 
 
 def stability_margins(open_loop: control.StateSpace) -> tuple[float, float, float]:

@@ -12,12 +12,6 @@ FREQUENCIES = 2000
 """Points at which the sensitivity is evaluated, evenly spaced in the logarithm of the frequency."""
 
 
-def peak_sensitivity(loop: VelocityLoop) -> float:
-    """Return the largest |1 / (1 + L)| of a loop, up to half the sample rate."""
-    z = _points(loop)
-    return float(np.abs(1.0 / (1.0 + loop.open_loop(z))).max())
-
-
 def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     """Return the loop whose PI gains reject friction best at the peak sensitivity of another.
 
@@ -29,7 +23,8 @@ def tuned_pi(loop: VelocityLoop) -> VelocityLoop:
     ------
     Astrom and Hagglund, Advanced PID Control, ISA 2006, section 6.2 (integral gain optimisation).
     """
-    z, limit = _points(loop), peak_sensitivity(loop)
+    z = _points(loop)
+    limit = float(np.abs(1.0 / (1.0 + loop.open_loop(z))).max())
     integrator = loop.T_s * z / (z - 1.0)
     plant = loop.open_loop(z) / (loop.K_p + loop.K_i * integrator)
 

@@ -74,6 +74,13 @@ class VelocityFilter:
         Its states are the innovation left after the last sample [m], v [m/s], d [N] and the
         net force at the last sample [N]; all differences, so that none drifts.
         """
+        return self._system(1, "v_est")
+
+    def disturbance(self) -> control.StateSpace:
+        """Return the filter from displacement and net force, as in ``system``, to d [N]."""
+        return self._system(2, "d_hat")
+
+    def _system(self, state: int, output: str) -> control.StateSpace:
         A, by_last, by_now = self.axis.period(self.T_s)
         unexpected = np.concatenate([[1.0], -A[0, 1:], [-by_last[0]], [1.0, -by_now[0]]])
         gain = np.array([self.L_x, self.L_v, self.L_d])
@@ -84,8 +91,26 @@ class VelocityFilter:
         row[1:3] += np.outer(gain[1:], unexpected)
         row[3, 5] = 1.0
         A_f, B_f = row[:, :4], row[:, 4:]
-        names = {"name": "estimator", "inputs": ["d", "N"], "outputs": "v_est"}
-        return control.ss(A_f, B_f, row[[1], :4], row[[1], 4:], self.T_s, **names)
+        names = {"name": "estimator", "inputs": ["d", "N"], "outputs": output}
+        return control.ss(A_f, B_f, row[[state], :4], row[[state], 4:], self.T_s, **names)
+
+
+@dataclass(frozen=True)
+class Observer:
+    """A disturbance observer whose estimate is compensated: the parameters of the dob FMU.
+
+    Attributes
+    ----------
+    filter : estimates the disturbing force
+    share : of the estimate that is compensated
+    """
+
+    filter: VelocityFilter
+    share: float = 1.0
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of the FMU."""
+        return {**self.filter.parameters(), "share": self.share}
 
 
 def design_velocity_filter(

@@ -6,7 +6,8 @@ import pytest
 
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.tuned_pi import peak_sensitivity, tuned_pi
+from stickslip.servo.sensitivity import peak_sensitivity
+from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     close_velocity_loop,

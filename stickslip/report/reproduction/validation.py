@@ -28,7 +28,7 @@ from stickslip.report.quantity import METRICS, number, percent, symbol
 from stickslip.report.reproduction.curves import draw_motions, draw_steps, draw_tracking
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import CUTOFF
-from stickslip.servo.tuned_pi import peak_sensitivity
+from stickslip.servo.sensitivity import peak_sensitivity
 
 
 def validation_section(validation: Validation) -> Section:

@@ -1,0 +1,191 @@
+"""Design of a disturbance observer for a velocity loop: as fast as robustness and noise allow.
+
+The gains are those of a stationary Kalman filter, whose two weights, the noise of the force and
+the rate of the disturbance, are searched relative to the step of the encoder. Each candidate has
+a peak sensitivity, the largest over the given masses, and an expected velocity error, whose mean
+square is
+
+    integral of  r (2 F_c)^2 |G(f) / (2 pi f)|^2 + T_s step^2 / 12 |H(f)|^2 + T_s s_F^2 |K(f)|^2  df
+
+over positive and negative frequencies up to half the sample rate, with G, H and K from a force on
+the mass, an error of the encoder and one of the measured force to the velocity. The first term is
+a step of twice the Coulomb friction r times a second, the others quantisation and noise. Of the
+candidates within the limit of the peak sensitivity, the one is taken for which the product of peak
+sensitivity and expected error is least: a design that is 1 % more exact and 2 % less robust is not
+better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from stickslip.servo.axis import ControlError, check
+from stickslip.servo.sensitivity import Opened, Response, peak_sensitivity
+from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
+from stickslip.servo.velocity_loop import VelocityLoop
+
+LIMIT = 2.2
+"""Largest peak sensitivity of the loop with the observer."""
+MASSES = (0.9, 1.0, 1.1)
+"""True masses, relative to that of the loop's axis, at which the limit holds."""
+REVERSALS = 0.1
+"""Reversals of Coulomb friction per second, r. A real one is spread over the presliding distance,
+so that it excites high frequencies less than a step does."""
+FORCE_NOISE = 0.01
+"""Standard deviation of the measured force where it is not given, relative to the friction."""
+WORTHWHILE = 0.98
+"""Largest expected error with an observer, relative to that without."""
+LEAST_GAIN = 1e-3
+"""Relative improvement below which the search ends."""
+Weights = tuple[float, float]
+_RATES = np.geomspace(1e-10, 10.0, 12)
+_NOISES = np.geomspace(1e-6, 30.0, 8)
+_STEPS = (2.0, 1.4, 1.15)  # factors of the search around the best of these
+
+
+@dataclass(frozen=True)
+class DesignedObserver:
+    """An observer with what it was designed for.
+
+    Attributes
+    ----------
+    observer : the design
+    sensitivity : largest peak sensitivity at any of the masses, with the observer
+    without : the same without it
+    error, error_without : expected RMS of the velocity error [m/s]
+    """
+
+    observer: Observer
+    sensitivity: float
+    without: float
+    error: float
+    error_without: float
+
+
+def design_observer(
+    loop: VelocityLoop,
+    encoder_step: float,
+    friction: float,
+    *,
+    force_noise: float | None = None,
+    masses: Sequence[float] = MASSES,
+    limit: float = LIMIT,
+) -> DesignedObserver:
+    """Design the disturbance observer of a velocity loop.
+
+    Parameters
+    ----------
+    encoder_step : resolution of the encoder [m]
+    friction : Coulomb friction [N], to weigh how fast the observer is against its noise
+    force_noise : standard deviation of the measured motor force from sample to sample [N], by
+        default ``FORCE_NOISE`` of the friction
+    masses : true masses at which the limit must hold, relative to that of the loop's axis
+    limit : largest peak sensitivity
+
+    Raises
+    ------
+    ControlError
+        When the loop exceeds the limit without an observer, or none reduces the expected error.
+    """
+    check("encoder_step", encoder_step, "m", encoder_step > 0.0, "above 0")
+    check("friction", friction, "N", friction > 0.0, "above 0")
+    check("limit", limit, "1", limit > 1.0, "above 1")
+    noise = FORCE_NOISE * friction if force_noise is None else force_noise
+    check("force_noise", noise, "N", noise >= 0.0, "0 or above")
+    opened = [Opened(loop, share * loop.axis.m) for share in masses]
+    search = _Search(loop, opened, encoder_step, friction, noise, limit)
+    without = search.tried(None)
+    if not (without.peak <= limit and all(one.stable() for one in opened)):
+        raise ControlError(
+            f"no disturbance observer: the velocity loop alone has a peak sensitivity of"
+            f" {max(peak_sensitivity(loop, m=one.m) for one in opened):.3g} when the mass is"
+            f" {min(masses):g} to {max(masses):g} times that of its design; expected at most"
+            f" {limit:g}; lower K_p or K_i"
+        )
+    best = search.best(without)
+    if best.observer is None or best.error > WORTHWHILE * without.error:
+        raise ControlError(
+            f"no disturbance observer with a peak sensitivity of at most {limit:g} reduces the"
+            " expected velocity error; a finer encoder, or a shorter sample period, is needed"
+        )
+    return DesignedObserver(best.observer, best.peak, without.peak, best.error, without.error)
+
+
+class _Candidate(NamedTuple):
+    """An observer, or None, with peak sensitivity and expected RMS of the velocity error [m/s]."""
+
+    observer: Observer | None
+    peak: float
+    error: float
+
+    @property
+    def cost(self) -> float:
+        return self.peak * self.error
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Candidates by their weights: rate of the disturbance and noise of the force.
+
+    Both are relative to what moves the axis by one step of the encoder in one sample period.
+    """
+
+    loop: VelocityLoop
+    opened: Sequence[Opened]
+    step: float
+    friction: float
+    noise: float
+    limit: float
+
+    def best(self, start: _Candidate) -> _Candidate:
+        """Return the best within the limit: of a grid, then around the best of it."""
+        best, place = start, None
+        for weights in product(_RATES, _NOISES):
+            best, place = self._better(best, place, weights)
+        for factor in _STEPS:
+            moved = place
+            while moved is not None:
+                around = product((1 / factor, 1.0, factor), repeat=2)
+                centre, moved = moved, None
+                for by_rate, by_noise in around:
+                    weights = centre[0] * by_rate, centre[1] * by_noise
+                    best, moved = self._better(best, moved, weights)
+                place = moved or centre
+        return best
+
+    def _better(
+        self, best: _Candidate, place: Weights | None, weights: Weights
+    ) -> tuple[_Candidate, Weights | None]:
+        """Return the better of a candidate and one with these weights, and its weights."""
+        found = self.tried(self._designed(*weights))
+        if found.peak > self.limit or not found.cost < (1.0 - LEAST_GAIN) * best.cost:
+            return best, place
+        if not all(opened.stable(found.observer) for opened in self.opened):
+            return best, place
+        return found, weights
+
+    def tried(self, observer: Observer | None) -> _Candidate:
+        """Return an observer with what it does at the worst mass."""
+        responses = [opened.response(observer) for opened in self.opened]
+        peak = max(response.peak for response in responses)
+        error = max(map(self._error, self.opened, responses))
+        return _Candidate(observer, peak, error)
+
+    def _designed(self, rate: float, noise: float) -> Observer:
+        T_s, axis = self.loop.T_s, self.loop.axis
+        unit = axis.m * self.step / T_s**2
+        weights = FilterSpecification(self.step, noise * unit, rate * unit / np.sqrt(T_s))
+        return Observer(design_velocity_filter(axis, T_s, weights))
+
+    def _error(self, opened: Opened, response: Response) -> float:
+        f, T_s = opened.f, opened.T_s
+        step = 2.0 * self.friction * np.sqrt(REVERSALS)
+        reversal = np.abs(step * response.disturbed / (2.0 * np.pi * f)) ** 2
+        quantised = self.step**2 / 12 * T_s * np.abs(response.noisy) ** 2
+        driven = self.noise**2 * T_s * np.abs(response.driven) ** 2
+        return float(np.sqrt(2.0 * np.trapezoid(reversal + quantised + driven, f)))

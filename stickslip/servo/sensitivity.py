@@ -1,0 +1,143 @@
+"""The sensitivity of a velocity loop, with or without a disturbance observer.
+
+    v_cmd -> C(z) -> (+) -> u -> axis -> displacement d per sample, motor force F
+                      ^                       |
+                      +---- -share d_hat <- observer
+
+The observer sees the motor force, so the loop has two places where it can be opened to one input
+and one output. At the command u the sensitivity is that to the lag of the current loop and to
+delays; at the encoder it is that to the mass. Where the observer's axis is the true one, the first
+does not depend on the observer, and the second is (1 - Q) times it for an observer with d_hat = Q d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.servo.axis import Axis
+from stickslip.servo.frequency import respond
+from stickslip.servo.velocity_filter import Observer
+from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_estimator
+
+ComplexArray = NDArray[np.complex128]
+LOWEST = 1e-5
+"""Lowest frequency that is evaluated, as a share of the sample rate."""
+FREQUENCIES = 600
+"""Frequencies that are evaluated, evenly spaced in the logarithm."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """How a loop with an observer responds at each frequency of its ``Opened`` loop.
+
+    Attributes
+    ----------
+    at_command, at_encoder : (n,) sensitivity 1 / (1 + L) where the loop is opened there
+    disturbed : (n,) from a force on the mass to the velocity [m/(N s)]
+    noisy : (n,) from an error of the encoder to the velocity [1/s]
+    driven : (n,) from an error of the measured motor force to the velocity [m/(N s)]
+    """
+
+    at_command: ComplexArray
+    at_encoder: ComplexArray
+    disturbed: ComplexArray
+    noisy: ComplexArray
+    driven: ComplexArray
+
+    @property
+    def peak(self) -> float:
+        """The peak sensitivity Ms: the largest at either place."""
+        return float(max(np.abs(self.at_command).max(), np.abs(self.at_encoder).max()))
+
+
+class Opened:
+    """A velocity loop on an axis, opened at the controller, for which observers are tried.
+
+    Parameters
+    ----------
+    loop : controller, and the axis for which it was designed
+    m : true mass [kg], by default that of the loop's axis
+    """
+
+    def __init__(self, loop: VelocityLoop, m: float | None = None) -> None:
+        self.loop, self.T_s, self.m = loop, loop.T_s, m or loop.axis.m
+        axis = replace(loop.axis, m=self.m)
+        self.plant = _displacement_and_force(axis, self.T_s)
+        self.f = np.geomspace(LOWEST / self.T_s, 0.5 / self.T_s, FREQUENCIES)
+        self.z = np.exp(2j * np.pi * self.f * self.T_s)
+        self._moved, self._force = respond(self.plant, self.z)[:, :, 0].T
+        unlagged = _displacement_and_force(Axis(axis.m, axis.b), self.T_s)
+        self._pushed = respond(unlagged, self.z)[:, 0, 0]
+
+    @cached_property
+    def _controller(self) -> tuple[control.StateSpace, control.StateSpace]:
+        """From (d, F) to the controller's force, and from the compensator's force to u."""
+        loop = self.loop
+        gains = loop.K_p, loop.T_s * loop.K_i
+        pi = control.ss(1.0, gains[1], 1.0, sum(gains), loop.T_s)
+        if loop.K_i == 0.0:
+            pi = control.ss([], [], [], loop.K_p, loop.T_s)
+        _, estimator = plant_and_estimator(loop.axis, loop.T_s, loop.tau_f, loop.velocity_filter)
+        one = control.ss([], [], [], 1.0, loop.T_s)
+        if loop.velocity_filter is None:
+            return -pi * estimator * control.ss([], [], [], [[1.0, 0.0]], loop.T_s), one
+        lag = known_force(loop.velocity_filter)[1]
+        return -pi * estimator, one + pi * estimator[0, 1] * lag
+
+    @cached_property
+    def _controlled(self) -> tuple[ComplexArray, ComplexArray]:
+        own, added = (respond(part, self.z) for part in self._controller)
+        return own[:, 0], added[:, 0, 0]
+
+    def response(self, observer: Observer | None = None) -> Response:
+        """Return the response with an observer, or without."""
+        own, added = self._controlled
+        by_d, by_F = own.T
+        if observer is not None:
+            estimate = respond(observer.filter.disturbance(), self.z)[:, 0]
+            seen = -observer.share * added[:, None] * estimate
+            by_d, by_F = by_d + seen[:, 0], by_F + seen[:, 1]
+        at_command = 1.0 / (1.0 - by_d * self._moved - by_F * self._force)
+        at_encoder = (1.0 - by_F * self._force) * at_command
+        return Response(
+            at_command,
+            at_encoder,
+            disturbed=at_encoder * self._pushed / self.T_s,
+            noisy=(1.0 - 1.0 / self.z) * (at_encoder - 1.0) / self.T_s,
+            driven=at_command * by_F * self._moved / self.T_s,
+        )
+
+    def stable(self, observer: Observer | None = None) -> bool:
+        """Return whether the closed loop is stable."""
+        feedback, added = self._controller
+        if observer is not None:
+            feedback = feedback - observer.share * added * observer.filter.disturbance()
+        closed = control.feedback(self.plant, feedback, sign=1)
+        return bool(max(abs(closed.poles()), default=0.0) < 1.0)
+
+
+def peak_sensitivity(
+    loop: VelocityLoop, observer: Observer | None = None, m: float | None = None
+) -> float:
+    """Return the peak sensitivity Ms of a loop up to half the sample rate; infinite if unstable.
+
+    Parameters
+    ----------
+    observer : what compensates beside the controller, None for the controller alone
+    m : true mass [kg], by default that of the loop's axis
+    """
+    opened = Opened(loop, m)
+    return opened.response(observer).peak if opened.stable(observer) else float("inf")
+
+
+def _displacement_and_force(axis: Axis, T_s: float) -> control.StateSpace:
+    """Return the axis from u to its displacement per sample [m] and to the motor force F [N]."""
+    sampled = axis.sampled(T_s)
+    A = np.array(sampled.A)
+    A[-1, -1] = 0.0  # the displacement in one period, so that no state drifts
+    return control.ss(A, sampled.B, np.eye(3)[[2, 0]], 0, T_s)
