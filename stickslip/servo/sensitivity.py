@@ -7,7 +7,7 @@
 The observer sees the motor force, so the loop has two places where it can be opened to one input
 and one output. At the command u the sensitivity is that to the lag of the current loop and to
 delays; at the encoder it is that to the mass. Where the observer's axis is the true one, the first
-does not depend on the observer, and the second is (1 - Q) times it for an observer with d_hat = Q d.
+does not depend on the observer, and the second is 1 - Q times it where d_hat = Q d.
 """
 
 from __future__ import annotations

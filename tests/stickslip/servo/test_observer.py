@@ -132,7 +132,7 @@ def perturbed(fmus, loop, observer) -> cosim.System:
     return system
 
 
-def added(t: float, u: dict[str, float]) -> float:
+def added(_: float, u: dict[str, float]) -> float:
     return u["a"] + u["b"]
 
 
