@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable
 from pathlib import Path
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
 from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
-from stickslip.commands.log_options import add_log_argument, add_log_options, description_of, log_of
+from stickslip.commands.log_options import (
+    add_log_argument,
+    add_log_options,
+    description_of,
+    log_of,
+    print_findings,
+)
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_benefit, print_tracking
 from stickslip.identification.estimation import CriterionName, Estimation, Search
-from stickslip.logs import Description, Finding, raise_errors
+from stickslip.logs import Description, raise_errors
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.results.folder import reserved
@@ -67,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
-        _print_findings(findings)
+        print_findings(findings)
         raise_errors(options.log, findings)
         return
     with reserved(options.out, FILES):
@@ -85,7 +90,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
-            on_findings=_print_findings,
+            on_findings=print_findings,
             on_stage=progress.stage,
         )
         print_estimation(learned.estimation)
@@ -111,11 +116,6 @@ def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -
         share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")
     print(f"all results are in {options.out}; open report.html first")
-
-
-def _print_findings(findings: Iterable[Finding]) -> None:
-    for finding in findings:
-        print(finding)
 
 
 def print_estimation(estimation: Estimation) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
@@ -10,7 +11,7 @@ from typing import Any, get_args
 from stickslip.commands import SEVERAL, add_options
 from stickslip.commands.assignments import split_assignments
 from stickslip.errors import UsageError
-from stickslip.logs import ROLES, Column, Description, Kind, load_description
+from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
 from stickslip.logs.controller import GAINS
 from stickslip.logs.description import CONFIRMED
 
@@ -42,11 +43,28 @@ def log_of(options: argparse.Namespace) -> Path:
     UsageError
         When none, or two, are given.
     """
-    given = [path for path in (options.log, options.log_option) if path is not None]
-    if len(given) != 1:
-        what = "no log" if not given else f"two logs, {given[0]} and {given[1]}"
-        raise UsageError(f"{what}; expected one: stickslip learn LOG, before options of any number")
-    return Path(given[0])
+    return one_of("a log", options.log, options.log_option)
+
+
+def one_of(what: str, *given: Path | None) -> Path:
+    """Return the one path that is given.
+
+    Raises
+    ------
+    UsageError
+        When there is none, or more than one.
+    """
+    paths = [path for path in given if path is not None]
+    if len(paths) != 1:
+        got = " and ".join(map(str, paths)) or "none"
+        raise UsageError(f"expected {what} as the first argument, before options; got {got}")
+    return paths[0]
+
+
+def print_findings(findings: Iterable[Finding]) -> None:
+    """Print what reading and checking a log found, a line each."""
+    for finding in findings:
+        print(finding)
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

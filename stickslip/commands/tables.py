@@ -11,6 +11,8 @@ import numpy as np
 import pandas as pd
 
 from stickslip.evaluation.guards import Benefit
+from stickslip.evaluation.log_prediction import LogPrediction
+from stickslip.evaluation.log_verdict import SIGNALS, verdict
 from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import staged
@@ -81,6 +83,18 @@ def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
         size = size.upper() if size == "rms" else size
         reduction = 100.0 * tracking.reduction(key)
         print(f"{what} {size:4}{unit:8}{shown} {reduction:8.1f} %")
+
+
+def print_prediction(found: LogPrediction, values: Mapping[str, float]) -> None:
+    """Print the verdict on another log of a learned drive, and its errors."""
+    first, *reasons = verdict(found, values)
+    print(f"\nverdict: {first}")
+    print(*(f"  {reason}" for reason in reasons), sep="\n")
+    print("\nrecorded less predicted, RMS in SI units")
+    print(f"{'':24} {'error':>10} {'noise':>10} {'intervals':>10} {'relative':>10} {'ratio':>7}")
+    for name, one in found.signals.items():
+        sizes = "".join(f"{x:11.3g}" for x in (one.error, one.noise, one.intervals))
+        print(f"{SIGNALS[name]:24}{sizes} {100.0 * one.relative:8.3g} % {one.ratio:7.2g}")
 
 
 def print_published(published: Published) -> None:

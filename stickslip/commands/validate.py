@@ -1,4 +1,8 @@
-"""``stickslip validate``: evaluate a compensator's parameters on the drive FMU, as in Table 4."""
+"""``stickslip validate``: a learned drive against another log, or on the simulated drive.
+
+With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
+drive FMU, as in Table 4 of the paper.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +11,23 @@ from pathlib import Path
 
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
+from stickslip.commands.log_options import (
+    add_log_options,
+    description_of,
+    one_of,
+    print_findings,
+)
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_table4, write_files
+from stickslip.commands.tables import print_prediction, print_table4, write_files
+from stickslip.errors import UsageError
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
+from stickslip.pipeline.log_validation import read_log, validate_log
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
 from stickslip.results.learned import LearnedFile
+from stickslip.results.validated_folder import LOG_FILES, write_log_validation
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
@@ -23,24 +36,50 @@ from stickslip.servo.systems import FEEDS
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
-    add_options(parser, parameters, type=Path, required=True)
+    parser.add_argument(
+        "learned", nargs="?", type=Path, metavar="LEARNED", help="learned.json of the drive"
+    )
+    parser.add_argument("--parameters", dest="learned_option", type=Path, help=argparse.SUPPRESS)
+    logs = {"--log FILE": "another log of the drive, which is compared with what was learned"}
+    add_options(parser, logs, type=Path)
     add_source_option(parser, FEEDS)
     velocity_filter = (
         "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
         "the contribution of each"
     )
     add_options(parser, {"--velocity-filter": velocity_filter}, **FLAG)
-    add_options(parser, {"--out DIR": "folder for table4.csv and attribution.csv"}, type=Path)
+    add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
     add_set_option(parser)
+    add_log_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
+    """Compare with a log, or evaluate on the simulated drive."""
+    learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
+    if options.log is None:
+        _on_simulated_drive(options, learned)
+        return
+    if options.set or options.velocity_filter:
+        raise UsageError("--set and --velocity-filter are of the simulated drive; not with --log")
+    with reserved(options.out, LOG_FILES):
+        _on_log(options, learned)
+
+
+def _on_log(options: argparse.Namespace, learned: LearnedFile) -> None:
+    log = read_log(options.log, description_of(options), learned, print_findings)
+    found, values = validate_log(log, learned), learned.drive
+    print_prediction(found, values)
+    if options.out:
+        command = {"name": "validate", "log": log.reading.recording.source}
+        write_log_validation(found, learned, log.controller, options.out, command)
+        print(f"all results are in {options.out}; open report.html first")
+
+
+def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> None:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    learned = LearnedFile(options.parameters)
     compensator = learned.compensator
     with (
         reserved(options.out, ["table4.csv", "attribution.csv"]),

@@ -313,15 +313,31 @@ class LearnedFile:
 
     @property
     def standard_errors(self) -> dict[str, float]:
-        """Standard errors by parameter in SI units, where the file has them."""
-        _ = self.friction  # checks the structure
-        entries = {name: self._document["parameters"][name] for name in estimated(self.law)}
+        """Standard errors of the friction by name in SI units, where the file has them."""
+        return {k: v for k, v in self.drive_errors.items() if k in self.law.parameters}
+
+    @property
+    def drive_errors(self) -> dict[str, float]:
+        """Standard errors of the friction, m and b by name in SI units, where the file has them."""
+        names = (*self.friction, "m", "b")
+        entries = {n: one for n, one in self._document["parameters"].items() if n in names}
         found = {name: entry.get("standard_error") for name, entry in entries.items()}
         return {
             name: float(value)
             for name, value in found.items()
             if isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0
         }
+
+    @property
+    def drive(self) -> dict[str, float]:
+        """The drive by name: its friction, m, b, the constant force F_0 and the delay.
+
+        Mass and damping are those of the loop where they were not learned.
+        """
+        known = {**(self._entry("loop") or {}), **(self._entry("parameters") or {})}
+        rest = {name: known.get(name, 0.0) for name in ("m", "b")}
+        entries = {name: self._document.get(name, {"value": 0.0}) for name in ("F_0", "delay")}
+        return {**self.friction, **rest, **self._values("F_0, delay", entries)}
 
     @property
     def feed(self) -> Feed:

@@ -20,7 +20,7 @@ from stickslip.identification.fitting.search import solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.selection.candidates import Candidate, candidates
 from stickslip.identification.selection.folds import blocks, folds
-from stickslip.identification.selection.noise import explained
+from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
@@ -113,6 +113,7 @@ def predict(
     """Return what a fit by the inverse model to the whole recording predicts of its parts."""
     residual = held_out(inverse, fitted)
     count = np.bincount(blocks(len(residual)))
+    encoder = encoder_error(inverse, fitted.parameters, fmus, recording, gains)
     force = float(np.sqrt(np.mean(residual**2)))
     measured = inverse.measured(fitted.parameters)[inverse.used]
     return Prediction(
@@ -121,7 +122,7 @@ def predict(
         fitted.errors(),
         force,
         force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
-        explained(inverse, fitted, fmus, recording, gains),
+        explained(inverse, fitted.residual, encoder),
         np.bincount(blocks(len(residual)), residual**2) / count,
     )
 

@@ -1,0 +1,95 @@
+"""What ``stickslip validate LEARNED --log`` does: another log against a learned drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stickslip.errors import UsageError
+from stickslip.evaluation.log_prediction import LogPrediction, predict_log
+from stickslip.evaluation.owner_loop import LearnedDrive
+from stickslip.identification.estimation import candidate_fmus
+from stickslip.logs import (
+    Description,
+    Finding,
+    Reading,
+    aligned,
+    raise_errors,
+    samples_late,
+)
+from stickslip.pipeline.log_learning import read_and_check
+from stickslip.results.learned import LearnedFile
+
+
+@dataclass(frozen=True)
+class LogInLoop:
+    """A log that was read, and the controller with which it was recorded.
+
+    Attributes
+    ----------
+    gains : of the controller FMU by name; None where it is not known
+    controller : where it is known from, for people
+    """
+
+    reading: Reading
+    gains: Mapping[str, float] | None
+    controller: str
+
+
+def read_log(
+    path: Path,
+    description: Description,
+    learned: LearnedFile,
+    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
+) -> LogInLoop:
+    """Read a log of a learned drive; its controller is the one given, or that of the file.
+
+    Raises
+    ------
+    RecordingError, UsageError
+        When it cannot be read, or is of another kind of drive.
+    """
+    reading, findings = read_and_check(path, description)
+    raise_errors(path, findings)
+    on_findings(findings)
+    recording = aligned(reading.recording, samples_late(reading.recording))
+    kinds = [
+        ("linear", "rotary")[rotary] for rotary in (recording.motion == "rotary", learned.rotary)
+    ]
+    if kinds[0] != kinds[1]:
+        raise UsageError(
+            f"{path}: a log of a {kinds[0]} drive, but {learned.path} has a {kinds[1]} one; give "
+            f"--motion {kinds[1]}, or the log of the drive that was learned"
+        )
+    if not learned.drive["m"] and recording.friction is None:
+        raise UsageError(
+            f"{learned.path}: has no mass, as it was learned from measured friction; expected a "
+            f"log of friction, got one of force in {path}"
+        )
+    reading = replace(reading, recording=recording)
+    gains = reading.controller.parameters()
+    name = f"the {reading.controller.kind} controller given"
+    if gains is None and learned.loop is not None and recording.velocity_command is not None:
+        gains = {key: getattr(learned.loop, key) for key in ("K_p", "K_i", "tau_f", "T_s")}
+        name = f"the PI controller of {learned.path.name}"
+    return LogInLoop(reading, gains, name if gains else "not known")
+
+
+def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:
+    """Return what the learned drive predicts of a log.
+
+    Raises
+    ------
+    UsageError
+        When the log lacks a motion or a force.
+    """
+    drive = drive_of(learned)
+    with candidate_fmus(drive.law) as fmus:
+        return predict_log(fmus, log.reading.recording, log.gains, drive, learned.drive_errors)
+
+
+def drive_of(learned: LearnedFile) -> LearnedDrive:
+    """Return the drive of a file, and the compensator as it is exported."""
+    reference = learned.loop if learned.feed == "nominal" else None
+    return LearnedDrive(learned.law.name, learned.drive, learned.compensator, reference)

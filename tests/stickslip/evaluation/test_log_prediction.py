@@ -1,0 +1,134 @@
+"""Another log against a learned drive: a simulation without stickslip is the other log."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.evaluation.log_verdict import material, verdict
+from stickslip.logs import Column, Description
+from stickslip.pipeline.log_validation import read_log, validate_log
+from stickslip.results.learned import LearnedFile
+from tests.same_results import simulate_log
+
+pytestmark = pytest.mark.slow
+
+TRUTH = {
+    "F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4.5e3, "m": 5.5, "b": 7.0,
+}  # fmt: skip
+GAINS = {"K_p": 1681.0, "K_i": 137167.0, "tau_f": 5e-4}
+GIVEN = ["--column", "force=F_motor", "--encoder-step", "4e-7"]
+LOOP = ["--controller", "PI", "--gain", *(f"{name}={value}" for name, value in GAINS.items())]
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("other") / "other.csv"
+    simulate_log(path, seed=3)
+    return path
+
+
+@pytest.fixture
+def learned(tmp_path):
+    """Return a function that writes a learned.json with factors on the truth."""
+
+    def write(factors=None, **entries) -> Path:
+        values = {name: value * (factors or {}).get(name, 1.0) for name, value in TRUTH.items()}
+        parameters = {
+            name: {"value": value, "standard_error": 1e-3 * value} for name, value in values.items()
+        }
+        path = tmp_path / "learned.json"
+        document = {"parameters": parameters, "delta": {"value": 2.0}, **entries}
+        path.write_text(json.dumps(document))
+        return path
+
+    return write
+
+
+def described(gains=None) -> Description:
+    columns = {"force": Column(name="F_motor")}
+    kind = "PI" if gains else "none"
+    return Description(columns=columns, encoder_step=4e-7, controller=kind, gains=gains or {})
+
+
+def predicted(path, log, gains=None):
+    file = LearnedFile(path)
+    return validate_log(read_log(log, described(gains), file), file), file.drive
+
+
+def test_the_right_drive_holds_and_noise_explains_every_signal(learned, log):
+    found, values = predicted(learned(), log, GAINS)
+    assert set(found.signals) == {"force", "position", "velocity", "closed_loop_force"}
+    assert all(0.3 < one.ratio < 2.0 for one in found.signals.values())
+    assert found.signals["position"].error < 4e-7  # the encoder's step
+    assert not list(material(found, values))
+    assert verdict(found, values)[0].startswith("the learned drive holds for this log")
+
+
+@pytest.mark.parametrize("gains", [None, GAINS])
+def test_what_differs_is_named_with_an_interval_that_contains_it(learned, log, gains):
+    friction = dict.fromkeys(("F_s", "F_c", "sigma_0", "sigma_1"), 1.1)
+    found, values = predicted(learned({"m": 0.9, **friction}), log, gains)
+    changed = dict(material(found, values))
+    assert set(changed) == {"m", "friction"}
+    assert changed["m"].low < 5.5 - 0.9 * 5.5 < changed["m"].high
+    assert changed["friction"].low < 1.0 / 1.1 - 1.0 < changed["friction"].high
+    first, *reasons = verdict(found, values)
+    assert first.startswith("the drive of this log differs from the learned one")
+    assert any(reason.startswith("friction: -") and "%" in reason for reason in reasons)
+    assert ("position" in found.signals) == (gains is not None)
+
+
+def test_wrong_gains_are_named_and_the_force_is_not_blamed(learned, log):
+    found, values = predicted(learned(), log, {**GAINS, "K_p": 900.0})
+    first, *reasons = verdict(found, values)
+    assert first.startswith("the learned drive explains the force of this log, but not its loop")
+    assert any("its gains are others" in reason for reason in reasons)
+
+
+def test_the_loop_of_the_file_is_taken_where_no_controller_is_given(learned, log):
+    names = {"m": 5.5, "b": 7.0, "tau_i": 1e-5, "T_s": 5e-4, **GAINS}
+    loop = {name: {"value": value} for name, value in names.items()}
+    file = LearnedFile(learned(loop=loop))
+    taken = read_log(log, described(), file)
+    assert {name: taken.gains[name] for name in GAINS} == GAINS
+    assert taken.controller == "the PI controller of learned.json"
+    assert read_log(log, described(), LearnedFile(learned())).gains is None
+
+
+def test_a_log_of_another_kind_of_drive_is_refused(learned, log):
+    file = LearnedFile(learned(motion="rotary"))
+    with pytest.raises(UsageError, match=r"a log of a linear drive, but .* has a rotary one"):
+        read_log(log, described(), file)
+
+
+def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log, tmp_path, capsys):
+    out = tmp_path / "out"
+    arguments = ["validate", str(learned({"m": 0.9})), "--log", str(log), *GIVEN, *LOOP]
+    assert main([*arguments, "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "verdict: the drive of this log differs from the learned one" in printed
+    table = pd.read_csv(out / "prediction.csv").set_index("signal")
+    assert f"{100.0 * table.relative['force']:8.3g} %" in printed
+    spans = pd.read_csv(out / "spans.csv")
+    assert list(spans.columns) == [
+        *("begin", "end", "force_bias", "force_error", "position_error"),
+    ]
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "The drive of this log differs from the learned one" in page
+    assert main(["verify", str(out)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (["--set", "drive.m=3"], "not with --log"),
+        (["--parameters", "other.json"], "expected a learned.json as the first argument"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(learned, log, more, message, capsys):
+    assert main(["validate", str(learned()), "--log", str(log), *more]) != 0
+    assert message in capsys.readouterr().err
