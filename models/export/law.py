@@ -13,8 +13,18 @@ from stickslip.models.export.units import READ_IN, force_and_length
 
 Steady = Literal["coulomb", "stribeck"]
 Coordinate = Literal["log", "linear"]
+End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
-_KNOWLEDGE = ("symbol", "coordinate", "at_least", "spread", "shown_by", "requires", "choices")
+_KNOWLEDGE = (
+    "symbol",
+    "coordinate",
+    "at_least",
+    "spread",
+    "shown_by",
+    "requires",
+    "choices",
+    "weakest",
+)
 
 
 @dataclass(frozen=True)
@@ -33,6 +43,7 @@ class LawParameter:
     shown_by : the experiment that shows it, None for a parameter that is chosen and not estimated
     requires : name of a parameter with ``at_least``; only while that one is above its bound does
         this one have an effect. None for no such parameter
+    weakest : end of its interval at which the force is the weakest
     choices : values to choose from, the preferred one first; empty for ``start`` alone
     force, length : powers of the units of force and length in its unit. The parameters with
         ``force == 1`` are those to multiply for a share of the force at the same motion
@@ -51,6 +62,7 @@ class LawParameter:
     spread: float | None
     shown_by: str | None
     requires: str | None
+    weakest: End
     choices: tuple[float, ...]
     force: int
     length: int
@@ -174,6 +186,7 @@ def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
         spread=table.get("spread"),
         shown_by=table.get("shown_by"),
         requires=table.get("requires"),
+        weakest=table.get("weakest", "low"),
         choices=tuple(map(float, table.get("choices", ()))),
         force=force,
         length=length,

@@ -25,6 +25,7 @@ def _drive(name: str, unit: str, symbol: str, meaning: str, shown_by: str | None
         spread=None,
         shown_by=shown_by,
         requires=None,
+        weakest="low",
         choices=(),
         force=force,
         length=length,

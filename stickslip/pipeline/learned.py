@@ -36,6 +36,7 @@ from stickslip.identification.estimation import (
     candidate_fmus,
 )
 from stickslip.identification.estimation import learn as estimate
+from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
 from stickslip.models import Law
@@ -47,6 +48,11 @@ from stickslip.servo.velocity_loop import (
     close_velocity_loop,
     design_velocity_loop,
 )
+
+RESERVE = 1.3
+"""Largest static friction on which a compensator is tried, over the largest in the log."""
+WIDE = 4.0
+"""Largest ratio to the value taken of one on which it is tried."""
 
 
 class Loops(NamedTuple):
@@ -304,18 +310,29 @@ def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]
 
 
 def known_friction(estimation: Estimation) -> Known:
-    """Return what a log tells of friction besides the estimate, for ``family``."""
-    return Known(
-        plausible=tuple(
-            {name: value for name, value in values.items() if name not in ("F_0", "delay")}
-            for values in estimation.plausible
-        ),
-        ranges={
-            name: (one.low, one.high)
-            for name, one in estimation.known.items()
-            if name in estimation.law.parameters and one.identifiability != IDENTIFIABLE
-        },
-    )
+    """Return what a log tells of friction besides the estimate, for ``family``.
+
+    Static friction is bounded by the largest friction in the log, with a reserve.
+    """
+    space, known = estimation.fit.space, estimation.known
+    largest = RESERVE * estimation.largest_friction
+    ranges = {}
+    for name in space.friction:
+        one = known[name]
+        if one.identifiability != IDENTIFIABLE:
+            low, high = max(one.low, one.value / WIDE), min(one.high, one.value * WIDE)
+            if name in space.bounded:
+                high = min(one.high, largest)
+            ranges[name] = (low, high)
+    values = (bounded_by(one, space, largest) for one in estimation.plausible)
+    plausible = tuple(map(_of_drive, values))
+    return Known(plausible, ranges)
+
+
+def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
+    """Return what a drive FMU takes of the values of an estimation."""
+    kept = {name: value for name, value in values.items() if name not in ("F_0", "delay")}
+    return {**kept, "b": max(kept["b"], 0.0)} if "b" in kept else kept
 
 
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:

@@ -94,7 +94,7 @@ def benefits_on_drives(
     findings : of all guards on the best feedforward among the variants
     """
     with temporary_folder() as folder:
-        tried = commands(command, loop.T_s, friction, rotary=rotary)
+        tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
         bench = Bench(folder, law, loop, drives, tried, feed, datasheet, rotary)
         benefits = bench.benefits(variants)
         best = best_of(benefits)

@@ -25,6 +25,8 @@ SPEEDS = (1.0, 0.1, 0.01)
 """Shares of the log's speed."""
 MOVES = {"micro-steps": (3.0, 0.01), "short moves": (30.0, 0.1)}
 """Lengths of small moves: in presliding deflections, and at most as a share of the travel."""
+COUNTS = 20
+"""Encoder steps in the shortest move."""
 LEVELS = (0.5, 1.5)
 """Shares of the fitted friction."""
 UNEVEN = 0.1
@@ -128,7 +130,12 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tupl
 
 
 def commands(
-    command: Trapezoid, T_s: float, friction: Values, *, rotary: bool = False
+    command: Trapezoid,
+    T_s: float,
+    friction: Values,
+    encoder_step: float = 0.0,
+    *,
+    rotary: bool = False,
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at the speeds of ``SPEEDS``, and small moves.
 
@@ -136,6 +143,7 @@ def commands(
     ----------
     command : the trapezoid at full speed
     friction : gives the presliding deflection, in which small moves are measured
+    encoder_step : of which a move has at least ``COUNTS`` [m]
     """
     unit = "mrad/s" if rotary else "mm/s"
     t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
@@ -144,10 +152,8 @@ def commands(
         slower = replace(command, height=share * command.height, slope=share * command.slope)
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
     for name, (deflections, share) in MOVES.items():
-        length = min(
-            deflections * deflection(friction, command),
-            share * travel(command),
-        )
+        length = max(deflections * deflection(friction, command), COUNTS * encoder_step)
+        length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
     return tuple(found)
 

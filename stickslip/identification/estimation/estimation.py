@@ -77,6 +77,7 @@ class Estimation:
     faults : those of the task, and those that learning found; no parameter is identifiable then
     plausible : all values by name that the recording supports: the fit's, and draws from its
         covariance
+    largest_friction : at standstill and creep in the recording [N]
     """
 
     recording: Recording
@@ -97,6 +98,7 @@ class Estimation:
     remarks: tuple[str, ...] = ()
     faults: tuple[Finding, ...] = ()
     plausible: tuple[Mapping[str, float], ...] = ()
+    largest_friction: float = float("inf")
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.
@@ -168,4 +170,5 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
         and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),
         gains=None if estimation.gains is None else scale.restored(estimation.gains),
         plausible=tuple(map(scale.restored, estimation.plausible)),
+        largest_friction=estimation.largest_friction / scale.force,
     )

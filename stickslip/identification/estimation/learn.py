@@ -27,13 +27,9 @@ from stickslip.identification.criteria.surrogate_controller import coarse, corre
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
 from stickslip.identification.estimation.faults import MODEL_ERROR, change_of_friction, found_faults
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
+from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
-from stickslip.identification.fitting.identifiability import (
-    conservative,
-    identifiability,
-    profiles,
-    unreliable,
-)
+from stickslip.identification.fitting.identifiability import identifiability, profiles, unreliable
 from stickslip.identification.fitting.multistart import (
     SURE,
     best_fit,
@@ -131,9 +127,9 @@ def _learn(
         faults = (*task.faults, *found_faults(best, criterion, check, model_error, change))
         if faults:
             known = {name: unreliable(one) for name, one in known.items()}
-        known = conservative(known, start.space)
-        bounded = {name: known[name].value for name in start.space.bounded}
-        values = {**best.parameters, **bounded}
+        largest = largest_friction(inverse, best.parameters)
+        known = conservative(known, start.space, largest)
+        values = {**best.parameters, **{name: known[name].value for name in start.space.friction}}
         goodness = goodness_of_fit(task.fmus, recording, inverse, values, task.gains, check)
     return Estimation(
         recording,
@@ -154,6 +150,7 @@ def _learn(
         remarks,
         faults,
         plausible(best, task.seed, DRAWS),
+        largest,
     )
 
 

@@ -83,21 +83,6 @@ def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Ide
     return Identifiability(value, error, low, high, level, said)
 
 
-def conservative(
-    known: dict[str, Identifiability], space: ParameterSpace
-) -> dict[str, Identifiability]:
-    """Return the same with F_s = F_c where F_s is not identifiable: the smaller force is safe."""
-    changed = {}
-    for name, bound in space.bounded.items():
-        one, least = known[name], known[bound]
-        if one.identifiability == NOT_IDENTIFIABLE and one.value > least.value:
-            taken = f"{name} = {bound} is taken, as {name} is {NOT_IDENTIFIABLE}"
-            sentence = one.sentence.replace(NOT_IDENTIFIABLE, taken)
-            low = min(one.low, least.low)
-            changed[name] = replace(one, value=least.value, low=low, sentence=sentence)
-    return {**known, **changed}
-
-
 def unreliable(known: Identifiability) -> Identifiability:
     """Return a value whose recording is at fault: it is weakly identifiable at best."""
     if known.identifiability != IDENTIFIABLE:

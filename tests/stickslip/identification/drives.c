@@ -1,10 +1,12 @@
 /* Drives with friction laws that differ from those of the product, in a PI velocity loop with an
-   encoder. Each step solves the implicit midpoint rule for one unknown, its mean velocity. */
+   encoder. Each step solves the implicit midpoint rule for one unknown, its mean velocity; ideal
+   stiction, which would not damp the last bit of velocity, takes the implicit Euler rule. */
 #include <math.h>
 
 #define PI 3.14159265358979323846
+#define STILL 1e-8 /* [m/s] below which the contact holds */
 
-enum { LUGRE, DAHL, GMS, ELASTO_PLASTIC, ELEMENTS = 5 };
+enum { LUGRE, DAHL, GMS, ELASTO_PLASTIC, STICTION, ELEMENTS = 5 };
 
 typedef struct {
     double m, b, F_s, F_c, v_s, sigma_0, sigma_1;
@@ -87,6 +89,8 @@ static double friction(int law, const Drive *d, State *s, double x, double v, do
     if (law == DAHL)
         g = d->F_c;
     g *= 1.0 + d->uneven * sin(2.0 * PI * x / d->period);
+    if (law == STICTION)
+        return g * fmax(-1.0, fmin(1.0, v / STILL));
     return law == GMS ? maxwell(d, s, v, h, g) : bristle(d, s, v, h, g, law == ELASTO_PLASTIC);
 }
 
@@ -97,6 +101,7 @@ __attribute__((visibility("default"))) void record(int law, const Drive *d, int 
                                                    double *applied, double *v_out) {
     State s = {0};
     double x = 0.0, v = 0.0, integral = d->integral, estimate = 0.0, last = 0.0;
+    double implicit = law == STICTION ? 1.0 : 2.0;
     double h = d->T_s / substeps, weight = 1.0 - exp(-d->T_s / d->tau_f);
     for (int k = 0; k < n; ++k) {
         double shown = d->encoder > 0.0 ? floor(x / d->encoder) * d->encoder : x;
@@ -117,13 +122,13 @@ __attribute__((visibility("default"))) void record(int law, const Drive *d, int 
         for (int j = 0; j < substeps; ++j) {
             State t = s;
             double r0 = d->b * v + friction(law, d, &t, x, v, h) - limited;
-            double w0 = v, w1 = v, f0 = r0, f1 = r0, step = -r0 * h / (2.0 * d->m);
+            double w0 = v, w1 = v, f0 = r0, f1 = r0, step = -r0 * h / (implicit * d->m);
             if (fabs(r0) > 1e-10) {
                 for (int i = 0; i < 60; ++i) {
                     w1 = v + step;
                     t = s;
-                    f1 = 2.0 * d->m * (w1 - v) / h + d->b * w1 + friction(law, d, &t, x, w1, h) -
-                         limited;
+                    f1 = implicit * d->m * (w1 - v) / h + d->b * w1 +
+                         friction(law, d, &t, x, w1, h) - limited;
                     if (f1 * f0 <= 0.0)
                         break;
                     w0 = w1;
@@ -134,8 +139,8 @@ __attribute__((visibility("default"))) void record(int law, const Drive *d, int 
                 for (int i = 0; i < 100; ++i) {
                     w = (f1 == f0) ? w1 : w1 - f1 * (w1 - w0) / (f1 - f0);
                     t = s;
-                    double f = 2.0 * d->m * (w - v) / h + d->b * w + friction(law, d, &t, x, w, h) -
-                               limited;
+                    double f = implicit * d->m * (w - v) / h + d->b * w +
+                               friction(law, d, &t, x, w, h) - limited;
                     if (fabs(f) < 1e-10)
                         break;
                     if (f * f1 < 0.0) {
@@ -150,7 +155,7 @@ __attribute__((visibility("default"))) void record(int law, const Drive *d, int 
             }
             friction(law, d, &s, x, w1, h);
             x += h * w1;
-            v = 2.0 * w1 - v;
+            v = law == STICTION ? w1 : 2.0 * w1 - v;
         }
     }
 }

@@ -11,7 +11,7 @@ import pandas as pd
 
 from stickslip.fmi import toolchain
 
-LAWS = ("lugre", "dahl", "gms", "elasto_plastic")
+LAWS = ("lugre", "dahl", "gms", "elasto_plastic", "ideal_stiction")
 T_S = 5e-4
 GAINS = {"K_p": 1681.0, "K_i": 137167.0, "tau_f": 5e-4, "T_s": T_S}
 STAGE = {

@@ -1,0 +1,97 @@
+"""A value that is not identifiable is taken where it cannot hurt, and none beyond the log."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.fitting.conservative import (
+    bounded_by,
+    conservative,
+    largest_friction,
+)
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    LEVELS,
+    NOT_IDENTIFIABLE,
+    WEAKLY_IDENTIFIABLE,
+    Identifiability,
+)
+
+LUGRE = {"F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3, "m": 5.0, "b": 6.0}
+
+
+def known(changes=None, **levels):
+    """Every value with an interval from a tenth of it to ten times it."""
+    return {
+        name: Identifiability(
+            value,
+            0.1 * value,
+            0.1 * value,
+            10.0 * value,
+            levels.get(name, IDENTIFIABLE),
+            levels.get(name, IDENTIFIABLE),
+        )
+        for name, value in {**LUGRE, **(changes or {})}.items()
+    }
+
+
+def taken(known, largest=np.inf, law="lugre"):
+    found = conservative(known, ParameterSpace.of(friction_law(law)), largest)
+    assert found.keys() == known.keys()
+    for name, one in found.items():
+        moved = one.value != known[name].value
+        assert (f"{name} = " in one.sentence and "is taken" in one.sentence) == moved
+    return {name: one.value for name, one in found.items()}
+
+
+def test_what_is_identifiable_stays():
+    assert taken(known(), 9.0) == LUGRE
+    assert taken(known(m=NOT_IDENTIFIABLE, b=NOT_IDENTIFIABLE), 9.0) == LUGRE
+
+
+def test_what_is_not_identifiable_is_taken_at_its_weak_end():
+    assert taken(known(F_s=NOT_IDENTIFIABLE)) == {**LUGRE, "F_s": 6.0}
+    assert taken(known(sigma_1=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_1": 400.0}
+    assert taken(known(v_s=NOT_IDENTIFIABLE))["v_s"] == pytest.approx(5e-5)
+    assert taken(known(sigma_0=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_0": 2e5}
+    both = taken(known(F_s=NOT_IDENTIFIABLE, F_c=NOT_IDENTIFIABLE))
+    assert both["F_s"] == both["F_c"] == pytest.approx(0.6)
+    gms = known({"C": 1500.0}, C=NOT_IDENTIFIABLE)
+    assert taken(gms, law="gms")["C"] == 15000.0
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_no_static_friction_is_above_the_largest_in_the_log(level):
+    """F_s = 120 N was fitted where the log never shows 9 N."""
+    found = taken(known({"F_s": 120.0}, F_s=level), 9.0)
+    assert found["F_s"] == (6.0 if level == NOT_IDENTIFIABLE else 9.0)
+    assert taken(known({"F_s": 120.0}, F_s=WEAKLY_IDENTIFIABLE), 5.0)["F_s"] == 6.0
+    space = ParameterSpace.of(friction_law())
+    assert bounded_by({**LUGRE, "F_s": 120.0}, space, 9.0) == LUGRE
+
+
+def test_the_largest_friction_is_the_measured_or_the_predicted_one_at_creep():
+    """The measured one has noise; at high speed the mass would count."""
+    n = 4000
+    v = 0.04 * np.sin(np.linspace(0.0, 60.0, n))
+    slow = np.abs(v) <= 0.1 * np.quantile(np.abs(v), 0.99)
+    model = np.where(slow, 8.0, 6.0) * np.sign(v)
+
+    def inverse(rest):
+        return SimpleNamespace(
+            motion=SimpleNamespace(v=v),
+            used=slice(0, n),
+            T_s=5e-4,
+            cutoff=900.0,
+            friction=lambda _: model,
+            residual=lambda _: rest,
+        )
+
+    noise = np.where(slow, np.random.default_rng(0).normal(0.0, 0.5, n), 50.0)
+    assert largest_friction(inverse(noise), {}) == 8.0
+    assert largest_friction(inverse(-0.5 * model), {}) < 6.0
