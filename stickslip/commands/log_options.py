@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -14,13 +15,21 @@ from stickslip.errors import UsageError
 from stickslip.logs import ROLES, Column, Description, Finding, Kind, load_description
 from stickslip.logs.controller import GAINS
 from stickslip.logs.description import CONFIRMED
+from stickslip.logs.units import parse_quantity
 
 _PARTS = {"column": "name", "unit": "unit", "scale": "scale", "offset": "offset"}
 """Options of several ROLE=VALUE, and the attribute of a column that each one sets."""
 _SINGLE = (
     *("motion", "encoder_step", "force_limit", "delimiter", "decimal"),
-    *("sample_period", "tau_i"),
+    *("sample_period", "tau_i", "rated_force", "rated_torque"),
 )
+_QUANTITIES = {
+    "encoder_step": ("length", "angle"),
+    "force_limit": ("force", "torque"),
+    "rated_force": ("force",),
+    "rated_torque": ("torque",),
+}
+"""What single options measure that take a number with a unit, besides a product."""
 
 
 def add_log_argument(parser: argparse.ArgumentParser) -> None:
@@ -87,8 +96,10 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     controller = {"--controller": "controller of the drive (default none: not known)"}
     add_options(group, controller, choices=get_args(Kind))
     texts = {
-        "--encoder-step M": "resolution of the position (default: detected)",
-        "--force-limit N": "force limit of motor or amplifier",
+        "--encoder-step M": "resolution of the position, such as 4e-7 or 0.4um (default: detected)",
+        "--force-limit N": "force limit of motor or amplifier, such as 205 or 0.2kN",
+        "--rated-force N": "what 100 % of the rated force or current are",
+        "--rated-torque N.m": "what 100 % of the rated torque or current are, such as 2.4Nm",
         "--delimiter CHAR": "delimiter of a text file (default: detected)",
     }
     add_options(group, texts)
@@ -125,9 +136,16 @@ def description_of(options: argparse.Namespace) -> Description:
         changes["gains"] = {**base.gains, **gains}
     for name in _SINGLE:
         if (value := getattr(options, name)) is not None:
-            changes[name] = "\t" if value == "\\t" else value
+            changes[name] = "\t" if value == "\\t" else _number_with_unit(name, value)
     if options.confirm:
         changes["confirm"] = (*base.confirm, *options.confirm)
     if options.span:
         changes["span"] = tuple(options.span)
     return replace(base, **changes)
+
+
+def _number_with_unit(name: str, value: Any) -> Any:
+    """Return a number with a unit in SI units, anything else as it is."""
+    if name not in _QUANTITIES or not re.fullmatch(r"[-+.\d][^*]*[^\d\s.]", value):
+        return value  # a number, or a product
+    return parse_quantity(value, f"--{name.replace('_', '-')}", _QUANTITIES[name])[0]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
-import pandas as pd
 
 from stickslip.errors import RecordingError, UsageError
+from stickslip.logs.clock import clock_seconds, is_clock
 from stickslip.logs.description import Description, quantity_key
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Motion
@@ -63,19 +62,27 @@ def unit_fault(
     expected = _quantity(role, motion)
     SI = unit_names(expected)[0]
     if unit:
-        if unit.quantity == expected or _counted(description, role, unit):
+        if unit.quantity == expected or _implied_scale(table, description, role, unit) is not None:
             return None
         base = unit.name if unit.factor == 1 else unit_names(unit.quantity)[0]
         one = "100 %" if unit.name in ("%", "‰") else f"one {base}"
+        if unit.name in ("%", "‰") and quantity_key(role) == "force":
+            advice = f"give --rated-{expected} VALUE or --scale {role}=VALUE, 100 % in {SI}"
+            what = f"{role} is in {unit.name} of a rated {expected} that is not known"
+            return Finding("error", what, "", advice)
         what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
         advice = f"give a unit such as {_expected(role, motion)}, or what {one} is in {SI}"
-        return Finding("error", what, "", f"{advice} with --scale {role}=NUMBER")
+        advice = f"{advice} with --scale {role}=NUMBER"
+        return Finding("error", what, "", f"{advice}; --column {role}=none leaves it out")
     named = named_quantity(name)
     elsewhere = () if quantity_key(role) == "force" else ("current", "voltage", "torque", "angle")
     if stated := table.units.get(name):
         what = f"unit '{stated}' is unknown"
     elif named not in (None, expected, *elsewhere):
         what = f"a {named} by its name, without a unit"
+    elif quantity_key(role) == "force" and description.rated is not None:
+        what = f"a rated {expected} is given, but no unit"
+        return Finding("error", f"{role}: column '{name}'", what, f"give --unit {role}=% or =0.1%")
     elif _whole(table.numbers.get(name)):
         what = "whole numbers only, without a unit"
     else:
@@ -87,10 +94,18 @@ def unit_fault(
     return Finding("error", f"{role}: column '{name}'", what, advice)
 
 
-def _counted(description: Description, role: str, unit: Unit) -> bool:
-    """Whether a unit is counts of an encoder whose step is known."""
-    position = quantity_key(role) == "position"
-    return position and unit.name in _COUNTS and description.encoder_step is not None
+def _implied_scale(
+    table: LogTable, description: Description, role: str, unit: Unit | None
+) -> float | None:
+    """Return what a count or 100 % stands for, where step or rated force tell; else None."""
+    key, name = quantity_key(role), unit.name if unit else ""
+    if key in ("position", "velocity") and name in _COUNTS[key]:
+        given, what = description.encoder_step, "encoder_step"
+    elif key == "force" and name in ("%", "‰"):
+        given, what = description.rated, "rated force"
+    else:
+        return None
+    return None if given is None else table.value(given, what)
 
 
 def _whole(numbers: Array | None) -> bool:
@@ -140,11 +155,11 @@ def signal_of(
         When the column holds no numbers, or larger ones than any drive has.
     """
     column = description.column(role)
-    scale = table.value(1.0 if column.scale is None else column.scale, f"scale of {role}")
+    scale = _implied_scale(table, description, role, unit) if column.scale is None else None
+    if scale is None:
+        scale = table.value(1.0 if column.scale is None else column.scale, f"scale of {role}")
     offset = table.value(column.offset, f"offset of {role}")
     factor = scale * (unit.factor if unit else 1.0)
-    if column.scale is None and unit and _counted(description, role, unit):
-        factor = table.value(description.encoder_step or 1.0, "encoder_step")
     if not (math.isfinite(factor) and factor != 0):
         raise UsageError(f"scale of {role} = {factor:g}: expected a number other than 0")
     if role == "time" and name in table.texts:
@@ -161,7 +176,10 @@ def signal_of(
     return signal
 
 
-_COUNTS = ("counts", "count", "cts", "inc", "increments", "1")
+_COUNTS = {
+    "position": ("counts", "count", "cts", "inc", "increments", "LU", "1"),
+    "velocity": ("counts/s", "inc/s", "LU/s", "LU/min"),
+}
 
 
 def assumed_units(
@@ -180,14 +198,13 @@ def assumed_units(
 def _points_in_time(table: LogTable, name: str) -> Array:
     """Return seconds (n,) since the first of points in time such as 2026-01-31T10:00:00.125."""
     texts = table.texts[name]
-    if not all(re.match(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", text) for text in texts[:1]):
+    if not is_clock(texts[0]):
         table.column(name)  # raises and names the row
     try:
-        times = pd.to_datetime(list(texts), format="ISO8601", utc=True)
+        return clock_seconds(texts)
     except (ValueError, OverflowError) as error:
         reason = " ".join(str(error).split())[:80]
         raise RecordingError(f"{table.path}: column '{name}': not a time ({reason})") from None
-    return np.asarray((times - times[0]).total_seconds(), dtype=np.float64)
 
 
 def _quantity(role: str, motion: Motion) -> str:

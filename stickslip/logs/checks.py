@@ -79,7 +79,9 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
             where = f"the first at {recording.t[np.argmin(np.isfinite(signal))]:.6g} s"
             yield Finding("error", f"{name} holds values that are not finite", where)
         elif np.ptp(signal) == 0:
-            severity: Severity = "warning" if name.endswith("_command") else "error"
+            severity: Severity = (
+                "error" if name in ("position", "velocity", "force", "friction") else "warning"
+            )
             figure = f"{signal[0]:.6g} throughout"
             yield Finding(severity, f"{name} never changes", figure, "log another column")
     if recording.position is None and recording.velocity is None:

@@ -27,6 +27,8 @@ ROLES = (
     "position_command",
     "velocity_command",
     "force_command",
+    "added_force",
+    "added_velocity",
 )
 """What a column can be."""
 CONFIRMED = ("mass", "speed", "acceleration")
@@ -35,7 +37,8 @@ CONFIRMED = ("mass", "speed", "acceleration")
 
 def quantity_key(role: str) -> str:
     """Return what a role measures: time, position, velocity or force."""
-    return "force" if role == "friction" else role.removesuffix("_command")
+    key = role.removesuffix("_command").removeprefix("added_")
+    return "force" if key == "friction" else key
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class Description:
     gains : of the controller by name, see ``Controller``; products may name scalars of a MAT file
     encoder_step : resolution of the position [m]; None looks for it
     force_limit : of motor or amplifier [N]
+    rated_force, rated_torque : what 100 % of a rated force, torque or current stand for [N], [N m]
     sample_period : [s]; used instead of the column of time
     span : begin and end of what is used, on the log's own time [s]
     tau_i : time constant of the amplifier's current loop [s]
@@ -87,6 +91,8 @@ class Description:
     gains: Mapping[str, Product] = field(default_factory=dict)
     encoder_step: Product | None = None
     force_limit: Product | None = None
+    rated_force: Product | None = None
+    rated_torque: Product | None = None
     sample_period: float | None = None
     span: tuple[float, float] | None = None
     tau_i: float | None = None
@@ -115,6 +121,11 @@ class Description:
         if self.decimal not in (None, ".", ","):
             raise UsageError(f"decimal = '{self.decimal}': expected . or ,")
 
+    @property
+    def rated(self) -> Product | None:
+        """What 100 % of a force or torque stand for."""
+        return self.rated_force if self.rated_torque is None else self.rated_torque
+
     def column(self, role: str) -> Column:
         """Return the description of a role's column, which may be empty."""
         return self.columns.get(role, Column())
@@ -136,7 +147,7 @@ _TABLE: _Kind = (lambda value: isinstance(value, dict), "a table")
 _KEYS: dict[str, _Kind] = {
     **dict.fromkeys(("columns", "controller"), _TABLE),
     **dict.fromkeys(("motion", "delimiter", "decimal"), _TEXT),
-    **dict.fromkeys(("encoder_step", "force_limit"), _PRODUCT),
+    **dict.fromkeys(("encoder_step", "force_limit", "rated_force", "rated_torque"), _PRODUCT),
     **dict.fromkeys(("sample_period", "tau_i"), _NUMBER),
     "span": (lambda value: _list_of(value, _is_number) and len(value) == 2, "[begin, end] in s"),
     "confirm": (lambda value: _list_of(value, _TEXT[0]), "a list of texts"),

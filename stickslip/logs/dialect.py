@@ -87,9 +87,11 @@ def split_unit(text: str) -> tuple[str, str | None]:
 
 
 def states_units(fields: Sequence[str]) -> bool:
-    """Whether a row holds units: known ones or bracketed ones, or nothing."""
+    """Whether a row holds units: mostly known ones, or all in brackets."""
     filled = [field for field in fields if field not in ("", "-")]
-    return bool(filled) and all(unit_named(unbracketed(field)) for field in filled)
+    known = sum(unit_named(unbracketed(field)) is not None for field in filled)
+    bracketed = all(re.fullmatch(r"\[.*\]|\(.*\)", field) for field in filled)
+    return bool(filled) and (2 * known > len(filled) or bracketed)
 
 
 def unbracketed(field: str) -> str:

@@ -16,7 +16,7 @@ from stickslip.logs.description import ROLES, Description, Product
 from stickslip.logs.finding import Finding
 from stickslip.logs.formats import read_table
 from stickslip.logs.grid import check_times, even_grid
-from stickslip.logs.recording import Recording
+from stickslip.logs.recording import Motion, Recording
 from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.table import LogTable
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
@@ -84,7 +84,7 @@ def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> N
 def read_recording(
     path: str | os.PathLike[str], description: Description | None = None, *, strict: bool = True
 ) -> Reading:
-    """Read a log: CSV and its relatives, Parquet or MAT.
+    """Read a log: CSV and its relatives, or one of ``formats``.
 
     Parameters
     ----------
@@ -106,6 +106,7 @@ def read_recording(
     _check_roles(table, roles, given)
     units = {r: unit_of(table, given, r, roles[r]) for r in ROLES if r in roles}
     motion, reasons = motion_from(given, roles, units)
+    _check_rated(given, motion)
     findings = [*table.findings, *detected, *reasons]
     if given.sample_period and "time" in units:
         findings.append(_unused_time(table, given, roles["time"], units.pop("time")))
@@ -133,7 +134,7 @@ def read_recording(
     if motion == "rotary":
         findings += _unwrap(signals)
     grid = even_grid(table, t, signals)
-    findings += grid.findings
+    findings += [*grid.findings, *_integrated(given, signals)]
     if strict:
         raise_errors(table.path, findings)
     recording = Recording(
@@ -166,6 +167,15 @@ def _check_roles(table: LogTable, roles: dict[str, str], given: Description) -> 
     raise RecordingError(
         f"{table.path}: no column of {missing}; give {advice}, the columns are {names}"
     )
+
+
+def _check_rated(given: Description, motion: Motion) -> None:
+    """Check that what 100 % stand for is a force of a linear drive, or a torque of a rotary one."""
+    wrong, right = ("torque", "force") if motion == "linear" else ("force", "torque")
+    if getattr(given, f"rated_{wrong}") is not None:
+        raise UsageError(
+            f"--rated-{wrong}: the motion is {motion}; give --rated-{right}, or another --motion"
+        )
 
 
 def _unused_time(table: LogTable, given: Description, name: str, unit: Unit | None) -> Finding:
@@ -204,6 +214,18 @@ def _cut(
         {role: signal[kept] for role, signal in signals.items()},
         LogTable(table.path, table.names, {}, scalars=table.scalars, rows=rows),
     )
+
+
+def _integrated(given: Description, signals: dict[str, Array]) -> list[Finding]:
+    """Return what to know of a position that is the integral of the velocity."""
+    if "position" in signals:
+        return []
+    needs = Controller(given.controller, **dict.fromkeys(given.gains, 1.0)).needs
+    if needs == "position_command":
+        what = "a controller of position, but only the velocity was logged"
+        return [Finding("error", what, advice="log the position; its constant is unknown")]
+    what = "the position is integrated from the velocity"
+    return [Finding("note", what, "its constant is unknown, it begins at 0")]
 
 
 def _encoder_step(

@@ -24,6 +24,8 @@ class Recording:
     velocity : (n,) logged beside or instead of the position [m/s]
     friction : (n,) measured friction force [N], as a tribometer shows it
     position_command, velocity_command, force_command : (n,) [m], [m/s], [N]
+    added_force : (n,) that was added to the controller's output, such as pulses [N]
+    added_velocity : (n,) that was added to the velocity command, such as dither [m/s]
     encoder_step : resolution of the position [m]; 0 when none shows
     motion : linear or rotary
     source : where it comes from, for people
@@ -37,9 +39,24 @@ class Recording:
     position_command: Array | None = None
     velocity_command: Array | None = None
     force_command: Array | None = None
+    added_force: Array | None = None
+    added_velocity: Array | None = None
     encoder_step: float = 0.0
     motion: Motion = "linear"
     source: str = "recording"
+
+    @property
+    def controller_inputs(self) -> dict[str, Array]:
+        """What the controller received (n,), by inputs of its FMU: v_cmd, x_cmd and F_ff."""
+        v_cmd, added = self.velocity_command, self.added_velocity
+        if v_cmd is not None and added is not None:
+            added = v_cmd + added
+        inputs = {
+            "v_cmd": v_cmd if added is None else added,
+            "x_cmd": self.position_command,
+            "F_ff": self.added_force,
+        }
+        return {name: signal for name, signal in inputs.items() if signal is not None}
 
     @property
     def T_s(self) -> float:  # noqa: N802 - the symbol of the paper

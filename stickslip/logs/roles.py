@@ -11,29 +11,65 @@ from stickslip.logs.table import LogTable
 from stickslip.logs.units import QUANTITIES, unit_named
 
 _EXACT = {
-    "time": "t time timestamp",
-    "position": "x q y qm pos position x_enc x_m x_meas q_m q_meas x_act q_act theta phi angle",
-    "velocity": "v dq dx vel velocity speed omega w v_m v_meas v_act qd_meas qdot xdot dqm dqdt",
-    "force": "f tau f_m f_meas tau_m tau_meas force torque motor_force motor_torque",
+    "time": "t time timestamp zeitstempel time_stamp x_value",
+    "position": "x q y qm pos position x_enc x_m q_m theta phi angle",
+    "velocity": "v dq dx vel velocity speed omega w v_m xdot qdot dqm dqdt",
+    "force": "f tau f_m tau_m force torque motor_force motor_torque",
     "friction": "friction f_f friction_force friction_torque tau_f",
-    "position_command": "qg ref reference setpoint x_cmd x_ref x_d q_cmd q_ref q_d r theta_ref",
-    "velocity_command": "v_cmd v_ref v_d dq_ref dq_cmd omega_ref omega_cmd",
-    "force_command": "f_cmd f_ref tau_cmd tau_ref u_cmd",
+    "position_command": "qg ref reference setpoint x_d q_d r",
+    "velocity_command": "v_d",
 }
 _WEAK = {
-    "force": "u i iq i_q vir current motor_current strom motorstrom courant corrente corriente",
+    "force": "u i iq i_q vir motor_current motorstrom corriente",
     "time": "index",
 }
+_SYMBOLS = {
+    "position": "x q s y pos phi theta",
+    "velocity": "v n w vel omega qd dq dx",
+    "force": "f m tau",
+}
+"""Symbols of a signal where a word beside them tells whether it is actual or commanded."""
+_ACTUAL = "act actual ist istwert meas measured fb feedback"
+_FILLERS = "value wert val smoothed filtered geglättet glatt co"
+"""Words that change nothing."""
 _BASES = {
     "time": "time seconds zeit temps tempo tiempo",
-    "position": "position pos angle displacement encoder enc theta travel lage winkel posizione",
-    "velocity": "velocity vel speed omega geschwindigkeit drehzahl vitesse velocità velocidad",
-    "force": "force torque tau current thrust kraft moment drehmoment strom courant corrente",
-    "friction": "friction",
+    "position": "position pos angle displacement encoder enc theta travel lage winkel weg "
+    "posizione",
+    "velocity": "velocity vel velo speed omega geschwindigkeit drehzahl vitesse velocità velocidad",
+    "force": "force torque tau thrust kraft moment drehmoment trq",
+    "current": "current strom courant corrente",
+    "friction": "friction reibung",
 }
 _COMMANDS = "cmd command commanded ref reference setpoint set target desired demand soll sollwert"
-_OTHERS = "error err deviation limit max min std normal status mode raw ff feedforward acc load"
+_OTHERS = (
+    "error err deviation limit max min std normal status mode raw ff feedforward acc load lag diff "
+    "difference following abweichung regelabweichung grenze grenzwert temperature temperatur "
+    "vorsteuerung fehler schleppfehler schleppabstand offset last power leistung"
+)
 """Words of what is none of our signals."""
+_ADDED = "added additive injected injection dither pulse pulses excitation anregung aufschaltung"
+_FEEDFORWARD = "ff feedforward vorsteuerung"
+"""Words of a signal that is added to what the controller commands, or to its velocity command."""
+_NUMBERED = {
+    **dict.fromkeys(("r61", "r63", "606c"), "velocity"),
+    **dict.fromkeys(("r60", "r62", "60ff"), "velocity_command"),
+    **dict.fromkeys(("r80", "6077"), "force"),
+    **dict.fromkeys(("r79", "6071"), "force_command"),
+    **dict.fromkeys(("r2521", "6064"), "position"),
+    **dict.fromkeys(("r2556", "607a"), "position_command"),
+    **dict.fromkeys(("r78", "6078"), "force"),
+    "60b2": "added_force",
+    "60b1": "added_velocity",
+}
+"""Roles of parameters of SINAMICS and of objects of CiA 402."""
+_CURRENTS = ("r78", "6078")
+_COMPOUND = re.compile(
+    r"(ist|soll)?(motor|antriebs|achs)?"
+    r"(lage|position|weg|winkel|geschwindigkeit|drehzahl|kraft|moment|drehmoment|strom)s?(en)?"
+    r"(ist|soll)?(wert)?"
+)
+"""A German compound, such as Drehmomentistwert or Istlage."""
 
 
 _NAMED = (
@@ -98,7 +134,7 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
     for role in roles:
         if role not in candidates:
             continue
-        best = candidates[role][min(candidates[role])]
+        best = _distinct(table, candidates[role][min(candidates[role])])
         if len(best) > 1:
             several = " or ".join(f"{role}={name}" for name in best)
             raise RecordingError(
@@ -106,6 +142,15 @@ def _guesses(table: LogTable, roles: list[str], taken: set[str]) -> dict[str, st
             )
         guesses[role] = best[0]
     return guesses
+
+
+def _distinct(table: LogTable, names: list[str]) -> list[str]:
+    """Return the first of columns that hold the same, such as a time beside each signal."""
+    columns = {
+        (numbers.tobytes() if (numbers := table.numbers.get(name)) is not None else name): name
+        for name in reversed(names)
+    }
+    return sorted(columns.values(), key=names.index)
 
 
 def _may_be_time(table: LogTable, name: str) -> bool:
@@ -120,8 +165,12 @@ def _role_of(name: str, stated: str | None) -> tuple[str, int] | None:
     if measured is None:
         return found
     if found is None:
-        commanded = set(_words(name)) & set(_COMMANDS.split()) and measured != "time"
-        return (f"{measured}_command", 1) if commanded else None
+        words = set(_words(name))
+        if measured == "time" or words & set(_OTHERS.split()):
+            return None
+        if words & set(_COMMANDS.split()):
+            return f"{measured}_command", 1
+        return (measured, 1) if words & set(_ACTUAL.split()) else None
     role, rank = found
     if quantity_key(role) == measured:
         return found
@@ -136,24 +185,55 @@ def role_named(name: str) -> tuple[str, int] | None:
         for role, names in table.items():
             if joined in names.split():
                 return role, rank
-    if not set(words) & set(_OTHERS.split()):
-        bases = {role for role, names in _BASES.items() if set(words) & set(names.split())}
-        base = "friction" if "friction" in bases else next(iter(sorted(bases)), None)
-        if base and (len(bases) == 1 or base == "friction"):
-            commanded = bool(set(words) & set(_COMMANDS.split())) and base in (
-                "position",
-                "velocity",
-                "force",
-            )
-            return (f"{base}_command" if commanded else base), 1
-    return None
+    number = re.fullmatch(r"(?:0x)?(r?)0*(\w{2,4}?)h?(?:_\d+)?", joined)
+    if number and (key := number[1] + number[2]) in _NUMBERED:
+        return _NUMBERED[key], 2 if key in _CURRENTS else 1
+    return _described(words)
+
+
+def _described(words: list[str]) -> tuple[str, int] | None:
+    """Return role and rank of a name whose words tell quantity and kind."""
+    known = set(words)
+    commanded, actual, added, forward = (
+        bool(known & set(kind.split())) for kind in (_COMMANDS, _ACTUAL, _ADDED, _FEEDFORWARD)
+    )
+    kinds = f"{_COMMANDS} {_ACTUAL} {_FILLERS} {_ADDED} {_FEEDFORWARD}".split()
+    core = "_".join(word for word in words if word not in kinds)
+    bases = {base for base, names in _BASES.items() if known & set(names.split())}
+    if commanded or actual or added or forward:
+        bases |= {role for role, symbols in _SYMBOLS.items() if core in symbols.split()}
+        bases |= {"current"} if core in _WEAK["force"].split() else set()
+    if "friction" in bases:
+        bases = {"friction"}
+    if bases > {"current"}:  # such as a current that makes torque
+        bases -= {"current"}
+    if len(bases) != 1:
+        return None
+    (base,) = bases
+    role, rank = ("force", 2) if base == "current" else (base, 1)
+    if (role == "force" and (added or forward)) or (role == "velocity" and added):
+        return f"added_{role}", rank
+    if added or known & set(_OTHERS.split()):
+        return None
+    if commanded and role in ("position", "velocity", "force"):
+        role = f"{role}_command"
+    return role, rank
 
 
 def _words(name: str) -> list[str]:
     """Return the words of the last component of a name, in small letters, without a unit."""
-    last = re.sub(r"^.*[.:/](?=[^\W\d_])", "", _split_suffix(name)[0])
+    last = re.sub(r"^.*[.:/](?=\s*[^\W\d_])", "", _split_suffix(name)[0])
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last)
-    return [word.lower() for word in re.split(r"[\W_]+", spaced) if word]
+    words = [word.lower() for word in re.split(r"[\W_]+", spaced) if word]
+    return [part for word in words for part in _parts(word)]
+
+
+def _parts(word: str) -> list[str]:
+    """Return quantity and kind of a German compound, else the word."""
+    if not (match := _COMPOUND.fullmatch(word)):
+        return [word]
+    first, _, quantity, _, last, _ = match.groups()
+    return [quantity, *filter(None, (first, last))]
 
 
 def named_quantity(name: str) -> str | None:

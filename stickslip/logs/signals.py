@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,12 +36,24 @@ class Signal:
     instead: str = ""
 
 
-def table_of(path: str, signals: Sequence[Signal]) -> LogTable:
+def table_of(
+    path: str,
+    signals: Iterable[Signal],
+    findings: tuple[Finding, ...] = (),
+    timed: str | None = "s",
+) -> LogTable:
     """Return one table of signals; what has other times is interpolated.
 
     Columns of a matrix are called ``name(1)`` and so on. The common times are those at which most
     signals were logged that a name tells to be of use; of several the coarsest, because a position
     that is interpolated between its samples shows false accelerations.
+
+    Parameters
+    ----------
+    path : for messages
+    signals : in the file's order
+    findings : of reading
+    timed : unit of their times
 
     Raises
     ------
@@ -75,12 +87,13 @@ def table_of(path: str, signals: Sequence[Signal]) -> LogTable:
         first = next((f" ({name}: {fault})" for name, fault in faults.items()), "")
         listed = ", ".join(sorted([*scalars, *faults])[:8]) or "nothing"
         raise RecordingError(f"{path}: no vectors of numbers; there is {listed}{first}")
-    findings: tuple[Finding, ...] = ()
     if times:
         name = "time" if "time" not in names else "time of the signals"
-        numbers[name], findings = _aligned(numbers, times, faults)
+        numbers[name], moved = _aligned(numbers, times, faults)
+        findings = (*findings, *moved)
         names.insert(0, name)
-        units[name] = "s"
+        if timed:
+            units[name] = timed
     return LogTable(
         path,
         tuple(names),

@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from stickslip.errors import RecordingError
-from stickslip.logs.dialect import (
-    Dialect,
-    commonest,
-    find_dialect,
-    split_unit,
-    states_units,
-    unbracketed,
-)
+from stickslip.logs.clock import clock_seconds, filetime_seconds, is_clock
+from stickslip.logs.dialect import Dialect, find_dialect
 from stickslip.logs.finding import Finding
+from stickslip.logs.header import Header, Line, find_header, is_data
+from stickslip.logs.signals import Signal, table_of
 from stickslip.logs.table import LogTable
 from stickslip.servo.measurement import Array
 
-_SAMPLE = 200
 MOST_BYTES = 1 << 28
 MOST_LINES = 4_000_000
 _BEGIN = 1 << 16
 LONGEST = 1 << 17
 """Characters of a line."""
 _BINARY = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
-
-
-_Line = tuple[int, str]
-"""Number and text of a line."""
 
 
 def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None) -> LogTable:
@@ -48,18 +39,27 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
         When it is not text, holds no rows of numbers, or its rows differ in length.
     """
     lines = _lines(path, data)
-    body = [text for _, text in lines if _is_data(text)]
+    body = [text for _, text in lines if is_data(text)]
     if not body:
         raise RecordingError(f"{path}: no rows; expected columns of numbers")
     dialect = find_dialect(body, delimiter, decimal)
-    header, units, numbered, rows = _split(lines, dialect)
+    head = find_header(lines, dialect)
+    below = [line for line in lines[head.begin :] if is_data(line[1])]
+    numbered, rows = [k for k, _ in below], [dialect.fields(text) for _, text in below]
     if not rows:
         raise RecordingError(f"{path}: no row of numbers; the last row is '{body[-1][:40]}'")
-    width = len(header) or commonest(map(len, rows))
-    findings = _check_widths(path, rows, width, numbered)
+    header = head.names
+    findings: tuple[Finding, ...] = ()
+    if head.titled:
+        rows = [[*row, *[""] * head.width][: head.width] for row in rows]
+    else:
+        findings = _check_widths(path, rows, len(header) or head.width, numbered)
     if header and all(not row[-1] for row in rows) and not header[-1]:
         header, rows = header[:-1], [row[:-1] for row in rows]
+    if head.paired:
+        return table_of(path, _pairs(path, head, rows, dialect), findings, timed=_timed(head))
     names = _names(header or [str(k + 1) for k in range(len(rows[0]))])
+    units = {name: unit for name, unit in zip(names, head.units, strict=False) if unit}
     numbers: dict[str, Array] = {}
     texts: dict[str, tuple[str, ...]] = {}
     faults: dict[str, str] = {}
@@ -67,7 +67,11 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
         values, wrong = _numbers(column, dialect)
         if 2 * len(wrong) > len(values):
             texts[name] = column
+            if is_clock(column[0]):
+                units[name] = "s"
             continue
+        if name == "time" and head.titled:
+            values, units[name] = _scaled(values, column, head), "s"
         numbers[name] = values
         if wrong:
             shown = column[wrong[0]][:40]
@@ -80,7 +84,7 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
         names,
         numbers,
         texts,
-        {name: unit for name, unit in zip(names, units, strict=False) if unit},
+        units,
         faults,
         rows=np.array(numbered[: len(rows)]),
         headed=bool(header),
@@ -102,7 +106,7 @@ def _decoded(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def _lines(path: str, data: bytes) -> list[_Line]:
+def _lines(path: str, data: bytes) -> list[Line]:
     """Return the lines that are not empty."""
     if len(data) > MOST_BYTES:
         raise RecordingError(f"{path}: {len(data)} bytes; at most {MOST_BYTES} are read as text")
@@ -123,42 +127,6 @@ def _lines(path: str, data: bytes) -> list[_Line]:
                 f"in a row and {MOST_LINES} rows"
             )
     return lines
-
-
-def _split(
-    lines: Sequence[_Line], dialect: Dialect
-) -> tuple[list[str], list[str | None], list[int], list[list[str]]]:
-    """Return names and units of the header, and the rows of data with their numbers.
-
-    The header is the last line without a number, of the right length, above the first that holds
-    only numbers; text above it is left out.
-    """
-    width = commonest(len(dialect.fields(text)) for _, text in lines[-_SAMPLE:] if _is_data(text))
-    above: list[int] = []
-    head: list[list[str]] = []
-    for _, text in lines:
-        row = dialect.fields(text.lstrip("#% "))
-        known = sum(dialect.number(field) is not None for field in row)
-        if len(row) == width and 2 * known >= width:
-            break
-        if len(row) == width and not known:
-            above.append(len(head))
-        head.append(row)
-    begin, names, units = len(head) if len(head) < len(lines) else 0, [], []
-    if above:
-        begin = above[-1] + 1
-        last = head[above[-1]]
-        if len(above) > 1 and above[-2] == above[-1] - 1 and states_units(last):
-            names = [split_unit(field)[0] for field in head[above[-2]]]
-            units = [unbracketed(field) or None for field in last]
-        else:
-            names, units = map(list, zip(*map(split_unit, last), strict=True))
-    body = [(k, text) for k, text in lines[begin:] if _is_data(text)]
-    return names, units, [k for k, _ in body], [dialect.fields(text) for _, text in body]
-
-
-def _is_data(text: str) -> bool:
-    return not text.startswith(("#", "%"))
 
 
 def _check_widths(
@@ -198,3 +166,45 @@ def _numbers(column: Sequence[str], dialect: Dialect) -> tuple[Array, list[int]]
         values = [dialect.number(field) if field else np.nan for field in column]
         wrong = [k for k, value in enumerate(values) if value is None]
         return np.array(values, dtype=np.float64), wrong
+
+
+def _pairs(
+    path: str, head: Header, rows: Sequence[Sequence[str]], dialect: Dialect
+) -> Iterator[Signal]:
+    """Yield the signals of columns that take turns with those of their times."""
+    for k in range(0, head.width - 1, 2):
+        filled = [row for row in rows if row[k]]
+        times, fields = [row[k] for row in filled], [row[k + 1] for row in filled]
+        values, wrong = _numbers(fields, dialect)
+        name, unit = head.names[k + 1], head.units[k + 1] or ""
+        if not filled or len(wrong) > 0:
+            instead = f"'{fields[wrong[0]][:40]}'" if filled else "nothing"
+            yield Signal(name, None, unit, instead=instead)
+            continue
+        t, wrong = _numbers(times, dialect)
+        if wrong and not is_clock(times[0]):
+            raise RecordingError(f"{path}: times of '{name}': got '{times[wrong[0]][:40]}'")
+        yield Signal(name, values, unit, _scaled(t, times, head, k))
+
+
+def _timed(head: Header) -> str | None:
+    """Return the unit of the times of signals, None where the file leaves it open."""
+    return "s" if head.titled else head.units[0]
+
+
+def _scaled(t: Array, texts: Sequence[str], head: Header, k: int = 0) -> Array:
+    """Return times (n,) in s where the header has titled rows, else as they are.
+
+    They are in ms, or in the unit that agrees with the sample period of the header.
+    """
+    if is_clock(texts[0]):
+        return clock_seconds(texts)
+    if (counted := filetime_seconds(texts)) is not None:
+        return counted
+    if not head.titled:
+        return t
+    period = next((period * 1e-3 for place, period in head.periods if place == k + 1), 0.0)
+    usual = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    if period <= 0 or usual <= 0:
+        return t * 1e-3
+    return t * min((1e-3, 1.0, 1e-6, 1e-7), key=lambda unit: abs(np.log(usual * unit / period)))

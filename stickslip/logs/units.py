@@ -7,9 +7,11 @@ Rotary drives have angles for lengths and torques for forces. What is no mechani
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from stickslip.errors import UsageError
 from stickslip.logs.recording import Motion
 
 _TURN = 2 * math.pi
@@ -33,13 +35,25 @@ _FACTORS: dict[str, dict[str, float]] = {
         "rad/s": 1, "mrad/s": 1e-3, "deg/s": _TURN / 360, "°/s": _TURN / 360, "rpm": _TURN / 60,
         "1/min": _TURN / 60, "rev/min": _TURN / 60, "rev/s": _TURN, "Hz": _TURN,
     },
+    "acceleration": {
+        "m/s^2": 1, "cm/s^2": 1e-2, "mm/s^2": 1e-3, "um/s^2": 1e-6, "in/s^2": _INCH, "g": 9.80665,
+    },
+    "angular acceleration": {
+        "rad/s^2": 1, "deg/s^2": _TURN / 360, "°/s^2": _TURN / 360, "rev/s^2": _TURN,
+    },
+    "jerk": {"m/s^3": 1, "cm/s^3": 1e-2, "mm/s^3": 1e-3, "um/s^3": 1e-6, "in/s^3": _INCH},
+    "angular jerk": {
+        "rad/s^3": 1, "deg/s^3": _TURN / 360, "°/s^3": _TURN / 360, "rev/s^3": _TURN,
+    },
     "force": {"N": 1, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665},
     "torque": {"N.m": 1, "mN.m": 1e-3, "uN.m": 1e-6, "kN.m": 1e3, "N.cm": 1e-2, "N.mm": 1e-3},
     "current": {"A": 1, "mA": 1e-3, "Arms": 1},
     "voltage": {"V": 1, "mV": 1e-3, "kV": 1e3},
     "number": {
         "1": 1, "%": 1e-2, "‰": 1e-3, "counts": 1, "count": 1, "cts": 1, "inc": 1, "increments": 1,
+        "LU": 1,
     },
+    "number per time": {"counts/s": 1, "inc/s": 1, "LU/s": 1, "LU/min": 1 / 60},
 }  # fmt: skip
 _SPELT = {
     "Nm": "N.m", "mNm": "mN.m", "uNm": "uN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm",
@@ -48,12 +62,29 @@ _SPELT = {
     "min^-1": "1/min", "min-1": "1/min", "A.rms": "Arms",
     "micron": "um", "microns": "um", "inches": "inch", "samples": "counts", "sample": "counts",
     "0.1 %": "‰", "0.1%": "‰", "0,1 %": "‰", "0,1%": "‰", "1/1000": "‰", "permille": "‰",
+    "U/min": "rpm", "Umdr/min": "rpm", "min⁻¹": "1/min", "Umdr": "rev", "Umdr.": "rev",
+    "Grad": "deg", "grd": "deg", "Grad/s": "deg/s", "sek": "s", "Sek.": "s", "Inkr": "inc",
+    "Inkr.": "inc", "Ink": "inc", "increment": "inc", "pulse": "counts", "tick": "counts",
+    "Aeff": "Arms", "newton": "N", "ampere": "A", "volt": "V", "mm/sec": "mm/s", "m/sec": "m/s",
+    "rad/sec": "rad/s", "deg/sec": "deg/s", "msec": "ms", "usec": "us", "µsec": "us",
     "percent": "%", "pct": "%", "pulses": "counts", "mps": "m/s", "mmps": "mm/s", "rps": "rev/s",
 }  # fmt: skip
 
 QUANTITIES: dict[Motion, dict[str, str]] = {
-    "linear": {"position": "length", "velocity": "speed", "force": "force"},
-    "rotary": {"position": "angle", "velocity": "angular speed", "force": "torque"},
+    "linear": {
+        "position": "length",
+        "velocity": "speed",
+        "force": "force",
+        "acceleration": "acceleration",
+        "jerk": "jerk",
+    },
+    "rotary": {
+        "position": "angle",
+        "velocity": "angular speed",
+        "force": "torque",
+        "acceleration": "angular acceleration",
+        "jerk": "angular jerk",
+    },
 }
 """What a drive's signals are by its motion."""
 
@@ -87,7 +118,8 @@ def unit_named(text: str) -> Unit | None:
 
     Upper and lower case count (mN and MN, nm and Nm), except where only one unit is meant.
     """
-    name = text.strip().replace("μ", "u").replace("µ", "u")
+    name = text.strip().replace("μ", "u").replace("µ", "u").replace("²", "^2").replace("³", "^3")
+    name = re.sub(r"(?<=/s)(?=[23]$)", "^", name)
     name = _SPELT.get(name, name)
     for sign in "·*⋅- ":
         if name not in _UNITS:
@@ -97,6 +129,28 @@ def unit_named(text: str) -> Unit | None:
     alike = [key for key in (*_UNITS, *_SPELT) if key.lower() == name.lower()]
     found = _UNITS[_SPELT.get(alike[0], alike[0])] if len(alike) == 1 else None
     return found if found and found.quantity not in _CASE_COUNTS else None
+
+
+def parse_quantity(text: str, what: str, quantities: Collection[str]) -> tuple[float, Unit | None]:
+    """Return the SI value of a text such as 100mm or 2.5 rev/s, and its unit; None is SI.
+
+    Parameters
+    ----------
+    text : number and unit
+    what : is given, for messages
+    quantities : that its unit may measure, such as length and angle
+
+    Raises
+    ------
+    UsageError
+        When there is no number, or the unit measures something else.
+    """
+    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*", text)
+    unit = unit_named(match[2]) if match and match[2] else None
+    if not match or (match[2] and (unit is None or unit.quantity not in quantities)):
+        names = ", ".join(name for one in quantities for name in unit_names(one)[:3])
+        raise UsageError(f"{what} = {text}: expected a number, with a unit such as {names}")
+    return float(match[1]) * (unit.factor if unit else 1.0), unit
 
 
 def sized_unit(quantities: Collection[str], factor: float) -> Unit | None:

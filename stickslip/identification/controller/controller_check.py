@@ -56,12 +56,7 @@ def check_controller(
     system = cosim.System("controller")
     limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
     system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
-    signals = {
-        "x_enc": position_of(recording),
-        "v_cmd": recording.velocity_command,
-        "x_cmd": recording.position_command,
-    }
-    inputs = {name: signal for name, signal in signals.items() if signal is not None}
+    inputs = {"x_enc": position_of(recording), **recording.controller_inputs}
     for name in inputs:
         system.expose(name, f"controller.{name}")
     stop = (len(recording.t) - 1) * recording.T_s

@@ -68,13 +68,9 @@ class KnownLoop(Closing):
         )
         system.connect("controller.u", "candidate.u")
         system.connect("candidate.x_enc", "controller.x_enc")
-        system.expose("F_ff", "controller.F_ff")
-        self._inputs: dict[str, Array] = {}
-        commands = (("v_cmd", recording.velocity_command), ("x_cmd", recording.position_command))
-        for name, command in commands:
-            if command is not None:
-                system.expose(name, f"controller.{name}")
-                self._inputs[name] = command
+        self._inputs = {"F_ff": np.zeros_like(recording.t), **recording.controller_inputs}
+        for name in self._inputs:
+            system.expose(name, f"controller.{name}")
         specification = cosim.Specification(
             system,
             step=recording.T_s,
@@ -113,9 +109,8 @@ class KnownLoop(Closing):
             for name, state in STATES.items():
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
-        return self._runs.run(
-            parameters, {**self._inputs, "F_ff": self._memory - values["F_0"] + feedforward}
-        )
+        F_ff = self._inputs["F_ff"] + self._memory - values["F_0"] + feedforward
+        return self._runs.run(parameters, {**self._inputs, "F_ff": F_ff})
 
     def close(self) -> None:
         """Free the FMUs."""

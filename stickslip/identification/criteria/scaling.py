@@ -20,8 +20,8 @@ FORCES = (0.3, 1e4)  # root mean square that needs no scale [N]
 SPEEDS = (2e-3, 2.0)  # top speed that needs none [m/s]
 FORCE, SPEED = 10.0, 0.05  # what others are brought near to
 
-_LENGTHS = {"position", "velocity", "position_command", "velocity_command"}
-_FORCES = {"force", "friction", "force_command"}
+_LENGTHS = {"position", "velocity", "position_command", "velocity_command", "added_velocity"}
+_FORCES = {"force", "friction", "force_command", "added_force"}
 _MEMORY = {"F_held", "F_fading"}  # initial state of the controller [N]
 
 

@@ -79,6 +79,7 @@ def surrogate_loop(
     """Return a loop in which the drive with these values follows the recorded motion."""
     path = smoothed(position_of(recording), inverse.T_s, inverse.cutoff)
     led = replace(recording, position_command=path, velocity_command=inverse.motion.v)
+    led = replace(led, added_force=None, added_velocity=None)  # the motion shows them
     gains = _gains(values, inverse.T_s)
     return KnownLoop(fmus, led, gains, encoder=True, workers=inverse.workers)
 

@@ -91,6 +91,13 @@ def test_options_go_before_the_file(config):
     assert given.sample_period == WHOLE.sample_period
 
 
+def test_options_with_units():
+    given = described(
+        "--encoder-step", "0.1um", "--force-limit", "0.2 kN", "--rated-torque", "240mNm"
+    )
+    assert (given.encoder_step, given.force_limit, given.rated_torque) == (1e-7, 200.0, 0.24)
+
+
 def test_another_controller_drops_the_gains_of_the_file(config):
     given = described("--config", config, "--controller", "PI", "--gain", "K_p=7", "K_i=2")
     assert given.gains == {"K_p": "7", "K_i": "2"}
@@ -125,6 +132,11 @@ def test_options_alone_read_a_log(tmp_path):
             ["--gain", "K_p=3"],
             "gain K_p, but no controller; choose one with --controller: P, PI, PID, cascade",
         ),
+        (
+            ["--rated-torque", "3N"],
+            "--rated-torque = 3N: expected a number, with a unit such as N.m",
+        ),
+        (["--encoder-step", "3e-7 furlong"], "such as m, cm, mm, rad"),
         (["--span", "3", "2"], "begin before end"),
         (["--config", "none.toml"], "none.toml: cannot be read"),
     ],
