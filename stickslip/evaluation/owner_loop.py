@@ -19,10 +19,10 @@ from stickslip.catalog.parameters import DRIVE, friction_law
 from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import derivative, position_of
+from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.criteria.scaling import Scale, scale_of
 from stickslip.logs import Recording
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.servo.velocity_loop import VelocityLoop
 
 SHARE = 1.0 / 16.0

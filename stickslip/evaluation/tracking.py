@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from stickslip.identification.criteria.motion import derivative, position_of
+from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
-from stickslip.servo.measurement import CUTOFF, Array, smoothed
+from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
 
 NONE, FEEDFORWARD, FRICTIONLESS = "without compensator", "with compensator", "without friction"
 """Variants: no compensation, the force of the compensator, and no friction at all."""

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from stickslip.logs.controller import Controller
-from stickslip.logs.delay import Delay, aligned, force_delay, samples_late, signal_delay
+from stickslip.logs.delay import (
+    Delay,
+    aligned,
+    force_delay,
+    late_beyond,
+    samples_late,
+    signal_delay,
+)
 from stickslip.logs.excitation import Excitation, excitation
 from stickslip.logs.finding import Finding, Severity
+from stickslip.logs.force_path import force_path
 from stickslip.logs.grid import runs
-from stickslip.logs.motion import kinematics, unexplained
+from stickslip.logs.lost_rows import lost_rows
+from stickslip.logs.motion import kinematics
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
 
@@ -21,17 +29,9 @@ SIGNALS = tuple(
     field.name for field in fields(Recording) if field.type == "Array | None"
 )  # of a recording, by role
 PLAN = "stickslip plan --show"
+ONE_WAY = "F_c and the constant force cannot be told apart"
 LITTLE = 0.05
 """Share of force or time below which a parameter is poorly identifiable."""
-WINDOW = 7
-"""Number of differences of the position in the moving median."""
-STEPS = 5.0
-"""Encoder steps per row from which one row can be distinguished from two."""
-EVENTS = 5
-LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
-"""Quantiles of the force that are tried as a limit."""
-EXPLAINED = 0.25
-"""Largest share of the unexplained force that may remain with a limit."""
 
 
 def check_recording(
@@ -55,10 +55,10 @@ def check_recording(
         return tuple(findings)
     shown = excitation(recording)
     late = samples_late(recording)
-    found = (_lost_rows(recording), _clipped_command(aligned(recording, late)))
+    lost = lost_rows(recording)
     return (
         *findings,
-        *filter(None, found),
+        *([lost] if lost else force_path(aligned(recording, late))),  # the cause of the rest
         *_saturation(recording, force_limit),
         *_quantisation(recording, shown),
         *_delays(recording, late),
@@ -148,12 +148,19 @@ def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:
 
 def _delays(recording: Recording, late: int) -> Iterator[Finding]:
     """Yield delays of signals relative to each other."""
-    if delay := force_delay(recording):
+    delay = force_delay(recording)
+    if beyond := late_beyond(recording):
+        figure = f"{1e3 * beyond:.4g} ms, the largest that is looked for, explains most of it"
+        advice = "log force and position of the same instants, or shift the force by its delay"
+        what = "the delay of the force ends at the bound of its search"
+        yield Finding("warning", what, figure, advice, spoils="values")
+    elif delay and not delay.at_bound:
         yield _delayed("force", "the motion", delay, recording.T_s, late)
     if recording.position is not None and recording.velocity is not None:
         motion = kinematics(recording)
         other = kinematics(Recording(recording.t, velocity=recording.velocity))
-        if delay := signal_delay(recording.t, motion.v, other.v):
+        delay = signal_delay(recording.t, motion.v, other.v)
+        if delay and not delay.at_bound:
             yield _delayed("velocity", "the position's derivative", delay, recording.T_s)
 
 
@@ -180,7 +187,11 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         figure = f"{shown.spacing:.0f} samples between two"
         what = "reversals are too fast for the sample rate"
         yield Finding("warning", what, figure, "sample faster or move slower")
-    if shown.reversals < 2:
+    if shown.one_way:
+        figure = f"{shown.reversals} reversals, and it slides in one direction only"
+        advice = f"move it both ways, {PLAN} F_c"
+        yield Finding("warning", ONE_WAY, figure, advice, spoils="values", hides=("F_c",))
+    elif shown.reversals < 2:
         figure = f"{shown.reversals} reversals"
         yield Finding("warning", "F_c and the offset are hard to separate", figure, f"{PLAN} F_c")
     if np.isfinite(shown.inertial):
@@ -208,47 +219,3 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     fine = turn.times * turn.samples >= 100 and turn.counts >= 3 and turn.samples >= 3
     words = "sigma_0 and sigma_1 may be identifiable", "sigma_0 and sigma_1 are poorly identifiable"
     yield Finding.either(fine, *words, figure, advice)
-
-
-def _lost_rows(recording: Recording) -> Finding | None:
-    """Return a finding where single steps of the position are whole multiples of their neighbours.
-
-    A mass cannot move twice as far in one sample as in those before and after; a row is missing
-    there, though the clock is even.
-    """
-    x = recording.position
-    if x is None or len(x) < 10 * WINDOW:
-        return None
-    steps = np.diff(x)
-    usual = median_filter(steps, WINDOW)
-    noise = 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / np.sqrt(20.0)
-    fast = np.abs(usual) > max(STEPS * recording.encoder_step, 10.0 * noise)
-    ratio = steps[fast] / usual[fast]
-    missing = np.round(ratio) - 1.0
-    found = (missing >= 1.0) & (np.abs(ratio - np.round(ratio)) < 0.3 * missing)
-    if np.sum(found) < EVENTS:
-        return None
-    share = float(np.sum(missing[found]) / (len(ratio) + np.sum(missing[found])))
-    figure = f"{share:.2%}, the position jumps {np.sum(found)} times by a multiple of its step"
-    advice = "log without gaps, or with the true times"
-    return Finding("warning", "rows are lost under an even clock", figure, advice, spoils="values")
-
-
-def _clipped_command(recording: Recording) -> Finding | None:
-    """Return a finding where the motion shows a limit that the logged force does not have.
-
-    The force of a rigid drive is fitted to the motion for each limit that may have acted.
-    """
-    force = recording.force
-    if force is None:
-        return None
-    limits = np.quantile(np.abs(force), LEVELS)
-    left = [unexplained(replace(recording, force=np.clip(force, -at, at))) for at in limits]
-    best = int(np.argmin(left))
-    if best == 0 or not left[best] < EXPLAINED * unexplained(recording):
-        return None
-    share = float(np.mean(np.abs(force) > limits[best]))
-    figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
-    advice = "log it behind the limit, or the current"
-    what = "the force was logged before a limit"
-    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, spoils="values")

@@ -103,7 +103,8 @@ def _contradiction(
         yield Finding("error", what, f"{figure}, near {name}", f"{advice}; {leave}")
     elif not 1 / most <= abs(ratio) <= most:
         advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
-        yield Finding("warning", f"{a} and {b} differ in scale", figure, f"{advice}; {leave}")
+        what = f"{a} and {b} differ in scale"
+        yield Finding("warning", what, figure, f"{advice}; {leave}", spoils="values")
 
 
 def _corrections(reading: Reading, ends: dict[str, float]) -> str:

@@ -20,6 +20,8 @@ CUTOFF = 50.0
 ROUNDS = 12
 FARTHEST = 0.05
 """Delays beyond are not looked for [s]."""
+TRIALS = 21
+"""Delays that are tried at first."""
 NOTHING = 1e-7
 """Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
 LARGE = 2.0
@@ -30,10 +32,14 @@ EXPLAINS = 0.5
 
 @dataclass(frozen=True)
 class Delay:
-    """A delay [s], positive when the signal shows late, and its standard error."""
+    """A delay [s], positive when the signal shows late, and its standard error.
+
+    ``at_bound`` tells that it may be larger: the search ends there.
+    """
 
     value: float
     standard_error: float
+    at_bound: bool = False
 
     def known(self, T_s: float) -> bool:
         """Whether it is known to half a sample."""
@@ -89,8 +95,8 @@ def _fitted(
     """
     T_s = float(t[1] - t[0])
     spline = CubicSpline(t, signal)
-    delay = 0.0
-    fit = np.linalg.lstsq(base, signal[used], rcond=None)[0]
+    delay = _best_trial(spline, t[used], base)
+    fit = np.linalg.lstsq(base, spline(t[used] + delay), rcond=None)[0]
     for _ in range(ROUNDS):
         shifted = spline(t[used] + delay)
         columns = np.column_stack([base, slope(np.asarray(fit))])
@@ -102,11 +108,23 @@ def _fitted(
         fit, step = solution[:-1], -float(solution[-1])
         delay += step
         if not abs(delay) < FARTHEST:
-            return None
+            return Delay(float(np.copysign(FARTHEST, delay)), np.inf, at_bound=True)
         if abs(step) < 1e-4 * T_s:
             break
     error = np.sqrt(covariance(columns / scale, residual)[-1, -1]) / scale[-1]
     return Delay(delay, float(error))
+
+
+def _best_trial(signal: CubicSpline, t: Array, base: Array) -> float:
+    """Return the delay [s], of a few, with which columns (k, c) explain a signal at t (k,) best."""
+    scale = np.linalg.norm(base, axis=0)
+    basis = np.linalg.qr(base[:, scale > 0] / scale[scale > 0])[0]
+    left = {}
+    for delay in np.linspace(-FARTHEST, FARTHEST, TRIALS):
+        shifted = signal(np.clip(t + delay, signal.x[0], signal.x[-1]))
+        rest = shifted - basis @ (basis.T @ shifted)
+        left[float(delay)] = float(rest @ rest)
+    return min(left, key=lambda delay: (left[delay], abs(delay)))
 
 
 def samples_late(recording: Recording) -> int:
@@ -116,11 +134,26 @@ def samples_late(recording: Recording) -> int:
     delays, too; taking those out explains no more of the force.
     """
     delay = force_delay(recording)
-    if delay is None or abs(delay.value) < LARGE * recording.T_s:
+    if delay is None or delay.at_bound or abs(delay.value) < LARGE * recording.T_s:
         return 0
     samples = round(delay.value / recording.T_s)
-    better = unexplained(aligned(recording, samples)) < EXPLAINS * unexplained(recording)
-    return samples if better else 0
+    return samples if _explains(recording, samples) else 0
+
+
+def late_beyond(recording: Recording) -> float:
+    """Return the largest delay [s] that is looked for, with its sign, if the force has more; or 0.
+
+    It has where that delay explains the force, and a smaller one explains less.
+    """
+    delay = force_delay(recording)
+    if delay is None or not delay.at_bound:
+        return 0.0
+    return delay.value if _explains(recording, round(delay.value / recording.T_s)) else 0.0
+
+
+def _explains(recording: Recording, samples: int) -> bool:
+    """Tell whether a delay of so many samples explains much of the force that is unexplained."""
+    return unexplained(aligned(recording, samples)) < EXPLAINS * unexplained(recording)
 
 
 def aligned(recording: Recording, samples: int) -> Recording:

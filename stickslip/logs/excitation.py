@@ -8,12 +8,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.logs.motion import Kinematics, kinematics, rigid
+from stickslip.logs.motion import Kinematics, kinematics, rigid, sliding
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 
 SLOW = 0.01
 """Share of the top speed below which motion counts as slow."""
+MINORITY = 0.01
 TURNED = 0.63
 """Share of its swing that friction covers during a reversal."""
 
@@ -51,6 +52,7 @@ class Excitation:
     slow_samples : as many samples
     speeds : 5 % and 95 % of the moving time are slower [m/s]
     reversals : of the direction
+    one_way : whether it slides in one direction only, with ``MINORITY`` in the other
     spacing : median samples between two reversals; inf with fewer
     acceleration : 99 % of the samples have less [m/s^2]
     mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
@@ -66,6 +68,7 @@ class Excitation:
     slow_samples: int
     speeds: tuple[float, float]
     reversals: int
+    one_way: bool
     spacing: float
     acceleration: float
     mass: float
@@ -93,12 +96,20 @@ def excitation(recording: Recording) -> Excitation:
         slow_samples=int(np.sum(slow)),
         speeds=(float(low), float(high)),
         reversals=len(turns),
+        one_way=_one_way(recording, motion),
         spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
         inertial=inertial,
         turn_around=_turn_around(recording, motion, turns, fit),
     )
+
+
+def _one_way(recording: Recording, motion: Kinematics) -> bool:
+    """Tell whether fast motion, if there is any, has one direction."""
+    ahead = motion.v[sliding(motion, recording.T_s)] > 0.0
+    share = float(np.mean(ahead)) if len(ahead) else 0.5
+    return min(share, 1.0 - share) < MINORITY
 
 
 def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:

@@ -20,6 +20,7 @@ class Finding:
     advice : what to do; empty when nothing need be done
     spoils : "intervals" where the learned intervals are too narrow, "values" where the learned
         values are wrong
+    hides : parameters that cannot be identified therefore
     """
 
     severity: Severity
@@ -27,6 +28,7 @@ class Finding:
     figure: str = ""
     advice: str = ""
     spoils: Literal["", "intervals", "values"] = ""
+    hides: tuple[str, ...] = ()
 
     @classmethod
     def either(cls, fine: bool, note: str, warning: str, figure: str, advice: str) -> Finding:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.logs.recording import Recording
-from stickslip.servo.measurement import CUTOFF, Array, smoothed
+from stickslip.servo.measurement import CUTOFF, Array, derivative, smoothed
 
 FASTEST = 0.1
 """Low-pass cutoff at most, in sampling frequencies."""
@@ -50,18 +50,18 @@ def kinematics(recording: Recording, cutoff: float = CUTOFF) -> Kinematics:
     cutoff = min(cutoff, FASTEST / T_s)
     if recording.position is not None:
         x = smoothed(recording.position, T_s, cutoff)
-        v = np.gradient(x, T_s)
+        v = derivative(x, T_s)
     elif recording.velocity is not None:
         v = smoothed(recording.velocity, T_s, cutoff)
         x = np.cumsum(v) * T_s
     else:
         x = v = np.zeros_like(recording.t)
-    a = np.gradient(v, T_s)
+    a = derivative(v, T_s)
     # Rounding to steps is noise of variance step^2 / 12, spread evenly up to half the sampling
     # frequency; differentiated and cut off it has this standard deviation.
     noise = 2 * np.pi * recording.encoder_step * np.sqrt(cutoff**3 * T_s / 18)
     floor = max(3 * float(noise), 1e-4 * float(np.max(np.abs(v))))
-    return Kinematics(x, v, a, np.gradient(a, T_s), cutoff, floor)
+    return Kinematics(x, v, a, derivative(a, T_s), cutoff, floor)
 
 
 def sliding(motion: Kinematics, T_s: float, share: float = 0.1) -> NDArray[np.bool_]:
@@ -101,9 +101,14 @@ def rigid(recording: Recording, motion: Kinematics) -> Rigid | None:
     used = sliding(motion, recording.T_s)
     if recording.force is None or used.sum() < FEWEST:
         return None
-    v = motion.v[used]
-    columns = np.column_stack([motion.a[used], v, np.sign(v), np.ones_like(v)])
+    columns = rigid_columns(motion, recording.T_s)[used]
     return Rigid(used, columns, smoothed(recording.force, recording.T_s, motion.cutoff))
+
+
+def rigid_columns(motion: Kinematics, T_s: float) -> Array:
+    """Return what m, b, F_c and F_0 multiply (n, 4), all through the low-pass of the motion."""
+    direction = smoothed(np.sign(motion.v), T_s, motion.cutoff)
+    return np.column_stack([motion.a, motion.v, direction, np.ones_like(motion.v)])
 
 
 def unexplained(recording: Recording) -> float:

@@ -28,6 +28,7 @@ from stickslip.evaluation.guards import (
     feedforward,
 )
 from stickslip.evaluation.tracking import Tracking
+from stickslip.identification.controller.criterion_choice import AGREES
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -338,6 +339,8 @@ def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     """Return the loop of the log's controller, or one like the paper's for the learned axis.
 
+    A controller that does not command the logged force is not that of the drive.
+
     Raises
     ------
     ControlError
@@ -348,7 +351,8 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
         raise ControlError("the mass is not known")
     axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
     T_s = estimation.recording.T_s
-    if controller.K_p and not (controller.P_x or controller.I_x):
+    rejected = estimation.controller is not None and estimation.controller.error > AGREES
+    if controller.K_p and not (controller.P_x or controller.I_x or rejected):
         gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
         try:
             loop = close_velocity_loop(axis, *gains)

@@ -32,6 +32,15 @@ def _low_pass(cutoff: float, T_s: float) -> Array:
     return sections
 
 
+def derivative(signal: Array, T_s: float) -> Array:
+    """Return the derivative (n,) of a smooth signal, of fourth order but at its ends."""
+    slope = np.gradient(signal, T_s)
+    slope[2:-2] = (signal[:-4] - 8.0 * signal[1:-3] + 8.0 * signal[3:-1] - signal[4:]) / (
+        12.0 * T_s
+    )
+    return np.asarray(slope)
+
+
 def measured_velocity(x_enc: Array, T_s: float) -> Array:
     """Return the velocity (n,) [m/s] from encoder positions (n,) [m]: differences, smoothed."""
     return smoothed(np.gradient(x_enc, T_s), T_s)

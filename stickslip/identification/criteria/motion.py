@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import UsageError
 from stickslip.logs import Recording
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array, derivative, smoothed
 
 
 @dataclass(frozen=True)
@@ -23,15 +23,6 @@ def smooth_motion(position: Array, T_s: float, cutoff: float) -> SmoothMotion:
     """Differentiate a position (n,) [m] twice, behind a zero-phase low-pass [Hz]."""
     v = derivative(smoothed(position, T_s, cutoff), T_s)
     return SmoothMotion(v, derivative(v, T_s))
-
-
-def derivative(signal: Array, T_s: float) -> Array:
-    """Return the derivative (n,) of a smooth signal, of fourth order but at its ends."""
-    slope = np.gradient(signal, T_s)
-    slope[2:-2] = (signal[:-4] - 8.0 * signal[1:-3] + 8.0 * signal[3:-1] - signal[4:]) / (
-        12.0 * T_s
-    )
-    return np.asarray(slope)
 
 
 def position_noise(position: Array, step: float) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.fitting.fit import Fit
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.logs import Finding
 
 MODEL_ERROR = 2.0
@@ -69,6 +71,25 @@ def found_faults(
         figure = f"{check.factor:.3g} times as large"
         advice = f"give --scale force={1.0 / check.factor:.3g}, or correct its unit or the gains"
         yield Finding("warning", what, figure, advice, spoils="values")
+
+
+def hidden(
+    known: dict[str, Identifiability], faults: Iterable[Finding], strongest: float
+) -> dict[str, Identifiability]:
+    """Return the same without the parameters that faults hide: up to the largest force, all fit."""
+    changed = dict(known)
+    for fault in faults:
+        for name in set(fault.hides) & set(known):
+            one = known[name]
+            sentence = f"{NOT_IDENTIFIABLE} in this experiment: {fault.what}"
+            changed[name] = replace(
+                one,
+                low=0.0,
+                high=max(one.high, strongest),
+                identifiability=NOT_IDENTIFIABLE,
+                sentence=sentence,
+            )
+    return changed
 
 
 def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, float]:

@@ -20,12 +20,17 @@ from stickslip.identification.controller.controller_check import check_controlle
 from stickslip.identification.controller.criterion_choice import choose
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.motion import measured_force, position_of
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
-from stickslip.identification.estimation.faults import MODEL_ERROR, change_of_friction, found_faults
+from stickslip.identification.estimation.faults import (
+    MODEL_ERROR,
+    change_of_friction,
+    found_faults,
+    hidden,
+)
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
@@ -126,7 +131,9 @@ def _learn(
         change = change_of_friction(inverse, found.parameters)
         faults = (*task.faults, *found_faults(best, criterion, check, model_error, change))
         if faults:
+            strongest = float(np.max(np.abs(measured_force(recording))))
             known = {name: unreliable(one) for name, one in known.items()}
+            known = hidden(known, faults, strongest)
         largest = largest_friction(inverse, best.parameters)
         known = conservative(known, start.space, largest)
         values = {**best.parameters, **{name: known[name].value for name in start.space.friction}}

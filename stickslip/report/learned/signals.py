@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.identification.criteria.inverse_model import EDGE, SHARE
-from stickslip.identification.criteria.motion import derivative, position_of
+from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Motion
 from stickslip.report.quantity import unit
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, derivative
 from stickslip.servo.stribeck_curve import level
 
 FULLY_BENT = 5.0

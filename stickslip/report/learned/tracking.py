@@ -11,13 +11,7 @@ from matplotlib.figure import Figure
 from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Tracking, TrackingError
 from stickslip.logs import Motion
 from stickslip.report import style
-from stickslip.report.learned.signals import (
-    WORDS,
-    Scale,
-    position_scale,
-    thinned,
-    velocity_scale,
-)
+from stickslip.report.learned.signals import WORDS, Scale, position_scale, thinned, velocity_scale
 from stickslip.report.markup import paragraph, quiet, table
 from stickslip.report.page import Illustration, Section
 from stickslip.report.quantity import number, percentage

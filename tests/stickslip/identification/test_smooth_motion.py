@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stickslip.identification.criteria.motion import derivative
+from stickslip.servo.measurement import derivative
 
 
 @pytest.mark.parametrize("power", [1, 2, 3, 4])

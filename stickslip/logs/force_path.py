@@ -1,0 +1,126 @@
+"""What lies between the force that moves a drive and the force that its log shows.
+
+Each change of the force that logs show is tried on a rigid drive with Coulomb and viscous friction
+while it slides: a limit that the log lacks, a limit that only the log has, and a low-pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from stickslip.logs.finding import Finding
+from stickslip.logs.motion import FEWEST, Rigid, kinematics, rigid, rigid_columns, unexplained
+from stickslip.logs.recording import Recording
+from stickslip.servo.measurement import Array
+
+LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
+"""Quantiles of the force that are tried as a limit."""
+EXPLAINED = 0.25
+"""Largest share of the unexplained force that may remain with a limit."""
+FLAT, PILED = 0.02, 0.005
+"""Distance from the largest force, relative, of a limit; smallest share of the samples there."""
+BEYOND = 0.03
+"""Share of the limit by which the motion shows more force on average."""
+LAGS = np.geomspace(0.5, 100.0, 24)
+"""Time constants of a low-pass that are tried [samples]."""
+REMOVED = (0.0, 0.6, 0.8, 1.0)
+"""Shares of the time constant that were taken out with the delay."""
+LAGGED = 0.5
+"""Largest share of the unexplained force that may remain with a low-pass."""
+ATTENUATED = 0.01
+"""Relative change of the mass by a low-pass that counts."""
+
+
+def force_path(recording: Recording) -> Iterator[Finding]:
+    """Yield how the logged force differs from that which moves the drive.
+
+    Parameters
+    ----------
+    recording : without a delay of its force
+    """
+    force = recording.force
+    if force is None:
+        return
+    found = (
+        _before_limit(recording, force),
+        _clipped(recording, np.abs(force)),
+        _low_passed(recording),
+    )
+    yield from filter(None, found)
+
+
+def _before_limit(recording: Recording, force: Array) -> Finding | None:
+    """Return a finding where the motion shows a limit that the logged force does not have."""
+    limits = np.quantile(np.abs(force), LEVELS)
+    left = [unexplained(replace(recording, force=np.clip(force, -at, at))) for at in limits]
+    best = int(np.argmin(left))
+    if best == 0 or not left[best] < EXPLAINED * unexplained(recording):
+        return None
+    share = float(np.mean(np.abs(force) > limits[best]))
+    figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
+    advice = "log it behind the limit, or the current"
+    what = "the force was logged before a limit"
+    return Finding("warning", what, f"{figure}; {share:.1%} of the time", advice, spoils="values")
+
+
+def _clipped(recording: Recording, force: Array) -> Finding | None:
+    """Return a finding where the motion shows more force than the log's largest, which piles up.
+
+    A rigid drive is fitted where the force is below that.
+    """
+    limit = float(np.quantile(force, 0.999))
+    at = force > (1.0 - FLAT) * limit
+    motion = kinematics(recording)
+    if np.mean(at) < PILED or (drive := rigid(recording, motion)) is None:
+        return None
+    reach = max(1, round(0.5 / (motion.cutoff * recording.T_s)))
+    near = np.convolve(at, np.ones(2 * reach + 1), mode="same") > 0.5
+    below, above = ~near[drive.used], at[drive.used]
+    if min(below.sum(), above.sum()) < FEWEST:
+        return None
+    fit = np.linalg.lstsq(drive.columns[below], drive.force[drive.used][below], rcond=None)[0]
+    shown = float(np.mean(np.abs(drive.columns[above] @ fit)))
+    if shown < (1.0 + BEYOND) * float(np.mean(np.abs(drive.force[drive.used][above]))):
+        return None
+    figure = f"{limit:.4g} for {np.mean(at):.1%} of the time, while the motion shows {shown:.4g}"
+    advice = "log it with a larger range, or a gentler motion"
+    what = "the force in the log is cut off"
+    return Finding("warning", what, figure, advice, spoils="values")
+
+
+def _low_passed(recording: Recording) -> Finding | None:
+    """Return a finding where a low-pass explains the force better than a delay does."""
+    motion = kinematics(recording)
+    if (drive := rigid(recording, motion)) is None:
+        return None
+    plain, mass = _left(drive.columns, drive)
+    every = rigid_columns(motion, recording.T_s)
+    trials = []
+    for lag in LAGS:
+        share = -np.expm1(-1.0 / lag)
+        delayed = lfilter([share], [1.0, share - 1.0], every, axis=0)
+        for removed in REMOVED:
+            ahead = np.roll(delayed, -round(removed * lag), axis=0)
+            trials.append((*_left(ahead[drive.used], drive), float(lag)))
+    left, lagged_mass, lag = min(trials)
+    if left > LAGGED * plain or abs(lagged_mass / mass - 1.0) < ATTENUATED:
+        return None
+    frequency = 1.0 / (2.0 * np.pi * lag * recording.T_s)
+    figure = (
+        f"at {frequency:.2g} Hz, which explains {1.0 - left / plain:.0%} of what is unexplained"
+    )
+    advice = "log it without a filter, or position and command with the same"
+    what = "the force in the log is low-passed"
+    return Finding("warning", what, figure, advice, spoils="values")
+
+
+def _left(columns: Array, drive: Rigid) -> tuple[float, float]:
+    """Return the sum of squares [N^2] that columns (k, 4) leave of the force, and the mass [kg]."""
+    force = drive.force[drive.used]
+    fit = np.linalg.lstsq(columns, force, rcond=None)[0]
+    rest = force - columns @ fit
+    return float(rest @ rest), float(fit[0])
