@@ -190,7 +190,7 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     if shown.one_way:
         figure = f"{shown.reversals} reversals, and it slides in one direction only"
         advice = f"move it both ways, {PLAN} F_c"
-        yield Finding("warning", ONE_WAY, figure, advice, spoils="values", hides=("F_c",))
+        yield Finding("warning", ONE_WAY, figure, advice, spoils="values", hides=("F_c", "F_s"))
     elif shown.reversals < 2:
         figure = f"{shown.reversals} reversals"
         yield Finding("warning", "F_c and the offset are hard to separate", figure, f"{PLAN} F_c")

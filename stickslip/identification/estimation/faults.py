@@ -26,6 +26,8 @@ LIKE = 40
 """Classes of velocity."""
 SPANS = 10
 """Parts of a recording that are left out in turn for that standard error."""
+LEAST = 0.01
+"""Smallest share of a fitted value that a parameter may have which a fault hides."""
 NEAR = 0.01
 """Distance from a bound of the delay that counts as none [samples]."""
 
@@ -84,7 +86,7 @@ def hidden(
             sentence = f"{NOT_IDENTIFIABLE} in this experiment: {fault.what}"
             changed[name] = replace(
                 one,
-                low=0.0,
+                low=LEAST * one.value,
                 high=max(one.high, strongest),
                 identifiability=NOT_IDENTIFIABLE,
                 sentence=sentence,
