@@ -10,10 +10,11 @@ from typing import TextIO
 import numpy as np
 import pandas as pd
 
+from stickslip.evaluation.compared_logs import LogComparison, sentences
 from stickslip.evaluation.guards import Benefit
 from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.log_verdict import SIGNALS, verdict
-from stickslip.evaluation.tracking import TRACKING_FIGURES, Tracking
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
 from stickslip.results.folder import staged
 from stickslip.tuning.published import Published
@@ -68,7 +69,6 @@ WIDTHS = (9, 9, 9, 13)
 
 def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
     """Print RMS and maximum of the tracking errors, measured and simulated."""
-    length = "rad" if rotary else "m"
     print(
         f"\ntracking error on {tracking.command}, in the loop of {tracking.loop}:\n"
         "                      measured             simulated drive\n"
@@ -76,13 +76,10 @@ def print_tracking(tracking: Tracking, *, rotary: bool = False) -> None:
     )
     errors = [tracking.measured, *tracking.errors().values()]
     for key in TRACKING_FIGURES:
-        what, size = key.split("_")
-        factor, unit = (1e3, f"m{length}/s") if what == "velocity" else (1e6, f"u{length}")
+        factor, unit, title = _tracking_figure(key, rotary=rotary)
         cells = [f"{factor * error.items()[key]:.3g}" if error else "-" for error in errors]
         shown = "".join(f"{cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True))
-        size = size.upper() if size == "rms" else size
-        reduction = 100.0 * tracking.reduction(key)
-        print(f"{what} {size:4}{unit:8}{shown} {reduction:8.1f} %")
+        print(f"{title:13}{unit:8}{shown} {100.0 * tracking.reduction(key):8.1f} %")
 
 
 def print_prediction(found: LogPrediction, values: Mapping[str, float]) -> None:
@@ -95,6 +92,31 @@ def print_prediction(found: LogPrediction, values: Mapping[str, float]) -> None:
     for name, one in found.signals.items():
         sizes = "".join(f"{x:11.3g}" for x in (one.error, one.noise, one.intervals))
         print(f"{SIGNALS[name]:24}{sizes} {100.0 * one.relative:8.3g} % {one.ratio:7.2g}")
+
+
+def print_comparison(found: LogComparison, *, rotary: bool = False) -> None:
+    """Print tracking errors without and with the compensator, measured and simulated."""
+    print(*sentences(found), sep="\n")
+    n = int(found.part.max()) + 1
+    print(f"\n{'':24} {'':8}  without     with  reduction   95 % interval, {n} parts")
+    for kind, one in (("measured", found.measured), ("simulated", found.simulated)):
+        if one is None:
+            continue
+        for key, reduction in one.reductions.items():
+            factor, unit, title = _tracking_figure(key, rotary=rotary)
+            sizes = (one.errors[name].items()[key] for name in (NONE, FEEDFORWARD))
+            cells = "".join(f"{factor * size:9.3g}" for size in sizes)
+            ends = f"[{100.0 * reduction.low:.3g} %, {100.0 * reduction.high:.3g} %]"
+            print(f"{kind:10} {title:13} {unit:8}{cells} {100.0 * reduction.value:8.1f} %   {ends}")
+
+
+def _tracking_figure(key: str, *, rotary: bool) -> tuple[float, str, str]:
+    """Return factor, unit and title of a figure of tracking errors."""
+    length, (what, size) = "rad" if rotary else "m", key.split("_")
+    title = f"{what} {size.upper() if size == 'rms' else size}"
+    if what == "velocity":
+        return 1e3, f"m{length}/s", title
+    return 1e6, f"u{length}", title
 
 
 def print_published(published: Published) -> None:

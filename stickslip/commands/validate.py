@@ -11,23 +11,23 @@ from pathlib import Path
 
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
-from stickslip.commands.log_options import (
-    add_log_options,
-    description_of,
-    one_of,
-    print_findings,
-)
+from stickslip.commands.log_options import add_log_options, description_of, one_of, print_findings
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_prediction, print_table4, write_files
+from stickslip.commands.tables import print_comparison, print_prediction, print_table4, write_files
 from stickslip.errors import UsageError
 from stickslip.evaluation.attribution import attribute
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
-from stickslip.pipeline.log_validation import read_log, validate_log
+from stickslip.pipeline.log_validation import compare_logs, read_log, validate_log
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
 from stickslip.results.learned import LearnedFile
-from stickslip.results.validated_folder import LOG_FILES, write_log_validation
+from stickslip.results.validated_folder import (
+    COMPARISON_FILES,
+    LOG_FILES,
+    write_comparison,
+    write_log_validation,
+)
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.rig import rig_of
@@ -41,6 +41,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--parameters", dest="learned_option", type=Path, help=argparse.SUPPRESS)
     logs = {"--log FILE": "another log of the drive, which is compared with what was learned"}
+    logs["--without FILE"] = (
+        "--log was recorded with the compensator running, and this log without it: what it brought "
+        "on the same command"
+    )
     add_options(parser, logs, type=Path)
     add_source_option(parser, FEEDS)
     velocity_filter = (
@@ -57,11 +61,17 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Compare with a log, or evaluate on the simulated drive."""
     learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
-    if options.log is None:
+    if options.log is None and options.without is None:
         _on_simulated_drive(options, learned)
         return
     if options.set or options.velocity_filter:
         raise UsageError("--set and --velocity-filter are of the simulated drive; not with --log")
+    if options.log is None:
+        raise UsageError("--without: expected --log with a log of the same drive, compensated")
+    if options.without:
+        with reserved(options.out, COMPARISON_FILES):
+            _on_two_logs(options, learned)
+        return
     with reserved(options.out, LOG_FILES):
         _on_log(options, learned)
 
@@ -73,6 +83,20 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> None:
     if options.out:
         command = {"name": "validate", "log": log.reading.recording.source}
         write_log_validation(found, learned, log.controller, options.out, command)
+        print(f"all results are in {options.out}; open report.html first")
+
+
+def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> None:
+    description = description_of(options)
+    compensated, without = (
+        read_log(path, description, learned) for path in (options.log, options.without)
+    )
+    found = compare_logs(compensated, without, learned)
+    recording = without.reading.recording
+    print_comparison(found, rotary=recording.motion == "rotary")
+    if options.out:
+        names = (recording.source, compensated.reading.recording.source)
+        write_comparison(found, recording.motion, names, learned, without.controller, options.out)
         print(f"all results are in {options.out}; open report.html first")
 
 

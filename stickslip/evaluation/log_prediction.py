@@ -23,11 +23,7 @@ from stickslip.identification.controller.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import (
-    measured_force,
-    position_noise,
-    position_of,
-)
+from stickslip.identification.criteria.motion import measured_force, position_noise, position_of
 from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.selection.noise import encoder_error, explained

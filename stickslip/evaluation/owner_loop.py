@@ -13,6 +13,7 @@ from pathlib import Path
 
 import control
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
 from stickslip.catalog.parameters import DRIVE, friction_law
@@ -88,12 +89,13 @@ def commanded_velocity(recording: Recording) -> Array:
 def commanded_position(recording: Recording) -> Array:
     """Return the position command (n,) [m], or the integral of the velocity's from the start on.
 
-    The integral holds each velocity over its sample, as a controller does.
+    The integral is that of straight lines between the samples: a log may have fewer of them than
+    the controller.
     """
     if recording.position_command is not None:
         return recording.position_command
-    travel = np.cumsum(commanded_velocity(recording)[:-1]) * recording.T_s
-    return np.asarray(position_of(recording)[0] + np.append(0.0, travel))
+    travel = cumulative_trapezoid(commanded_velocity(recording), dx=recording.T_s, initial=0)
+    return np.asarray(position_of(recording)[0] + travel)
 
 
 def scale_for(recording: Recording, values: Mapping[str, float]) -> Scale:

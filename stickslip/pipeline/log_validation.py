@@ -6,18 +6,17 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from stickslip.errors import UsageError
+from stickslip.evaluation.compared_logs import LogComparison, common, compare, compared
 from stickslip.evaluation.log_prediction import LogPrediction, predict_log
-from stickslip.evaluation.owner_loop import LearnedDrive
+from stickslip.evaluation.owner_loop import LearnedDrive, simulate
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.estimation import candidate_fmus
-from stickslip.logs import (
-    Description,
-    Finding,
-    Reading,
-    aligned,
-    raise_errors,
-    samples_late,
-)
+from stickslip.logs import Description, Finding, Reading, aligned, raise_errors, samples_late
 from stickslip.pipeline.log_learning import read_and_check
 from stickslip.results.learned import LearnedFile
 
@@ -93,3 +92,29 @@ def drive_of(learned: LearnedFile) -> LearnedDrive:
     """Return the drive of a file, and the compensator as it is exported."""
     reference = learned.loop if learned.feed == "nominal" else None
     return LearnedDrive(learned.law.name, learned.drive, learned.compensator, reference)
+
+
+def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFile) -> LogComparison:
+    """Return what the compensator brought in one log against another without it.
+
+    The simulated prediction runs the learned drive along the log without compensator, in its loop.
+
+    Raises
+    ------
+    UsageError
+        When their commands differ, or were not logged.
+    """
+    plain = without.reading.recording
+    other, stretches = common(plain, compensated.reading.recording)
+    found = compare(plain, other, stretches)
+    if without.gains is None:
+        return found
+    drive, scale = drive_of(learned), recording_scale(plain)
+    with candidate_fmus(drive.law) as fmus:
+        scaled, gains = scale.recording(plain), scale.values(without.gains)
+        gains = scale.restored(check_controller(fmus, scaled, gains).gains)
+        runs = simulate(fmus, plain, gains, drive, without.reading.force_limit)
+    simulated = {name: replace(plain, position=run.encoder) for name, run in runs.items()}
+    samples = np.concatenate([np.arange(run.first, run.first + run.n) for run in stretches])
+    prediction = compared(simulated[NONE], simulated[FEEDFORWARD], samples, samples, found.part)
+    return replace(found, simulated=prediction)

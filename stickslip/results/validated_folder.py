@@ -7,15 +7,26 @@ from pathlib import Path
 
 import pandas as pd
 
+from stickslip.evaluation.compared_logs import LogComparison
 from stickslip.evaluation.log_prediction import LogPrediction
+from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.logs import Motion
 from stickslip.report.page import picture_files, write_page
-from stickslip.report.validated import FIGURES, log_sections
+from stickslip.report.validated import comparison, log
 from stickslip.results.folder import staged
 from stickslip.results.learned import LearnedFile
 from stickslip.results.reproduction_folder import write_tables
 
-LOG_FILES = ("prediction.csv", "changes.csv", "spans.csv", "report.html", *picture_files(FIGURES))
+LOG_FILES = (
+    "prediction.csv",
+    "changes.csv",
+    "spans.csv",
+    "report.html",
+    *picture_files(log.FIGURES),
+)
 """What ``write_log_validation`` writes."""
+COMPARISON_FILES = ("tracking.csv", "report.html", *picture_files(comparison.FIGURES))
+"""What ``write_comparison`` writes."""
 
 
 def write_log_validation(
@@ -41,8 +52,45 @@ def write_log_validation(
         ),
         "spans": found.spans,
     }
-    sections = log_sections(found, learned.drive, learned.path.name, controller)
+    sections = log.log_sections(found, learned.drive, learned.path.name, controller)
     with staged(folder, command) as staging:
         write_tables(tables, staging)
         title = f"{learned.path.name} against the log {found.recording.source}"
         write_page(staging, title, sections)
+
+
+def write_comparison(
+    found: LogComparison,
+    motion: Motion,
+    logs: tuple[str, str],
+    learned: LearnedFile,
+    controller: str,
+    folder: Path,
+) -> None:
+    """Write the tracking errors of two logs, without and with the compensator, and the page.
+
+    Raises
+    ------
+    OSError
+        When a file cannot be written.
+    """
+    rows = [
+        {
+            "kind": kind,
+            "error": key,
+            "unit": "m/s" if key.startswith("velocity") else "m",
+            "without": one.errors[NONE].items()[key],
+            "with": one.errors[FEEDFORWARD].items()[key],
+            "reduction": reduction.value,
+            "low": reduction.low,
+            "high": reduction.high,
+        }
+        for kind, one in (("measured", found.measured), ("simulated", found.simulated))
+        if one is not None
+        for key, reduction in one.reductions.items()
+    ]
+    sections = comparison.comparison_sections(found, motion, logs, learned.path.name, controller)
+    command = {"name": "validate", "without": logs[0], "log": logs[1]}
+    with staged(folder, command) as staging:
+        write_tables({"tracking": pd.DataFrame(rows)}, staging)
+        write_page(staging, f"{logs[1]} against {logs[0]}: what the compensator brought", sections)
