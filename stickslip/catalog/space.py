@@ -14,9 +14,6 @@ from stickslip.models import Law, LawParameter
 Array = NDArray[np.float64]
 Values = Mapping[str, float]
 
-LEVEL = 1e-6
-"""Upper bound of log(F_s / F_c) where the friction does not rise towards rest."""
-
 
 @dataclass(frozen=True)
 class ParameterSpace:
@@ -90,7 +87,7 @@ class ParameterSpace:
     @property
     def is_level(self) -> bool:
         """Whether each bounded parameter is held at its bound."""
-        return all(self.upper[self.index(name)] <= LEVEL for name in self.bounded)
+        return all(self.upper[self.index(name)] <= 0.0 for name in self.bounded)
 
     @property
     def is_log(self) -> NDArray[np.bool_]:
@@ -146,13 +143,13 @@ class ParameterSpace:
         return np.asarray(((q - self.prior_mean) / self.prior_deviation)[known])
 
     def inside(self, q: Array) -> Array:
-        """Return coordinates (k,) moved just inside the bounds."""
-        return np.asarray(np.clip(q, self.lower + 1e-9, self.upper - 1e-9))
+        """Return coordinates (k,) moved inside the bounds."""
+        return np.asarray(np.clip(q, self.lower, self.upper))
 
     def level(self) -> ParameterSpace:
         """Return the space in which each bounded parameter is held at its bound."""
         upper = self.upper.copy()
-        upper[[self.index(name) for name in self.bounded]] = LEVEL
+        upper[[self.index(name) for name in self.bounded]] = 0.0
         return replace(self, upper=upper)
 
     def fixed(self, **values: float) -> ParameterSpace:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Self
 
@@ -30,7 +31,7 @@ from stickslip.identification.criteria.motion import (
     smooth_motion,
     velocity_noise,
 )
-from stickslip.identification.criteria.runs import Runs
+from stickslip.identification.criteria.runs import RECENT, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array, smoothed
@@ -98,13 +99,15 @@ class InverseModel(Closing):
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self._runs = Runs(self.specification, workers)
+        self._of_law = lru_cache(RECENT)(self._friction_of_law)
         self.workers = workers
 
     def friction(self, values: Values) -> Array:
         """Return F_f (n,) [N] along the recorded motion."""
-        parameters = {
-            f"compensator.{name}": value for name, value in values.items() if name not in DRIVE
-        }
+        return self._of_law(tuple(item for item in values.items() if item[0] not in DRIVE))
+
+    def _friction_of_law(self, law: tuple[tuple[str, float], ...]) -> Array:
+        parameters = {f"compensator.{name}": value for name, value in law}
         return self._runs.run(parameters, self.inputs)["compensator.F_f"]
 
     def predicted(self, values: Values) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from copy import copy
+from functools import lru_cache
 from pathlib import Path
 from typing import Self
 
@@ -15,7 +16,8 @@ from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import position_of
+from stickslip.identification.criteria.motion import position_noise, position_of
+from stickslip.identification.criteria.runs import RECENT
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.measurement import Array
@@ -51,12 +53,18 @@ class OutputError(Closing):
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        # Whitening changes, but the positions that values give do not.
+        self._simulated = lru_cache(RECENT)(self._simulate)
+        self.noise = position_noise(self.position, recording.encoder_step)
         self.whitening = np.ones(1)
         self.used = slice(max(2 * ORDER, int(BURN_IN * len(self.t))), len(self.t))
 
     def raw(self, values: Values) -> Array:
         """Return measured minus simulated position (n,) [m]."""
-        return np.asarray(self.position - self.loop.run(values)["candidate.x"])
+        return np.asarray(self.position - self._simulated(tuple(values.items())))
+
+    def _simulate(self, values: tuple[tuple[str, float], ...]) -> Array:
+        return self.loop.run(dict(values))["candidate.x"]
 
     def residual(self, values: Values) -> Array:
         """Return the same, whitened (k,) [m]."""
@@ -80,6 +88,10 @@ class OutputError(Closing):
     def whiten(self, values: Values) -> None:
         """Estimate the whitening filter from the residual of these values."""
         self.whitening = predictor_error(self.raw(values)[self.used], ORDER)
+
+    def unexplained(self, values: Values) -> float:
+        """Return the standard deviation of the residual, over that of encoder steps and noise."""
+        return float(np.std(self.raw(values)[self.used])) / self.noise
 
     def close(self) -> None:
         """Free the FMUs."""

@@ -10,6 +10,9 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads
 from stickslip.identification.criteria.closing import Closing
 
+RECENT = 64
+"""Number of runs whose results a criterion keeps: some Jacobians of a fit."""
+
 T = TypeVar("T")
 R = TypeVar("R")
 

@@ -47,8 +47,8 @@ from stickslip.identification.fitting.start import Start, begin
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
-SAME = 1.01
-"""Ratio of mean squares up to which two fits count as one."""
+UNEXPLAINED = 4.0
+"""Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
 LAG = 0.2
 """Initial lag of the force behind its command, in samples."""
 F_0_DEVIATION = 0.01
@@ -213,7 +213,7 @@ def _of_seed(task: Task, seed: int) -> Search:
 def _output_error(
     task: Task, gains: Mapping[str, float], start: Start, found: Fit
 ) -> tuple[Corrected, Array]:
-    """Fit the loop from the inverse model's values on: plain, then whitened, then corrected.
+    """Fit the loop from the inverse model's values on, whitened, and correct it for its bias.
 
     The controller's integral compensates a constant force; its prior is the mean of the logged
     force. Returned beside it: the covariance (k, k) from the ambiguity of the exponent.
@@ -237,14 +237,14 @@ def _output_error(
         criterion = criterion.over(space)
         lag = LAG * task.recording.T_s
         begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
-        fits = [fit(criterion, [q]) for q in begins]
-        least, most = sorted(fits, key=lambda one: one.noise)
-        fitted = select(variants(criterion, least), 1.0).fit
-        # Where local minima differ before whitening, the deepest need not be the one after it.
-        begins = begins if most.noise > SAME * least.noise else []
-        criterion = criterion.over(fitted.space)
+        criterion.whiten(space.decode(begins[0]))
+        fitted = fit(criterion, begins[:1])
+        if criterion.unexplained(fitted.parameters) > UNEXPLAINED:
+            # Whitened, a model that is far from the recording has further local minima.
+            criterion.whitening = np.ones(1)
+            fitted = fit(criterion, begins)
         criterion.whiten(fitted.parameters)
-        selection = select(variants(criterion, fit(criterion, [fitted.q, *begins])))
+        selection = select(variants(criterion, fit(criterion, [fitted.q])))
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])

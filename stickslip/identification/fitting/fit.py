@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.servo.measurement import Array
@@ -15,7 +14,17 @@ from stickslip.servo.measurement import Array
 STEP = 1e-3  # of a coordinate, for differences
 BLOCKS = 100
 """Number of blocks of a recording whose sums of scores are taken to be independent."""
-ROUNDS = 30
+ROUNDS, TRIES = 30, 8
+"""Jacobians of a fit, and damped steps from each, at most."""
+DAMPING, FASTER = 1e-3, 8.0
+"""First damping, as share of the information, and the factor by which it changes."""
+CONVERGED = 1e-3
+"""Deviance that a Gauss step must promise for another round; a standard error is 1."""
+ROUGH, STALLED = 0.25, 1e-3
+"""Share of the promised gain, and of the deviance, below both of which a fit ends."""
+SAME = 1e-4
+"""Relative difference of mean squares below which two minima are the same."""
+TINY = 1e-200
 FAR = 2.0
 """Distance from a fit at which a draw of a coordinate ends."""
 
@@ -79,10 +88,17 @@ class Fit:
 
     def step(self) -> Array:
         """Return the Gauss step (k,) from here towards the least sum of squares."""
-        u = self.space
-        known = np.isfinite(u.prior_deviation)
-        pull = np.where(known, (self.q - u.prior_mean) / u.prior_deviation**2, 0.0)
-        return self.shift(self.residual) - self._inverse() @ pull
+        return self.shift(self.residual) - self._inverse() @ self.pull()
+
+    def pull(self) -> Array:
+        """Return half the gradient (k,) of the squared prior residual."""
+        return _prior_information(self.space) * (self.q - self.space.prior_mean)
+
+    @property
+    def deviance(self) -> float:
+        """Twice the negative log likelihood, up to a constant, and the squared prior residual."""
+        prior = self.space.prior_residual(self.q)
+        return float(self.residual @ self.residual) / self.noise + float(prior @ prior)
 
     def _inverse(self) -> Array:
         return inverse_information(self.jacobian, self.noise, self.space)
@@ -111,87 +127,107 @@ def fit(criterion: Criterion, starts: Iterable[Array]) -> Fit:
     """Minimise residual and prior residual from each start (k,); return the least minimum.
 
     The residual is counted in its own standard deviation, so that each prior weighs as one more
-    measurement; the deviation follows the fit in two passes.
+    measurement. When two starts have led to the same minimum, those that follow are left out.
     """
-    return min((_fit(criterion, start) for start in starts), key=lambda found: found.noise)
+    least: Fit | None = None
+    for start in starts:
+        found = _fit(criterion, start)
+        if least and abs(found.noise - least.noise) < SAME * least.noise:
+            return min(found, least, key=lambda one: one.noise)
+        least = min(found, least or found, key=lambda one: one.noise)
+    if least is None:
+        raise ValueError("a fit needs a start")
+    return least
 
 
 def _fit(criterion: Criterion, start: Array) -> Fit:
+    """Minimise by the method of Levenberg and Marquardt.
+
+    A Jacobian takes a run for each coordinate, so no further one is computed where the last one
+    promises little, or where the sum of squares is so rough that its promises are not kept.
+    """
     space = criterion.space
-    q = space.inside(start)
-    deviation = _deviation(criterion.residual(space.decode(q)))
-    for _ in range(2):
-        target = _Target(criterion, deviation)
-        found = least_squares(
-            target,
-            q,
-            jac=target.jacobian,
-            bounds=(space.lower, space.upper),
-            x_scale="jac",
-            max_nfev=ROUNDS,
-            xtol=1e-6,
-            ftol=1e-7,
-        )
-        q = space.inside(found.x)
-        n = len(found.fun) - len(space.prior_residual(q))
-        residual = found.fun[:n] * deviation
-        jacobian = np.asarray(found.jac)[:n] * deviation
-        before, deviation = deviation, _deviation(residual)
-        if deviation > 0.9 * before:
+    q, damping, stalled = space.inside(start), DAMPING, False
+    residual = criterion.residual(space.decode(q))
+    for _ in range(ROUNDS):
+        at = linearised(criterion, q, max(float(np.mean(residual**2)), TINY))
+        problem = NormalEquations.of(at)
+        gauss = problem.step()
+        if problem.gain(gauss) < CONVERGED:
+            at = replace(at, q=q + gauss, residual=at.residual + at.jacobian @ gauss)
             break
-    spread = covariance(jacobian, residual, space)
-    return Fit(space, q, residual, jacobian, spread, float(np.mean(residual**2)))
+        if stalled:
+            break
+        for _ in range(TRIES):
+            step = problem.step(damping)
+            residual = criterion.residual(space.decode(q + step))
+            gain = at.deviance - replace(at, q=q + step, residual=residual).deviance
+            if gain > 0.0:
+                break
+            damping *= FASTER
+        else:
+            break
+        kept = gain / problem.gain(step)
+        stalled = kept < ROUGH and gain < STALLED * at.deviance
+        damping *= 1.0 / FASTER if kept > 0.5 else 1.0
+        q = q + step
+    spread = covariance(at.jacobian, at.residual, space)
+    return replace(at, covariance=spread, noise=at.variance)
 
 
 def linearised(criterion: Criterion, q: Array, noise: float) -> Fit:
     """Return residual and Jacobian at coordinates (k,), for a residual of that mean square."""
     space = criterion.space
-    points = [q, *_moved(q, space)]
-    middle, *moved = criterion.map(space.decode(point) for point in points)
-    jacobian = _slopes(middle, moved, q, space)
+    steps = np.where(q + STEP <= space.upper, STEP, -STEP)
+    points = [q, *(q + np.diag(steps))]
+    middle, *moved = criterion.map([space.decode(point) for point in points])
+    jacobian = (np.column_stack(moved) - middle[:, np.newaxis]) / steps
     spread = inverse_information(jacobian, noise, space)
     return Fit(space, q, middle, jacobian, spread, noise)
 
 
-class _Target:
-    """The function of the least squares: the residual in its deviation, and the prior residual."""
+@dataclass(frozen=True)
+class NormalEquations:
+    """The linear least squares around a point.
 
-    def __init__(self, criterion: Criterion, deviation: float) -> None:
-        self._criterion, self._deviation = criterion, deviation
-        self._q, self._value = np.empty(0), np.empty(0)
+    Attributes
+    ----------
+    matrix : (k, k) information of residual and priors
+    slope : (k,) half the gradient of the deviance
+    low, high : (k,) least and largest step that the bounds allow
+    """
 
-    def __call__(self, q: Array) -> Array:
-        self._q = q.copy()
-        (self._value,) = self._at([q])
-        return self._value
+    matrix: Array
+    slope: Array
+    low: Array
+    high: Array
 
-    def jacobian(self, q: Array) -> Array:
-        """Return the Jacobian at coordinates (k,), whose value is mostly known already."""
-        middle = self._value if np.array_equal(self._q, q) else self(q)
-        space = self._criterion.space
-        return _slopes(middle, self._at(list(_moved(q, space))), q, space)
+    @classmethod
+    def of(cls, at: Fit) -> Self:
+        """Return them for the point of a fit."""
+        matrix = at.jacobian.T @ at.jacobian / at.noise + np.diag(_prior_information(at.space))
+        slope = at.jacobian.T @ at.residual / at.noise + at.pull()
+        return cls(matrix, slope, at.space.lower - at.q, at.space.upper - at.q)
 
-    def _at(self, points: list[Array]) -> list[Array]:
-        space = self._criterion.space
-        residuals = self._criterion.map([space.decode(q) for q in points])
-        return [
-            np.append(residual / self._deviation, space.prior_residual(q))
-            for residual, q in zip(residuals, points, strict=True)
-        ]
+    def step(self, damping: float = 0.0) -> Array:
+        """Return the step (k,) of Gauss, or a damped one; what would pass a bound stops there."""
+        scale = np.sqrt(np.maximum(np.diag(self.matrix), TINY))
+        matrix = self.matrix / np.outer(scale, scale) + damping * np.eye(len(scale))
+        low, high = self.low * scale, self.high * scale
+        step, free = np.zeros_like(scale), np.ones(len(scale), dtype=bool)
+        while free.any():
+            wanted = -self.slope / scale - matrix[:, ~free] @ step[~free]
+            step[free] = np.linalg.lstsq(matrix[np.ix_(free, free)], wanted[free])[0]
+            beyond = free & ((step < low) | (step > high))
+            if not beyond.any():
+                break
+            step[beyond] = np.clip(step, low, high)[beyond]
+            free &= ~beyond
+        return np.clip(step / scale, self.low, self.high)
 
-
-def _moved(q: Array, space: ParameterSpace) -> Array:
-    """Return coordinates (k, k), in each row another one moved for a difference."""
-    return q + np.diag(_steps(q, space))
-
-
-def _slopes(middle: Array, moved: list[Array], q: Array, space: ParameterSpace) -> Array:
-    """Return the Jacobian (n, k) from the values (n,) in the middle and with each one moved."""
-    return (np.column_stack(moved) - middle[:, np.newaxis]) / _steps(q, space)
-
-
-def _steps(q: Array, space: ParameterSpace) -> Array:
-    return np.where(q + STEP <= space.upper, STEP, -STEP)
+    def gain(self, step: Array) -> float:
+        """Return by how much a step (k,) lowers the deviance of the linear problem."""
+        return -float(2.0 * self.slope @ step + step @ self.matrix @ step)
 
 
 def inverse_information(jacobian: Array, variance: float, space: ParameterSpace) -> Array:
@@ -221,7 +257,3 @@ def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array
 def _prior_information(space: ParameterSpace) -> Array:
     known = np.isfinite(space.prior_deviation)
     return np.where(known, 1.0 / space.prior_deviation, 0.0) ** 2
-
-
-def _deviation(residual: Array) -> float:
-    return max(float(np.sqrt(np.mean(residual**2))), 1e-300)

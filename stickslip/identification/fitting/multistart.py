@@ -36,7 +36,7 @@ def best_fit(inverse: InverseModel, start: Start, values: Values) -> Fit:
     usual = {**values, **{name: start.line[name] for name in known if name in start.line}}
     if "v_s" in usual:
         usual["v_s"] *= STEEPER
-    return fit(inverse, [inverse.space.encode(at) for at in (values, usual, start.line)])
+    return fit(inverse, [inverse.space.encode(at) for at in (values, start.line, usual)])
 
 
 def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
