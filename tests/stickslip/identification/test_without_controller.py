@@ -89,5 +89,5 @@ def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candid
     for (learned, (found, corrected, bias, alike)), believed in ((told, True), (shaken, False)):
         assert alike == believed
         assert bias.any()
-        assert learned.parameters == (corrected if alike else found).parameters
+        assert learned.fit.parameters == (corrected if alike else found).parameters
         assert learned.errors["F_c"] > found.errors()["F_c"]
