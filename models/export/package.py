@@ -6,6 +6,7 @@ import hashlib
 import io
 import zipfile
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -109,6 +110,7 @@ def build_fmu(
     platforms: Iterable[Platform] | None = None,
     start: Mapping[str, float] | None = None,
     law: str | None = None,
+    called: str | None = None,
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
 
@@ -120,6 +122,7 @@ def build_fmu(
     platforms : what to build for; this machine by default
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : a friction law of ``law_names()`` in place of the model's default
+    called : name of the file and of the model in it, by default ``name``
 
     Raises
     ------
@@ -130,6 +133,7 @@ def build_fmu(
         When the file cannot be written.
     """
     model = load_model(name, law).with_start(start or {})
+    model = replace(model, name=called or model.name)
     # The reference holds for the start values of model.toml and law.toml.
     expected = not start and reference_file(model) is not None
     return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=expected)

@@ -18,11 +18,13 @@ from stickslip.commands.log_options import (
     print_findings,
 )
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_benefit, print_tracking
+from stickslip.commands.tables import print_benefit, print_parts, print_tracking
+from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 from stickslip.results.folder import reserved
 from stickslip.results.learned_folder import FILES, write_learned
 
@@ -63,12 +65,20 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_execution_options(parser)
     add_log_options(parser)
     add_law_option(parser)
+    parser.add_argument(
+        "--compensator",
+        default="auto",
+        metavar="NAME",
+        help="what is written: LAW for feedforward of friction, LAW+dob for a disturbance observer "
+        "added to it, dob for the observer alone, auto (default) for what is recommended",
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
+    options.compensation = _compensation(options.compensator, options.law)
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
@@ -77,6 +87,22 @@ def run(options: argparse.Namespace) -> None:
         return
     with reserved(options.out, FILES):
         _learn(options, description)
+
+
+def _compensation(name: str, law: str) -> Choice | None:
+    """Return what a ``--compensator`` asks for.
+
+    Raises
+    ------
+    UsageError
+        When there is no compensator of this name for the law.
+    """
+    known: dict[str, Choice | None] = {"auto": None, "dob": OBSERVER}
+    known |= {law: FEEDFORWARD, f"{law}+dob": BOTH}
+    if name not in known:
+        expected = ", ".join(known)
+        raise UsageError(f"--compensator {name}: expected one of {expected}; --law gives the law")
+    return known[name]
 
 
 def _learn(options: argparse.Namespace, description: Description) -> None:
@@ -90,6 +116,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
+            compensation=options.compensation,
             on_findings=print_findings,
             on_stage=progress.stage,
         )
@@ -98,7 +125,9 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             rotary = learned.estimation.recording.motion == "rotary"
             print_tracking(learned.tracking, rotary=rotary)
         if learned.trial:
-            print_benefit(learned.trial.benefit)
+            print_benefit(learned.benefit or learned.trial.benefit)
+            if learned.trial.observed:
+                print_parts(learned.trial.observed)
         for warning in learned.warnings:
             warn(warning)
         if options.out:
@@ -108,13 +137,17 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
 
 
 def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:
-    benefit = learned.trial.benefit if learned.trial else None
+    benefit = learned.benefit
     if learned.refusal:
         fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
         warn(f"compensator.fmu is {fate}: {learned.refusal}{how}")
     elif benefit and benefit.share < 1.0:
         share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")
+    if options.compensation in (OBSERVER, BOTH) and learned.observer_refusal:
+        fate = "written" if learned.observer and options.force else "not written"
+        warn(f"observer.fmu is {fate}: {learned.observer_refusal}")
+    print(f"written: {learned.writes(force=options.force) or 'no compensation'}")
     print(f"all results are in {options.out}; open report.html first")
 
 

@@ -16,6 +16,7 @@ from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.log_verdict import SIGNALS, verdict
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
+from stickslip.pipeline.observed import Observed
 from stickslip.results.folder import staged
 from stickslip.tuning.published import Published
 from stickslip.tuning.published.readings import worse
@@ -62,6 +63,25 @@ def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
     for drive, rows in groupby(benefit.rows, key=lambda row: row.drive):
         cells = (f"{1e3 * row.without:.3g} -> {1e3 * row.compensated:.3g}" for row in rows)
         print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
+
+
+def print_parts(observed: Observed) -> None:
+    """Print what feedforward, disturbance observer and both leave of the error of none."""
+    if observed.designed is None:
+        print(f"\n{observed.reason}")
+        return
+    print(
+        "\ntracking error relative to none, on the same simulated drives and commands:\n"
+        f"{'compensation':24}{'fitted drive':>14}{'mean':>8}{'worst':>8}"
+    )
+    for one in observed.summary().to_dict("records"):
+        note = "" if one["acceptable"] else "  worse than none"
+        print(f"{one['part']:24}{one['fitted']:14.3g}{one['mean']:8.3g}{one['worst']:8.4g}{note}")
+    designed = observed.designed
+    print(
+        f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
+        f"without; recommended: {observed.recommended or 'none of them'}"
+    )
 
 
 WIDTHS = (9, 9, 9, 13)

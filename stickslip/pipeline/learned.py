@@ -22,10 +22,11 @@ from stickslip.evaluation.guards import (
     Drive,
     Known,
     Variant,
-    benefits_on_drives,
+    bench_of,
     best_of,
     family,
     feedforward,
+    findings_of,
 )
 from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.controller.criterion_choice import AGREES
@@ -41,8 +42,10 @@ from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
 from stickslip.models import Law
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice, Observed, try_observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     VelocityLoop,
@@ -114,6 +117,7 @@ class SimulatedTrial:
     benefit : tracking errors of what is written, and the share of its force that passes
     warnings : of the guards, a line each
     others : the same as ``benefit`` for other ways to compensate
+    observed : what a disturbance observer adds; None where none was tried
     """
 
     command: Trapezoid
@@ -122,6 +126,7 @@ class SimulatedTrial:
     warnings: tuple[str, ...]
     drives: tuple[Drive, ...] = ()
     others: tuple[Benefit, ...] = ()
+    observed: Observed | None = None
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
@@ -155,6 +160,7 @@ class LearnedFromRecording(Learned):
     trial : of the compensator in a loop; None where none was closed or the drive itself is there
     implausible : why the learned mass cannot be right, or empty
     tracking : simulated in the loop of the log, without and with the compensator
+    asked : what is to be written, None for what is recommended
     """
 
     estimation: Estimation
@@ -163,33 +169,77 @@ class LearnedFromRecording(Learned):
     trial: SimulatedTrial | None = None
     implausible: str = ""
     tracking: Tracking | None = None
+    asked: Choice | None = None
+
+    @property
+    def choice(self) -> Choice:
+        """What is written, unless it is refused: by default what is recommended."""
+        observed = self.trial.observed if self.trial else None
+        if self.asked is not None:
+            return self.asked
+        return (observed.recommended if observed else "") or FEEDFORWARD
+
+    @property
+    def benefit(self) -> Benefit | None:
+        """What the feedforward does that is written, with the observer where that was asked for."""
+        if self.trial is None:
+            return None
+        both = self.trial.observed.both if self.trial.observed else None
+        return both if both and self.asked == BOTH else self.trial.benefit
 
     @property
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units, at the share of its force tried."""
-        if self.trial is None:
+        if self.benefit is None:
             return dict(self.friction)
-        benefit = self.trial.benefit
-        return benefit.variant.share(self.estimation.law, benefit.share).feedforward
+        return self.benefit.variant.share(self.estimation.law, self.benefit.share).feedforward
 
     def with_whole_force(self) -> LearnedFromRecording:
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self
-        benefit = replace(self.trial.benefit, share=1.0, rows=self.trial.benefit.full)
-        return replace(self, trial=replace(self.trial, benefit=benefit))
+        benefit, observed = _whole(self.trial.benefit), self.trial.observed
+        if observed and observed.both:
+            observed = replace(observed, both=_whole(observed.both))
+        return replace(self, trial=replace(self.trial, benefit=benefit, observed=observed))
 
     @property
     def refusal(self) -> str:
         """Why the compensator should not be written; empty where there is no reason."""
+        benefit = self.benefit
+        return self._doubt or (benefit.refusal if benefit and not benefit.acceptable else "")
+
+    @property
+    def observer(self) -> Observer | None:
+        """The disturbance observer that was designed; None for none."""
+        observed = self.trial.observed if self.trial else None
+        return observed.designed.observer if observed and observed.designed else None
+
+    @property
+    def observer_refusal(self) -> str:
+        """Why the observer should not be written; empty where there is no reason."""
+        if self.trial is None or self.trial.observed is None:
+            return "no disturbance observer was tried"
+        return self._doubt or self.trial.observed.refusal(self.choice)
+
+    def writes(self, *, force: bool = False) -> Choice:
+        """Return what is written: the choice without what is refused, unless it is forced."""
+        feedforward = self.choice in (FEEDFORWARD, BOTH) and (force or not self.refusal)
+        if self.observer is None or self.choice not in (OBSERVER, BOTH):
+            return FEEDFORWARD if feedforward else ""
+        if self.observer_refusal and not force:
+            return FEEDFORWARD if feedforward else ""
+        return BOTH if feedforward else OBSERVER
+
+    @property
+    def _doubt(self) -> str:
+        """Why the estimated values should not be used."""
         if self.implausible:
             return self.implausible
         for fault in self.estimation.faults:
             if fault.spoils == "values":
                 return f"{fault.what}: {fault.figure}; {fault.advice}"
-        return (
-            self.trial.benefit.refusal if self.trial and not self.trial.benefit.acceptable else ""
-        )
+        return ""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -209,6 +259,10 @@ class LearnedFromRecording(Learned):
                 f"for the learned mass, K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
             )
         return (*guesses, *self.trial.warnings)
+
+
+def _whole(benefit: Benefit) -> Benefit:
+    return replace(benefit, share=1.0, rows=benefit.full)
 
 
 def learn_recording(
@@ -260,8 +314,15 @@ def learn_recording(
     return LearnedFromRecording(estimation.compensator, loops, estimation, findings, seed)
 
 
-def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedFromRecording:
-    """Try a learned compensator at the log's own speed, where a loop can be closed."""
+def try_compensator(
+    reading: Reading, learned: LearnedFromRecording, *, with_observer: bool = True
+) -> LearnedFromRecording:
+    """Try a learned compensator at the log's own speed, where a loop can be closed.
+
+    Parameters
+    ----------
+    with_observer : whether a disturbance observer is designed and tried beside it
+    """
     estimation = learned.estimation
     mass = estimation.known.get("m")
     question = implausible_mass(reading, mass.low, mass.high) if mass else None
@@ -279,26 +340,28 @@ def try_compensator(reading: Reading, learned: LearnedFromRecording) -> LearnedF
         tau_i=loop.axis.tau_i,
         encoder_step=reading.recording.encoder_step or 1e-6 * top,
     )
-    drives = family(estimation.law, learned.friction, command, known_friction(estimation))
-    benefits, found = benefits_on_drives(
-        estimation.law,
-        loop,
-        learned.friction,
-        feedforwards(estimation.law, learned.friction),
-        drives,
-        command,
-        sheet,
-        {
-            name: estimation.known[name].standard_error
-            for name in estimation.fit.space.friction
-            if estimation.known[name].identifiability != NOT_IDENTIFIABLE
-        },
-        rotary=reading.recording.motion == "rotary",
+    law, rotary = estimation.law, reading.recording.motion == "rotary"
+    drives = family(law, learned.friction, command, known_friction(estimation))
+    errors = {
+        name: estimation.known[name].standard_error
+        for name in estimation.fit.space.friction
+        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
+    }
+    with bench_of(law, loop, learned.friction, drives, command, sheet, rotary=rotary) as bench:
+        benefits = bench.benefits(feedforwards(law, learned.friction))
+        best = best_of(benefits)
+        found = findings_of(bench, learned.friction, best, best.share, errors)
+        observed = None
+        if with_observer:
+            m = estimation.known["m"]
+            observed = try_observer(bench, best, learned.friction, (m.low, m.high))
+    others = [benefit for benefit in benefits if benefit is not best]
+    if observed is not None:
+        others += [part for part in (observed.alone, observed.both) if part is not None]
+    trial = SimulatedTrial(
+        command, sheet, best, tuple(map(str, found)), drives, tuple(others), observed
     )
-    best = best_of(benefits)
-    others = tuple(benefit for benefit in benefits if benefit is not best)
-    warnings = tuple(map(str, found))
-    return replace(learned, trial=SimulatedTrial(command, sheet, best, warnings, drives, others))
+    return replace(learned, trial=trial)
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:

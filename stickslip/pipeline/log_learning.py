@@ -25,6 +25,7 @@ from stickslip.pipeline.learned import (
     loops_of_log,
     try_compensator,
 )
+from stickslip.pipeline.observed import FEEDFORWARD, Choice
 from stickslip.pipeline.tracking import with_tracking
 
 
@@ -50,6 +51,7 @@ def learn(
     seed: int = 0,
     seeds: int = 1,
     search: Search | None = None,
+    compensation: Choice | None = None,
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> LearnedFromRecording:
@@ -59,6 +61,8 @@ def learn(
     ----------
     path : CSV, Parquet or MAT file
     description : of its columns and of the controller; by default the columns are detected
+    compensation : what is to be written, by default what is recommended; an observer is tried
+        unless it is the feedforward
 
     Raises
     ------
@@ -87,4 +91,7 @@ def learn(
         on_stage=on_stage,
     )
     on_stage("trying the compensator")
-    return with_tracking(reading, try_compensator(reading, learned))
+    learned = try_compensator(
+        reading, replace(learned, asked=compensation), with_observer=compensation != FEEDFORWARD
+    )
+    return with_tracking(reading, learned)

@@ -36,7 +36,7 @@ from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION, Datasheet
 from stickslip.servo.systems import FEEDS, Feed
-from stickslip.servo.velocity_filter import VelocityFilter
+from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
 SCHEMA = 2
@@ -166,11 +166,12 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["tracking"] = _tracking_document(learned.tracking)
     if learned.trial is None:
         return document
-    trial = learned.trial
+    trial, benefit = learned.trial, learned.benefit or learned.trial.benefit
     rotary = learned.estimation.recording.motion == "rotary"
     return document | {
-        "share": {"value": trial.benefit.share, "unit": "1"},
-        "compensator": _with_units(trial.benefit.variant.feedforward, rotary=rotary),
+        "share": {"value": benefit.share, "unit": "1"},
+        "compensator": _with_units(benefit.variant.feedforward, rotary=rotary),
+        **_observer_entry(learned),
         "validation": validation_document(trial.command),
         "datasheet": datasheet_document(trial.datasheet),
         "family": [
@@ -189,6 +190,28 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
             for row in trial.table().to_dict("records")
         ],
     }
+
+
+def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return the disturbance observer and what each part adds, where one was tried."""
+    observed = learned.trial.observed if learned.trial else None
+    if observed is None:
+        return {}
+    entry: dict[str, Any] = {"refusal": learned.observer_refusal}
+    if observed.designed is not None:
+        designed = observed.designed
+        units = {one.name: one.unit for one in load_model("dob").variables}
+        entry |= {
+            "parameters": {
+                name: {"value": value, "unit": units[name]}
+                for name, value in designed.observer.parameters().items()
+            },
+            "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
+            "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
+        }
+    parts = observed.summary().to_dict("records")
+    rows = [{k: _finite(v) if isinstance(v, float) else v for k, v in one.items()} for one in parts]
+    return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
 
 
 def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[str, Any]]:
@@ -310,6 +333,38 @@ class LearnedFile:
                 f"{self.path}: family: expected drives, each with drive, law and parameters; "
                 f"got {error}"
             ) from None
+
+    @property
+    def observer(self) -> Observer:
+        """The disturbance observer, for the axis and the sample period in the file.
+
+        Raises
+        ------
+        UsageError
+            When there is none, or its values are not valid.
+        """
+        entry = self._document.get("observer")
+        entry = entry if isinstance(entry, dict) else {}
+        if "parameters" not in entry:
+            raise UsageError(
+                f"{self.path}: contains no disturbance observer: "
+                f"{entry.get('refusal') or 'learn from a log whose loop and mass are known'}"
+            )
+        values = self._values("observer", entry["parameters"])
+        try:
+            axis = Axis(**{name: values[name] for name in _AXIS})
+            gains = {name: values[name] for name in _GAINS}
+            return Observer(VelocityFilter(axis, values["T_s"], **gains), values["share"])
+        except KeyError as error:
+            raise UsageError(f"{self.path}: observer: {error} is missing") from None
+        except ValueError as error:  # a ControlError
+            raise UsageError(f"{self.path}: observer: {error}") from None
+
+    @property
+    def observer_refusal(self) -> str:
+        """Why the observer should not be exported; empty by default."""
+        entry = self._document.get("observer")
+        return str(entry.get("refusal") or "") if isinstance(entry, dict) else ""
 
     @property
     def standard_errors(self) -> dict[str, float]:

@@ -12,6 +12,7 @@ from stickslip import models
 from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
 from stickslip.pipeline.learned import LearnedFromRecording
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER
 from stickslip.pipeline.record_mode import RecordReproduction, commissioning_loop, gains_of
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
@@ -27,7 +28,14 @@ from stickslip.servo.datasheet import Datasheet
 
 TABLE = "tracking_error.csv"
 """Errors on the family of simulated drives."""
-FILES = ("learned.json", "compensator.fmu", TABLE, *picture_files([TRACKING]), *REPORT)
+FILES = (
+    "learned.json",
+    "compensator.fmu",
+    "observer.fmu",
+    TABLE,
+    *picture_files([TRACKING]),
+    *REPORT,
+)
 """What ``write_learned`` writes or removes."""
 RECORD_FILES = (
     *("table2.csv", "table4.csv", "attribution.csv", "fitness.csv", "profiles.csv"),
@@ -49,12 +57,15 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     if force:
         learned = learned.with_whole_force()
-    further = [compensation(learned.trial.benefit)] if learned.trial else []
+    further = []
+    if learned.trial and learned.benefit:
+        further.append(compensation(learned.benefit, learned.trial.observed))
     opening = []
     if learned.tracking and learned.trial:
         motion, share = learned.estimation.recording.motion, learned.trial.benefit.share
         opening.append(tracking_section(learned.tracking, motion, share))
-    absent = ["compensator.fmu", TABLE, *picture_files([TRACKING])]
+    written = learned.writes(force=force)
+    absent = ["compensator.fmu", "observer.fmu", TABLE, *picture_files([TRACKING])]
     with staged(folder, command, without=absent) as staging:
         if learned.trial:
             write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
@@ -64,8 +75,11 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
             staging,
             further,
             opening,
-            export=force or not learned.refusal,
+            export=written in (FEEDFORWARD, BOTH),
         )
+        if learned.observer and written in (OBSERVER, BOTH):
+            start = learned.observer.parameters()
+            models.build_fmu("dob", staging, start=start, called="observer")
 
 
 def write_compensator(

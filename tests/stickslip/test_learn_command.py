@@ -132,6 +132,14 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     )
     assert "tracking error on a trapezoid at the log's speed" in out
     assert "Whether compensation helps" in report
+    parts = {row["part"]: row for row in document["error_ratio_of_parts"]}
+    assert set(parts) == {"feedforward", "observer", "feedforward + observer"}
+    assert f"{'feedforward':24}{parts['feedforward']['fitted']:14.3g}" in out
+    both = parts["feedforward + observer"]
+    recommended = both["acceptable"] and both["mean"] < parts["feedforward"]["mean"]
+    assert (document["compensation"] == "feedforward + observer") == recommended
+    assert (folder / "observer.fmu").exists() == recommended
+    assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
 
 
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys):

@@ -12,7 +12,8 @@ the compensator assumes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.guards.benefit import (
@@ -45,11 +46,13 @@ __all__ = [
     "Trial",
     "Tried",
     "Variant",
+    "bench_of",
     "benefits_on_drives",
     "best_of",
     "commands",
     "family",
     "feedforward",
+    "findings_of",
     "hunting",
     "inspect",
     "stribeck",
@@ -93,13 +96,49 @@ def benefits_on_drives(
     benefits : of each variant
     findings : of all guards on the best feedforward among the variants
     """
-    with temporary_folder() as folder:
-        tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
-        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, rotary)
+    with bench_of(
+        law, loop, friction, drives, command, datasheet, feed=feed, rotary=rotary
+    ) as bench:
         benefits = bench.benefits(variants)
         best = best_of(benefits)
-        written = best.variant.share(law, 1.0 if force else best.share).feedforward
-        v_cmd = tried[0].v_cmd
-        own = bench.folder_of(law.name)
-        trial = Trial(own, loop, friction, written, v_cmd, feed, datasheet, law)
-        return benefits, inspect(trial, dict(standard_errors))
+        share = 1.0 if force else best.share
+        return benefits, findings_of(bench, friction, best, share, standard_errors)
+
+
+@contextmanager
+def bench_of(
+    law: Law,
+    loop: VelocityLoop,
+    friction: Mapping[str, float],
+    drives: Sequence[Drive],
+    command: Trapezoid,
+    datasheet: Datasheet,
+    *,
+    feed: Feed = "nominal",
+    rotary: bool = False,
+) -> Iterator[Bench]:
+    """Build the loop in which variants are tried; parameters as for ``benefits_on_drives``."""
+    with temporary_folder() as folder:
+        tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
+        yield Bench(folder, law, loop, drives, tried, feed, datasheet, rotary)
+
+
+def findings_of(
+    bench: Bench,
+    friction: Mapping[str, float],
+    benefit: Benefit,
+    share: float,
+    standard_errors: Mapping[str, float],
+) -> list[Finding]:
+    """Return what all guards find on a share of the feedforward of a variant."""
+    trial = Trial(
+        bench.folder_of(bench.law.name),
+        bench.loop,
+        friction,
+        benefit.variant.share(bench.law, share).feedforward,
+        bench.commands[0].v_cmd,
+        bench.feed,
+        bench.datasheet,
+        bench.law,
+    )
+    return inspect(trial, dict(standard_errors))

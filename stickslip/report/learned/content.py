@@ -15,6 +15,7 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS, NOT_IDENTIFIABLE
 from stickslip.logs import Finding
+from stickslip.pipeline.observed import Observed
 from stickslip.report.learned.figures import (
     draw_force,
     draw_profiles,
@@ -33,6 +34,7 @@ from stickslip.report.learned.signals import (
 from stickslip.report.markup import Html, element, join, paragraph, prose, table, tile
 from stickslip.report.page import Illustration, Section, commands, file_list, made_with
 from stickslip.report.quantity import interval, meaning, number, percentage, symbol, with_error
+from stickslip.servo.observer import LIMIT
 
 ERRORS = {
     "force": "{0} predicted from the motion",
@@ -146,8 +148,8 @@ def _exponent(estimation: Estimation) -> str:
     return f" Friction falls with speed by exp(−{power}), rather than with the exponent {other}."
 
 
-def compensation(benefit: Benefit) -> Section:
-    """Return the section with the table of tracking errors."""
+def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
+    """Return the section with the table of tracking errors, and what an observer adds."""
     verdict = "The error is nowhere larger than 1.02 times that without the compensator."
     if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
@@ -177,13 +179,46 @@ def compensation(benefit: Benefit) -> Section:
             f"RMS tracking error without → with the compensator, in {benefit.unit}",
             (0,),
         ),
+        *(_observer(observed) if observed else ()),
     )
+
+
+def _observer(observed: Observed) -> list[Html]:
+    """Return what feedforward, disturbance observer and both leave of the error of none."""
+    if observed.designed is None:
+        return [paragraph(f"There is {observed.reason}.")]
+    designed = observed.designed
+    rows = [
+        (
+            one["part"],
+            *(number(one[name], 3) for name in ("fitted", "mean", "worst")),
+            "yes" if one["acceptable"] else "no",
+        )
+        for one in observed.summary().to_dict("records")
+    ]
+    return [
+        paragraph(
+            "A disturbance observer estimates from encoder and motor force what the feedforward "
+            "leaves, without a model of friction, and compensates "
+            f"{percentage(designed.observer.share)} of it. It is feedback: with it the peak "
+            f"sensitivity of the loop is {number(designed.sensitivity, 3)} instead of "
+            f"{number(designed.without, 3)}, at most {LIMIT:g} for all masses that the log allows. "
+            f"Recommended: {observed.recommended or 'none of them'}."
+        ),
+        table(
+            ("Compensation", "Fitted drive", "Mean", "Worst", "Never worse"),
+            rows,
+            "Tracking error relative to that without compensation, on the same drives and commands",
+            (0, 4),
+        ),
+    ]
 
 
 FILES = {
     "parameters.csv": "the parameters with units and intervals, unrounded, in SI units",
     "learned.json": "the same with criterion, relative errors, seed and versions",
     "compensator.fmu": "the tuned compensator, for any tool that imports FMUs",
+    "observer.fmu": "the disturbance observer, to be added after the compensator",
 }
 
 
@@ -200,6 +235,8 @@ def use(estimation: Estimation, beside: Collection[str]) -> Section:
             "stickslip export compensator --parameters learned.json --as fmu",
             "stickslip export compensator --parameters learned.json --as st",
         ]
+    if "observer.fmu" in beside:
+        exports.append("stickslip export observer --parameters learned.json --as st")
     if "compensator.fmu" in beside:
         exports.append("stickslip check compensator.fmu")
     parts = [file_list({name: what for name, what in FILES.items() if name in beside})]

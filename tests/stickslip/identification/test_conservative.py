@@ -9,11 +9,7 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
-from stickslip.identification.fitting.conservative import (
-    bounded_by,
-    conservative,
-    largest_friction,
-)
+from stickslip.identification.fitting.conservative import bounded_by, conservative, largest_friction
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     LEVELS,

@@ -1,0 +1,178 @@
+"""A disturbance observer beside the learned feedforward, tried on the same family of drives.
+
+The observer corrects what the feedforward leaves, or takes its place. It is designed for the
+learned mass and all of its interval, at least 10 %, as fast as sensitivity and quantisation allow.
+Where that is worse than no compensation on any drive, it is designed slower, for less friction,
+and then only a share of its estimate is compensated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+import pandas as pd
+
+from stickslip.evaluation.guards import Bench, Benefit, Variant
+from stickslip.servo.axis import ControlError
+from stickslip.servo.observer import LIMIT, MASSES, DesignedObserver, design_observer
+from stickslip.servo.sensitivity import peak_sensitivity
+from stickslip.servo.systems import Compensator
+
+SLOWER = 0.3
+"""Share of the Coulomb friction for which an observer is designed that has to be slower."""
+SHARES = (0.7, 0.5, 0.35, 0.25, 0.15)
+"""Shares of its estimate that are tried after that."""
+FEEDFORWARD: Final = "feedforward"
+OBSERVER: Final = "observer"
+BOTH: Final = "feedforward + observer"
+Choice = Literal["feedforward", "observer", "feedforward + observer", ""]
+
+
+@dataclass(frozen=True)
+class Observed:
+    """What an observer adds to a feedforward.
+
+    Attributes
+    ----------
+    designed : the observer, None where there is none
+    reason : why there is none, empty otherwise
+    alone, both : what it does on the family of drives, and with the feedforward; None without it
+    feedforward : what the feedforward does there
+    """
+
+    feedforward: Benefit
+    designed: DesignedObserver | None = None
+    reason: str = ""
+    alone: Benefit | None = None
+    both: Benefit | None = None
+
+    @property
+    def parts(self) -> dict[Choice, Benefit]:
+        """Feedforward, observer and both, those that were tried."""
+        found: dict[Choice, Benefit | None] = {
+            FEEDFORWARD: self.feedforward,
+            OBSERVER: self.alone,
+            BOTH: self.both,
+        }
+        return {name: benefit for name, benefit in found.items() if benefit is not None}
+
+    @property
+    def recommended(self) -> Choice:
+        """What should be written: a feedforward if it is acceptable, with an observer that helps.
+
+        The observer takes the place of a feedforward that is not acceptable, even where both
+        together are, because a feedforward that is written may be used by itself.
+        """
+        if not self.feedforward.acceptable:
+            return OBSERVER if self.alone and self.alone.acceptable else ""
+        if self.both and self.both.acceptable:
+            return BOTH if self.both.mean_ratio < self.feedforward.mean_ratio else FEEDFORWARD
+        return FEEDFORWARD
+
+    def refusal(self, choice: Choice) -> str:
+        """Return why the observer is not written for a choice; empty where there is no reason."""
+        if self.designed is None:
+            return self.reason
+        benefit = self.parts[choice if choice in (OBSERVER, BOTH) else BOTH]
+        if not benefit.acceptable:
+            return benefit.reason.replace("with the whole force ", f"with {benefit.variant.name} ")
+        return "" if choice in (OBSERVER, BOTH) else "it does not reduce the mean tracking error"
+
+    def summary(self) -> pd.DataFrame:
+        """Return how many times the error of none each part leaves.
+
+        Columns: part, share (of the feedforward), fitted (geometric mean over the commands on the
+        first drive), mean (over all drives and commands), worst, acceptable.
+        """
+        rows = []
+        for name, benefit in self.parts.items():
+            ratios = np.array([max(row.ratio, 1e-9) for row in benefit.rows])
+            first = [row.drive == benefit.rows[0].drive for row in benefit.rows]
+            rows.append(
+                {
+                    "part": name,
+                    "share": benefit.share if benefit.variant.has_feedforward else np.nan,
+                    "fitted": float(np.exp(np.mean(np.log(ratios[first])))),
+                    "mean": benefit.mean_ratio,
+                    "worst": float(ratios.max()),
+                    "acceptable": benefit.acceptable,
+                }
+            )
+        return pd.DataFrame(rows)
+
+
+def try_observer(
+    bench: Bench,
+    feedforward: Benefit,
+    friction: Mapping[str, float],
+    mass: tuple[float, float],
+) -> Observed:
+    """Try observers, each weaker than the one before it, until one is acceptable.
+
+    With a feedforward that is acceptable both together have to be, otherwise the observer alone.
+
+    Parameters
+    ----------
+    feedforward : what is written without an observer, at its share
+    friction : as fitted, with the Coulomb friction ``F_c`` [N]
+    mass : ends of the interval of the mass [kg]
+    """
+    tried: list[tuple[float, DesignedObserver, Benefit]] = []
+    try:
+        for designed in _designs(bench, friction["F_c"], mass):
+            benefit = _tried(bench, feedforward, designed, with_both=feedforward.acceptable)
+            tried.append((max(row.ratio for row in benefit.rows), designed, benefit))
+            if benefit.acceptable:
+                break
+    except ControlError as error:
+        return Observed(feedforward, reason=str(error))
+    _, best, wanted = min(tried, key=lambda one: one[0])
+    other = _tried(bench, feedforward, best, with_both=not feedforward.acceptable)
+    alone, both = (other, wanted) if feedforward.acceptable else (wanted, other)
+    return Observed(feedforward, best, "", alone, both)
+
+
+def _designs(bench: Bench, F_c: float, mass: tuple[float, float]) -> Iterator[DesignedObserver]:
+    """Yield observers from fast to weak.
+
+    Raises
+    ------
+    ControlError
+        When there is none.
+    """
+    m = bench.loop.axis.m
+    masses = min(MASSES[0], mass[0] / m), 1.0, max(MASSES[-1], mass[1] / m)
+    step = bench.datasheet.encoder_step
+    slowest = design_observer(bench.loop, step, F_c, masses=masses)
+    yield slowest
+    with suppress(ControlError):
+        slowest = design_observer(bench.loop, step, SLOWER * F_c, masses=masses)
+        yield slowest
+    for share in SHARES:
+        observer = replace(slowest.observer, share=share)
+        peak = max(peak_sensitivity(bench.loop, observer, k * m) for k in masses)
+        if peak <= LIMIT:
+            yield replace(slowest, observer=observer, sensitivity=peak)
+
+
+def _tried(
+    bench: Bench, feedforward: Benefit, designed: DesignedObserver, *, with_both: bool
+) -> Benefit:
+    """Try an observer, alone or with the feedforward."""
+    observer = Compensator("observer", "dob", designed.observer.parameters())
+    if with_both:
+        return _with_feedforward(bench, feedforward, observer)
+    return bench.benefits([Variant(OBSERVER, (observer,))])[0]
+
+
+def _with_feedforward(bench: Bench, feedforward: Benefit, observer: Compensator) -> Benefit:
+    """Try both: the feedforward at its share where it is acceptable, else at any."""
+    whole = Variant(BOTH, (*feedforward.variant.chain, observer))
+    if not feedforward.acceptable:
+        return bench.benefits([whole])[0]
+    (benefit,) = bench.benefits([whole.share(bench.law, feedforward.share)], shares=(1.0,))
+    return replace(benefit, variant=whole, share=feedforward.share)
