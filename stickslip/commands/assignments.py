@@ -33,13 +33,13 @@ def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
     add_old_spelling(parser, "--feed", action)
 
 
-def add_law_option(parser: ArgumentParser) -> None:
-    """Declare ``--law``, the friction law of the compensator."""
+def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> None:
+    """Declare ``--law``, the friction law of the compensator, with further choices."""
     parser.add_argument(
         "--law",
-        choices=models.law_names(),
+        choices=[*models.law_names(), *further],
         default="lugre",
-        help="friction law of the compensator (default lugre)",
+        help=f"friction law of the compensator (default lugre){more}",
     )
 
 

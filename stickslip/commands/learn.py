@@ -18,11 +18,11 @@ from stickslip.commands.log_options import (
     print_findings,
 )
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_benefit, print_parts, print_tracking
+from stickslip.commands.tables import print_benefit, print_laws, print_parts, print_tracking
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
-from stickslip.pipeline.learned import LearnedFromRecording
+from stickslip.pipeline.learned import AUTO, LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 from stickslip.results.folder import reserved
@@ -64,7 +64,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_algorithm_option(parser)
     add_execution_options(parser)
     add_log_options(parser)
-    add_law_option(parser)
+    add_law_option(
+        parser, AUTO, more="; auto: the one that predicts the force best where it is not fitted"
+    )
     parser.add_argument(
         "--compensator",
         default="auto",
@@ -157,7 +159,8 @@ def print_estimation(estimation: Estimation) -> None:
     for remark in estimation.remarks:
         print(f"note: {remark}")
     for fault in estimation.faults:
-        print(f"{fault}; no parameter is reported as identifiable")
+        print(f"{fault}; no parameter is reported as identifiable" if fault.spoils else fault)
+    print_laws(estimation)
     rotary = estimation.recording.motion == "rotary"
     for name, known in estimation.known.items():
         interval = f"[{known.low:.5g}, {known.high:.5g}]"

@@ -10,12 +10,15 @@ from typing import TextIO
 import numpy as np
 import pandas as pd
 
+from stickslip.catalog.parameters import unit_of
 from stickslip.evaluation.compared_logs import LogComparison, sentences
 from stickslip.evaluation.guards import Benefit
 from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.log_verdict import SIGNALS, verdict
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
 from stickslip.fmi.files import atomic_write
+from stickslip.identification.estimation import Estimation
+from stickslip.identification.selection import law_table
 from stickslip.pipeline.observed import Observed
 from stickslip.results.folder import staged
 from stickslip.tuning.published import Published
@@ -82,6 +85,18 @@ def print_parts(observed: Observed) -> None:
         f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
         f"without; recommended: {observed.recommended or 'none of them'}"
     )
+
+
+def print_laws(estimation: Estimation) -> None:
+    """Print the error of each law that was tried where it was not fitted."""
+    unit = unit_of("F_c", rotary=estimation.recording.motion == "rotary")
+    print(f"\nforce error where the law was not fitted [{unit}]        noise and steps explain")
+    for row in law_table(estimation.predictions).to_dict("records"):
+        error = f"{row['held_out_error']:9.3g} {100.0 * row['relative']:8.3g} %"
+        print(f"{row['law']:18}{error} {row['explained']:20.3g}")
+    if estimation.choice:
+        print(f"law: {estimation.choice.reason}")
+    print()
 
 
 WIDTHS = (9, 9, 9, 13)

@@ -40,6 +40,7 @@ from stickslip.identification.estimation import (
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Reading, Recording, implausible_mass
 from stickslip.models import Law
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice, Observed, try_observer
@@ -57,6 +58,8 @@ RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
 WIDE = 4.0
 """Largest ratio to the value taken of one on which it is tried."""
+AUTO = "auto"
+"""Name that stands for the law that a recording shows."""
 
 
 class Loops(NamedTuple):
@@ -286,7 +289,8 @@ def learn_recording(
     gains : of the controller FMU by name; None when the controller is not known
     design : gives the loops, or raises ControlError
     findings : of reading and checking the recording
-    law, criterion, seed, seeds, search : see ``estimation.Task``
+    law : of the catalogue, or ``auto`` for the one that predicts best where it is not fitted
+    criterion, seed, seeds, search : see ``estimation.Task``
 
     Raises
     ------
@@ -294,6 +298,11 @@ def learn_recording(
         When the recording does not show a drive that slides.
     """
     faults = tuple(finding for finding in findings if finding.spoils)
+    choice = None
+    if law == AUTO:
+        on_stage("comparing friction laws")
+        choice = choose(predictions(recording, gains))
+        law = choice.chosen.candidate.law.name
     with candidate_fmus(law) as fmus:
         task = Task(
             fmus,
@@ -305,6 +314,7 @@ def learn_recording(
             seeds,
             law,
             faults,
+            choice,
         )
         estimation = estimate(task, on_stage, on_generation)
     try:

@@ -30,6 +30,8 @@ from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.guards import Drive, Known, family
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
+from stickslip.identification.estimation import Estimation
+from stickslip.identification.selection import law_table
 from stickslip.models import Law, StartValueError, UnknownLaw, load_model
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
@@ -143,6 +145,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "relative_errors": {
             name: _finite(value) for name, value in estimation.figures.errors().items()
         },
+        "prediction": _prediction_document(estimation),
         "evaluations": int(estimation.searches["evaluations"].sum()),
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
@@ -154,6 +157,21 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "validation": validation_document(VALIDATION),
         }
     return document | _law_entry(estimation.law) | {"versions": versions()}
+
+
+def _prediction_document(estimation: Estimation) -> dict[str, Any]:
+    """Return the force error of each law that was tried where it was not fitted."""
+    unit = unit_of("F_c", rotary=estimation.recording.motion == "rotary")
+    laws = [
+        {
+            "law": row["law"],
+            "held_out_error": {"value": row["held_out_error"], "unit": unit},
+            "relative": {"value": row["relative"], "unit": "1"},
+            "explained": {"value": row["explained"], "unit": unit},
+        }
+        for row in law_table(estimation.predictions).to_dict("records")
+    ]
+    return {"laws": laws, "choice": estimation.choice and estimation.choice.reason}
 
 
 def log_document(learned: LearnedFromRecording) -> dict[str, Any]:

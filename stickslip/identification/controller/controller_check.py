@@ -16,6 +16,8 @@ from stickslip.identification.criteria.motion import position_of
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array, smoothed
 
+AGREES = 0.01
+"""Largest relative error of the commanded force of a known controller."""
 SHARE = 1.0 / 50.0
 """Cut-off of the low-pass, as a share of the sample rate: noise of the force is no disagreement."""
 SHIFTS = range(5)  # samples by which the logged force may be older than the command

@@ -6,14 +6,11 @@ import numpy as np
 
 from stickslip.catalog.parameters import friction_law, presliding
 from stickslip.errors import UsageError
-from stickslip.identification.controller.controller_check import ControllerCheck
+from stickslip.identification.controller.controller_check import AGREES, ControllerCheck
 from stickslip.identification.controller.initial_state import is_running
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation.estimation import Task
-
-AGREES = 0.01
-"""Largest relative error of the commanded force of a known controller."""
 
 
 def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,3 +76,15 @@ def measured_force(recording: Recording) -> Array:
         f"{recording.source}: no force; log the motor's force or current, or give the controller "
         "whose command it was"
     )
+
+
+def against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Return a recording whose measured friction acts against the motion, and what was changed."""
+    if recording.force is not None or recording.friction is None:
+        return recording, ()
+    position = position_of(recording)
+    work = float(recording.friction[1:] @ np.diff(position))
+    if work >= 0.0:
+        return recording, ()
+    turned = replace(recording, friction=-recording.friction)
+    return turned, ("the friction logged does work on the motion: its sign was turned",)

@@ -1,6 +1,6 @@
 """Estimation from one recording: values, intervals, and identifiability."""
 
-from stickslip.identification.estimation.candidate_fmus import candidate_fmus
+from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.estimation.estimation import CriterionName, Estimation, Task
 from stickslip.identification.estimation.learn import learn
 from stickslip.identification.fitting.identifiability import Identifiability

@@ -19,6 +19,7 @@ from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 from stickslip.identification.fitting.start import Start
+from stickslip.identification.selection import Choice, Prediction
 from stickslip.logs import Finding, Recording
 from stickslip.models import Law
 
@@ -39,6 +40,7 @@ class Task:
     seeds : how many searches, each with a seed of its own
     law : friction law of the FMUs
     faults : findings of the checks that invalidate intervals or values
+    choice : of the law among all; None where the law is given
     """
 
     fmus: Path
@@ -50,6 +52,12 @@ class Task:
     seeds: int = 1
     law: str = "lugre"
     faults: tuple[Finding, ...] = ()
+    choice: Choice | None = None
+
+    @property
+    def is_level(self) -> bool:
+        """Whether friction does not rise towards rest, by the choice of the law."""
+        return self.choice is not None and self.choice.chosen.candidate.is_level
 
     @property
     def workers(self) -> int:
@@ -78,6 +86,8 @@ class Estimation:
     plausible : all values by name that the recording supports: the fit's, and draws from its
         covariance
     largest_friction : at standstill and creep in the recording [N]
+    predictions : of the law where it was not fitted, and of the other laws where they were tried
+    choice : of the law among all; None where the law was given
     """
 
     recording: Recording
@@ -99,6 +109,8 @@ class Estimation:
     faults: tuple[Finding, ...] = ()
     plausible: tuple[Mapping[str, float], ...] = ()
     largest_friction: float = float("inf")
+    predictions: tuple[Prediction, ...] = ()
+    choice: Choice | None = None
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.

@@ -16,13 +16,13 @@ from threadpoolctl import threadpool_limits
 from stickslip import ga
 from stickslip.catalog.parameters import friction_law, presliding
 from stickslip.catalog.space import Values
-from stickslip.identification.controller.controller_check import check_controller
+from stickslip.identification.controller.controller_check import AGREES, check_controller
 from stickslip.identification.controller.criterion_choice import choose
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.criteria.motion import measured_force, position_of
+from stickslip.identification.criteria.motion import against_motion, measured_force
 from stickslip.identification.criteria.output_error import OutputError
-from stickslip.identification.criteria.scaling import recording_scale
+from stickslip.identification.criteria.scaling import Scale, recording_scale
 from stickslip.identification.criteria.surrogate_controller import coarse, correct_inverse
 from stickslip.identification.estimation.estimation import Estimation, Task, restored
 from stickslip.identification.estimation.faults import (
@@ -31,6 +31,7 @@ from stickslip.identification.estimation.faults import (
     found_faults,
     hidden,
 )
+from stickslip.identification.estimation.held_out import check_held_out
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
@@ -44,7 +45,6 @@ from stickslip.identification.fitting.multistart import (
 )
 from stickslip.identification.fitting.search import Search, search, solve_linear
 from stickslip.identification.fitting.start import Start, begin
-from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
@@ -80,12 +80,13 @@ def learn(
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
     # Sums that are split over threads round differently, and a search amplifies that.
     with threadpool_limits(limits=1, user_api="blas"):
-        estimation = _learn(scaled, on_stage, on_generation)
+        estimation = _learn(scaled, scale, on_stage, on_generation)
     return restored(estimation, scale)
 
 
 def _learn(
     task: Task,
+    scale: Scale,
     on_stage: Callable[[str], object],
     on_generation: Callable[[ga.Optimiser], object] | None,
 ) -> Estimation:
@@ -96,12 +97,14 @@ def _learn(
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
         task = replace(task, gains=check.gains)
-    recording, remarks = _against_motion(recording)
+    recording, remarks = against_motion(recording)
     task = replace(task, recording=recording)
     criterion, reason = choose(task, check)
     law = friction_law(task.law)
     with InverseModel(task.fmus, recording, workers=task.workers, law=law) as model:
         start = begin(model, recording)
+        if task.is_level:
+            start = replace(start, space=start.space.level())
         inverse = model.over(start.space)
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
@@ -129,11 +132,16 @@ def _learn(
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         change = change_of_friction(inverse, found.parameters)
-        faults = (*task.faults, *found_faults(best, criterion, check, model_error, change))
-        if faults:
-            strongest = float(np.max(np.abs(measured_force(recording))))
+        believed = check is not None and not check.error > AGREES
+        held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
+        faults = (
+            *task.faults,
+            *found_faults(best, criterion, check, model_error, change),
+            *held_out.findings,
+        )
+        if any(fault.spoils for fault in faults):
             known = {name: unreliable(one) for name, one in known.items()}
-            known = hidden(known, faults, strongest)
+        known = hidden(known, faults, float(np.max(np.abs(measured_force(recording)))))
         largest = largest_friction(inverse, best.parameters)
         known = conservative(known, start.space, largest)
         values = {**best.parameters, **{name: known[name].value for name in start.space.friction}}
@@ -158,6 +166,8 @@ def _learn(
         faults,
         plausible(best, task.seed, DRAWS),
         largest,
+        held_out.predictions,
+        task.choice,
     )
 
 
@@ -189,18 +199,6 @@ def _search(
         )
     best = int(np.argmin([found.noise for found in fits]))
     return fits[best], pd.DataFrame(rows), algorithms[best]
-
-
-def _against_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
-    """Change the sign of a measured friction whose work is positive."""
-    if recording.force is not None or recording.friction is None:
-        return recording, ()
-    position = position_of(recording)
-    work = float(recording.friction[1:] @ np.diff(position))
-    if work >= 0.0:
-        return recording, ()
-    turned = replace(recording, friction=-recording.friction)
-    return turned, ("the friction logged does work on the motion: its sign was turned",)
 
 
 def _of_seed(task: Task, seed: int) -> Search:

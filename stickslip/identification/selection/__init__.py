@@ -1,6 +1,16 @@
 """Which friction law explains a recording: each predicts the parts that it was not fitted to."""
 
 from stickslip.identification.selection.candidates import Candidate, candidates
+from stickslip.identification.selection.choice import Choice, choose, law_table
 from stickslip.identification.selection.prediction import Prediction, predict, predictions
 
-__all__ = ["Candidate", "Prediction", "candidates", "predict", "predictions"]
+__all__ = [
+    "Candidate",
+    "Choice",
+    "Prediction",
+    "candidates",
+    "choose",
+    "law_table",
+    "predict",
+    "predictions",
+]

@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
+from stickslip.catalog.parameters import presliding
 from stickslip.catalog.space import ParameterSpace
+from stickslip.identification.controller.controller_check import AGREES, check_controller
+from stickslip.identification.criteria.candidate_fmus import candidate_fmus
 from stickslip.identification.criteria.inverse_model import EDGE, ForceCost, InverseModel
-from stickslip.identification.criteria.scaling import recording_scale
-from stickslip.identification.estimation.candidate_fmus import candidate_fmus
-from stickslip.identification.fitting.fit import Fit, fit, inverse_information
+from stickslip.identification.criteria.motion import against_motion
+from stickslip.identification.criteria.scaling import Scale, recording_scale
+from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, inverse_information
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.multistart import SURE, select, variants
 from stickslip.identification.fitting.search import solve_linear
 from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.selection.candidates import Candidate, candidates
-from stickslip.identification.selection.folds import blocks, folds
+from stickslip.identification.selection.folds import Fold, blocks, folds
 from stickslip.identification.selection.noise import encoder_error, explained
 from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
@@ -30,8 +35,12 @@ STARTS = 2
 """Best of these from which a fit starts, beside the straight line."""
 REACH = 1.0
 """Distance of the points from the prior mean, in prior standard deviations."""
-STEPS = 2
-"""Gauss steps from the fit of all samples to that of a fold."""
+STEPS = (1.0, 0.3, 1.0)
+"""Shares of the Gauss steps from the fit of all samples to that of a fold; bad ones are skipped."""
+AT_BOUND = 1e-6
+"""Distance from a bound below which a coordinate stays there."""
+THIN = 4
+"""Every fourth sample starts the fits; the low-pass leaves less than a quarter of the band."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,7 @@ class Prediction:
     relative : the same over that of the measured force
     explained : root mean square that noise and the steps of encoder and force make [N]
     squares : (blocks,) mean square of the held-out error of each block [N^2]
+    shown : names of the law's parameters beyond Coulomb friction that the recording identifies
     """
 
     candidate: Candidate
@@ -56,6 +66,33 @@ class Prediction:
     relative: float
     explained: float
     squares: Array
+    shown: tuple[str, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Held-out error over the one that noise and steps explain."""
+        return self.force / max(self.explained, np.finfo(float).tiny)
+
+    @property
+    def unexplained(self) -> float:
+        """Root mean square of what noise and steps do not explain [N]."""
+        return float(np.sqrt(max(self.force**2 - self.explained**2, 0.0)))
+
+    @property
+    def measured(self) -> float:
+        """Root mean square of the measured force [N]."""
+        return self.force / max(self.relative, np.finfo(float).tiny)
+
+    def restored(self, scale: Scale) -> Prediction:
+        """Return the prediction of a scaled recording in SI units."""
+        return replace(
+            self,
+            parameters=scale.restored(self.parameters),
+            errors=scale.restored(self.errors),
+            force=self.force / scale.force,
+            explained=self.explained / scale.force,
+            squares=self.squares / scale.force**2,
+        )
 
 
 def predictions(
@@ -68,7 +105,7 @@ def predictions(
 
     Parameters
     ----------
-    gains : of a controller that is known to command the logged force
+    gains : of the controller; not used unless it commands the logged force
 
     Raises
     ------
@@ -78,28 +115,27 @@ def predictions(
         When it lacks a signal.
     """
     scale = recording_scale(recording)
-    scaled = scale.recording(recording)
+    scaled, _ = against_motion(scale.recording(recording))
     found = []
-    gains = None if gains is None else scale.values(gains)
     with threadpool_limits(limits=1, user_api="blas"):
+        if gains is not None:
+            gains = _believed(scaled, scale.values(gains))
         for candidate in candidates() if among is None else among:
             with (
                 candidate_fmus(candidate.law.name) as fmus,
                 InverseModel(fmus, scaled, workers=workers, law=candidate.law) as inverse,
             ):
-                fitted = _fitted(inverse, begin(inverse, scaled), candidate)
+                fitted = _fitted(fmus, inverse, scaled, candidate)
                 one = predict(inverse, fitted, fmus, scaled, candidate, gains)
-            found.append(
-                replace(
-                    one,
-                    parameters=scale.restored(one.parameters),
-                    errors=scale.restored(one.errors),
-                    force=one.force / scale.force,
-                    explained=one.explained / scale.force,
-                    squares=one.squares / scale.force**2,
-                )
-            )
+            found.append(one.restored(scale))
     return found
+
+
+def _believed(recording: Recording, gains: Mapping[str, float]) -> Mapping[str, float] | None:
+    """Return the gains, with the controller's initial state, if they command the logged force."""
+    with candidate_fmus() as fmus:
+        check = check_controller(fmus, recording, gains)
+    return check.gains if check.error <= AGREES else None
 
 
 def predict(
@@ -109,9 +145,17 @@ def predict(
     recording: Recording,
     candidate: Candidate,
     gains: Mapping[str, float] | None = None,
+    residual: Array | None = None,
 ) -> Prediction:
-    """Return what a fit by the inverse model to the whole recording predicts of its parts."""
-    residual = held_out(inverse, fitted)
+    """Return what a fit by the inverse model to the whole recording predicts of its parts.
+
+    Parameters
+    ----------
+    fmus : folder with compensator, drive and controller
+    gains : of a controller that commands the logged force
+    residual : of ``held_out``, where it is there already
+    """
+    residual = held_out(inverse, fitted) if residual is None else residual
     count = np.bincount(blocks(len(residual)))
     encoder = encoder_error(inverse, fitted.parameters, fmus, recording, gains)
     force = float(np.sqrt(np.mean(residual**2)))
@@ -124,7 +168,15 @@ def predict(
         force / max(float(np.sqrt(np.mean(measured**2))), np.finfo(float).tiny),
         explained(inverse, fitted.residual, encoder),
         np.bincount(blocks(len(residual)), residual**2) / count,
+        _shown(fitted),
     )
+
+
+def _shown(fitted: Fit) -> tuple[str, ...]:
+    space, errors, degrees = fitted.space, fitted.errors(), BLOCKS - len(fitted.q)
+    names = dict.fromkeys((*presliding(space.law), *space.rise))
+    known = {name: identifiability(name, fitted, errors, degrees) for name in names}
+    return tuple(n for n, one in known.items() if one.identifiability != NOT_IDENTIFIABLE)
 
 
 def held_out(inverse: InverseModel, fitted: Fit) -> Array:
@@ -132,32 +184,65 @@ def held_out(inverse: InverseModel, fitted: Fit) -> Array:
 
     The fit of a fold follows from that of all samples by Gauss steps with its Jacobian.
     """
-    space, jacobian = fitted.space, fitted.jacobian
-    free = (fitted.q > space.lower + 1e-6) & (fitted.q < space.upper - 1e-6)
-    jacobian = np.where(free, jacobian, 0.0)
-    weight = np.where(np.isfinite(space.prior_deviation), space.prior_deviation, np.inf) ** -2.0
-    variance = max(fitted.noise, np.finfo(float).tiny)
-    memory = int(EDGE / inverse.cutoff / inverse.T_s) + 1
     found = np.empty_like(fitted.residual)
-    for fold in folds(len(found), memory):
-        rows = jacobian[fold.fitted]
-        inverse_matrix = inverse_information(rows, variance, space)
-        q, rest = fitted.q, fitted.residual
-        for _ in range(STEPS):
-            pull = weight * (q - space.prior_mean)
-            step = inverse_matrix @ (rows.T @ rest[fold.fitted] / variance + pull)
-            q = np.clip(q - np.where(free, step, 0.0), space.lower, space.upper)
-            rest = inverse.over(space).residual(space.decode(q))
-        found[fold.held_out] = rest[fold.held_out]
+    for fold in folds(len(found), memory(inverse)):
+        found[fold.held_out] = _without(inverse, fitted, fold)[fold.held_out]
     return found
 
 
-def _fitted(inverse: InverseModel, start: Start, candidate: Candidate) -> Fit:
-    """Return the fit from the best of several points, with the choices such as an exponent."""
+def memory(inverse: InverseModel) -> int:
+    """Return the number of samples over which the low-pass mixes them."""
+    return int(EDGE / inverse.cutoff / inverse.T_s) + 1
+
+
+def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
+    """Return the residual (k,) of the fit of a fold's samples."""
+    space, used = fitted.space, fold.fitted
+    variance = max(fitted.noise, np.finfo(float).tiny)
+    free = (fitted.q > space.lower + AT_BOUND) & (fitted.q < space.upper - AT_BOUND)
+    rows = np.where(free, fitted.jacobian[used], 0.0)
+    matrix = inverse_information(rows, variance, space)
+
+    def loss(q: Array, rest: Array) -> float:
+        return float(rest[used] @ rest[used]) / variance + float(
+            np.sum(space.prior_residual(q) ** 2)
+        )
+
+    known = np.isfinite(space.prior_deviation)
+    weight = np.where(known, space.prior_deviation, np.inf) ** -2.0
+    q, rest = fitted.q, fitted.residual
+    for share in STEPS:
+        pull = np.where(known, weight * (q - space.prior_mean), 0.0)
+        step = matrix @ (rows.T @ rest[used] / variance + pull)
+        trial = np.clip(q - share * np.where(free, step, 0.0), space.lower, space.upper)
+        left = inverse.residual(space.decode(trial))
+        if loss(trial, left) < loss(q, rest):
+            q, rest = trial, left
+    return rest
+
+
+def _fitted(fmus: Path, inverse: InverseModel, recording: Recording, candidate: Candidate) -> Fit:
+    """Return the fit from the best of several points, with the choices such as an exponent.
+
+    The starts are compared on fewer samples.
+    """
+    start = begin(inverse, recording)
     space = candidate.restricted(start.space)
-    criterion = inverse.over(space)
-    starts = [space.encode(start.line), *_points(criterion, start, space)]
-    return select(variants(criterion, fit(criterion, starts)), SURE).fit
+    with InverseModel(fmus, _thinned(recording), inverse.cutoff, law=candidate.law) as thin:
+        criterion = thin.over(space)
+        starts = [space.encode(start.line), *_points(criterion, start, space)]
+        found = select(variants(criterion, fit(criterion, starts)), SURE).fit
+    return fit(inverse.over(found.space), [found.q])
+
+
+def _thinned(recording: Recording) -> Recording:
+    """Return a recording of every fourth sample."""
+    signals: dict[str, Any] = {
+        name: value[::THIN]
+        for name, value in vars(recording).items()
+        if isinstance(value, np.ndarray)
+    }
+    return replace(recording, **signals)
 
 
 def _points(inverse: InverseModel, start: Start, space: ParameterSpace) -> list[Array]:

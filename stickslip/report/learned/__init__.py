@@ -12,6 +12,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
 from stickslip.report.learned import content
+from stickslip.report.learned.laws import laws
 from stickslip.report.page import Section, picture_files, write_page
 
 __all__ = ["FIGURES", "FILES", "parameter_table", "sections", "write_estimation_report"]
@@ -59,6 +60,7 @@ def sections(
         *opening,
         content.learned(estimation),
         *further,
+        *([laws(estimation)] if estimation.predictions else []),
         content.criterion(estimation),
         content.log(estimation, findings),
         content.fit(estimation),

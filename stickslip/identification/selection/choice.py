@@ -1,0 +1,88 @@
+"""The choice of a friction law by what it predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from stickslip.identification.selection.prediction import Prediction
+
+TIE = 2.0
+"""Standard errors of the difference of two mean squares up to which two laws are tied."""
+GAIN = 0.8
+"""Error, over that of Coulomb and viscous friction, at which no parameter need be identified."""
+NOTHING_MORE = "nothing more can be seen in this log, neither presliding nor a Stribeck curve"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The law that explains a recording.
+
+    Attributes
+    ----------
+    predictions : of all candidates, in the order of preference
+    chosen : one of them
+    reason : a sentence
+    """
+
+    predictions: tuple[Prediction, ...]
+    chosen: Prediction
+    reason: str
+
+
+def choose(predictions: Sequence[Prediction]) -> Choice:
+    """Choose the first of the laws that are tied with the one that predicts best.
+
+    Coulomb and viscous friction is the first, LuGre the second. A law with more parameters takes
+    part only if the recording identifies one of them at least, or if it predicts much better: the
+    best of several flexible models predicts a little better by chance.
+    """
+    simplest = predictions[0].force
+    able = [
+        one
+        for one in predictions
+        if one.candidate.is_level or one.shown or one.force < GAIN * simplest
+    ]
+    best = min(able, key=lambda one: one.force)
+    tied = [one for one in able if not is_better(best, one)]
+    chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
+    reason = f"{chosen.candidate.title} predicts the parts held out within {chosen.force:.3g} N"
+    if chosen.candidate.is_level:
+        reason += (
+            ", and nothing more can be seen in this log: neither presliding nor a Stribeck curve"
+        )
+    elif others:
+        reason += f"; {' and '.join(others)} tie with it"
+    return Choice(tuple(predictions), chosen, reason)
+
+
+def is_better(one: Prediction, other: Prediction) -> bool:
+    """Tell whether one predicts better, by the standard error of the difference over blocks."""
+    gain = other.squares - one.squares
+    error = np.std(gain, ddof=1) / np.sqrt(len(gain))
+    return bool(np.mean(gain) > TIE * error)
+
+
+def law_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
+    """Return a row for each law, in SI units.
+
+    Returns
+    -------
+    DataFrame
+        law, held_out_error, relative, explained, shown: the parameters beyond Coulomb friction
+        that the recording identifies
+    """
+    rows = [
+        {
+            "law": one.candidate.title,
+            "held_out_error": one.force,
+            "relative": one.relative,
+            "explained": one.explained,
+            "shown": ", ".join(one.shown),
+        }
+        for one in predictions
+    ]
+    return pd.DataFrame(rows)
