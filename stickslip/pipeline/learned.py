@@ -29,7 +29,7 @@ from stickslip.evaluation.guards import (
     findings_of,
 )
 from stickslip.evaluation.tracking import Tracking
-from stickslip.identification.controller.criterion_choice import AGREES
+from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
