@@ -98,8 +98,8 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     texts = {
         "--encoder-step M": "resolution of the position, such as 4e-7 or 0.4um (default: detected)",
         "--force-limit N": "force limit of motor or amplifier, such as 205 or 0.2kN",
-        "--rated-force N": "what 100 % of the rated force or current are",
-        "--rated-torque N.m": "what 100 % of the rated torque or current are, such as 2.4Nm",
+        "--rated-force N": "what 100 %% of the rated force or current are",
+        "--rated-torque N.m": "what 100 %% of the rated torque or current are, such as 2.4Nm",
         "--delimiter CHAR": "delimiter of a text file (default: detected)",
     }
     add_options(group, texts)
