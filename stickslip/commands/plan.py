@@ -5,22 +5,26 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.commands import SEVERAL, add_options
+from stickslip.commands import FLAG, SEVERAL, add_options, warn
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
-from stickslip.planning import LINEAR, ROTARY, Stretch, arrange, draw_plan, plan
+from stickslip.logs.recording import Motion
+from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
+from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, draw_plan, plan
 
 _OPTIONS = {
-    "stroke": ("M", "distance between the two farthest positions"),
-    "speed": ("M/S", "highest speed"),
-    "acceleration": ("M/S2", "highest acceleration"),
-    "duration": ("S", "duration of the experiment"),
-    "rate": ("HZ", "samples per second"),
+    "stroke": ("position", "M", "distance between the two farthest positions"),
+    "speed": ("velocity", "M/S", "highest speed"),
+    "acceleration": ("acceleration", "M/S2", "highest acceleration"),
+    "jerk": ("jerk", "M/S3", "highest jerk"),
+    "duration": ("time", "S", "duration of the experiment"),
 }
+"""What an option measures, its unit where none is given, and its help."""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -28,18 +32,24 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Write the velocity and position command of one experiment as CSV: small "
         "moves, slow reversals, constant speeds, quick ramps and a sine sweep. Run it on the "
-        "drive, log time, force and position, and learn from the log."
+        "drive, log time, force and position, and learn from the log. Limits may have units, such "
+        "as 100mm, 40mm/s, 90deg, 300rpm or 5m/s3."
     )
-    motion = {"--motion": "rotary: units with rad in place of m"}
-    add_options(parser, motion, choices=("linear", "rotary"), default="linear")
-    for name, (unit, text) in _OPTIONS.items():
+    motion = {"--motion": "rotary: units with rad in place of m (default: from the units)"}
+    add_options(parser, motion, choices=("linear", "rotary"))
+    for name, (_, unit, text) in _OPTIONS.items():
         default = f"default {getattr(LINEAR, name):g}, rotary {getattr(ROTARY, name):g}"
-        add_options(parser, {f"--{name} {unit}": f"{text} ({default})"}, type=float)
+        add_options(parser, {f"--{name} {unit}": f"{text} ({default})"})
+    travel = "how far below and above the start the drive may go; one value for both"
+    add_options(parser, {"--travel M": travel}, nargs="+")
+    rate = {"--rate HZ": f"samples per second (default {LINEAR.rate:g})"}
+    add_options(parser, rate, type=float)
     show = f"give more time to these parameters: {', '.join(PAPER)}"
     add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
     out = {"--out FILE.csv": "file of the command (default plan.csv)"}
     add_options(parser, out, type=Path, default=Path("plan.csv"))
     add_options(parser, {"--plot FILE.png": "also draw the command"}, type=Path)
+    add_options(parser, {"--force": "overwrite files that exist"}, **FLAG)
     parser.set_defaults(run=run)
 
 
@@ -48,26 +58,85 @@ def run(options: argparse.Namespace) -> None:
     for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
         if path and path.suffix.lower() != suffix:
             raise UsageError(f"{path}: expected a file name that ends in {suffix}")
-    given = {name: getattr(options, name) for name in _OPTIONS}
-    limits = replace(
-        ROTARY if options.motion == "rotary" else LINEAR,
-        **{name: value for name, value in given.items() if value is not None},
-    )
+        if path and path.exists() and not options.force:
+            raise UsageError(f"{path} exists; --force overwrites it, --out names another file")
+    limits, length = _limits(options)
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
     atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
-        atomic_write(options.plot, draw_plan(table, stretches, options.motion))
-    _print_parts(table, stretches, "rad" if options.motion == "rotary" else "m")
+        atomic_write(options.plot, draw_plan(table, stretches, length))
+    _print_parts(table, stretches, length)
+    _warn_of_speed(table, limits, length)
     print(options.out)
     if options.plot:
         print(options.plot)
 
 
-def _print_parts(table: pd.DataFrame, stretches: tuple[Stretch, ...], unit: str) -> None:
+def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
+    """Return the limits, and the unit of length in which they were given.
+
+    Raises
+    ------
+    UsageError
+        When one cannot be read, or their units belong to different motions.
+    """
+    values: dict[str, Any] = {}
+    units: dict[str, Unit] = {}
+
+    def read(name: str, text: str, quantity: str) -> float:
+        kinds = [kind[quantity] for kind in QUANTITIES.values() if quantity in kind]
+        value, unit = parse_quantity(text, f"--{name}", kinds or [quantity])
+        if unit:
+            units[name] = unit
+        return value
+
+    for name, (quantity, *_) in _OPTIONS.items():
+        if (text := getattr(options, name)) is not None:
+            values[name] = read(name, text, quantity)
+    if options.travel:
+        below, *above = (read("travel", text, "position") for text in options.travel[:2])
+        if len(options.travel) > 2:
+            raise UsageError(f"--travel: expected one or two values, got {len(options.travel)}")
+        values["travel"] = (0.0 - below, *(above or [below]))
+    if options.rate is not None:
+        values["rate"] = options.rate
+    linear: Motion = "linear"
+    motions: dict[str, Motion] = {
+        name: motion for name, unit in units.items() if (motion := motion_of(unit))
+    }
+    chosen: Motion = options.motion or next(iter(motions.values()), linear)
+    for name, other in motions.items():
+        if other != chosen:
+            raise UsageError(f"--{name} is in {units[name].name}, but the motion is {chosen}")
+    lengths = [unit_named(unit.name.split("/")[0]) for unit in units.values()]
+    kind = QUANTITIES[chosen]["position"]
+    given = [unit for unit in lengths if unit and unit.quantity == kind]
+    fallback = Unit("rad", "angle", 1.0) if chosen == "rotary" else Unit("m", "length", 1.0)
+    return replace(ROTARY if chosen == "rotary" else LINEAR, **values), (*given, fallback)[0]
+
+
+def _print_parts(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> None:
     time, v, x = (table[name].to_numpy() for name in table.columns)
     for stretch in stretches:
         begin, end = time[stretch.begin], time[stretch.end]
         shows = " ".join(stretch.part.shows)
         print(f"{begin:7.2f} to {end:6.2f} s  {stretch.part.name:16} {shows}")
-    print(f"speed up to {abs(v).max():.3g} {unit}/s; ends at its start position")
-    print(f"travel: {max(0.0, -x.min()):.3g} {unit} below the start, {x.max():.3g} {unit} above")
+    unit, per = length.name, 1.0 / length.factor
+    print(f"speed up to {abs(v).max() * per:.3g} {unit}/s; ends at its start position")
+    below, above = max(0.0, -x.min()) * per, x.max() * per
+    print(f"travel: {below:.3g} {unit} below the start, {above:.3g} {unit} above")
+
+
+def _warn_of_speed(table: pd.DataFrame, limits: Limits, length: Unit) -> None:
+    """Warn when the speed that is asked for is not reached."""
+    reached = float(table["velocity_command"].abs().max())
+    if reached < 0.99 * limits.speed:
+        unit, per = length.name, 1.0 / length.factor
+        within = [f"a stroke of {limits.room * per:.4g} {unit}"]
+        within.append(f"{limits.acceleration * per:.4g} {unit}/s^2")
+        if limits.jerk < float("inf"):
+            within.append(f"{limits.jerk * per:.4g} {unit}/s^3")
+        warn(
+            f"the speed {limits.speed * per:.4g} {unit}/s is not reached within "
+            f"{', '.join(within)}: {reached * per:.4g} {unit}/s is"
+        )

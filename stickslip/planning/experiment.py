@@ -16,6 +16,7 @@ from stickslip.servo.measurement import Array
 
 REST = 0.01
 """Share of the whole in which the drive rests, before and after."""
+ROUNDS = 4
 FAVOUR = 4.0
 """How much more time a part gets that shows what is asked for."""
 
@@ -68,15 +69,7 @@ def arrange(limits: Limits = LINEAR, show: Collection[str] = ()) -> tuple[Stretc
     for name in show:
         if name not in PAPER:
             raise UsageError(f"cannot show '{name}': expected one of {', '.join(PAPER)}")
-    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in PARTS]
-    n = round(limits.duration * limits.rate)
-    rest = max(1, round(REST * n))
-    edges = rest + (n - 2 * rest) * np.cumsum([0.0, *weights]) / sum(weights)
-    edges = edges.round().astype(int)
-    return tuple(
-        Stretch(part, int(begin), int(end))
-        for part, begin, end in zip(PARTS, edges[:-1], edges[1:], strict=True)
-    )
+    return _laid_out(limits, show)[0]
 
 
 def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
@@ -92,18 +85,15 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
     pandas.DataFrame
         n = duration * rate + 1 rows; time [s], velocity_command [m/s], position_command [m]
         (rotary: rad/s, rad). The velocity starts and ends at 0 and the position where it began;
-        speed, acceleration and stroke keep the limits. The position is the trapezoidal integral of
-        the velocity, to 1e-15.
+        speed, acceleration, jerk, stroke and travel keep the limits. The position is the
+        trapezoidal integral of the velocity, to 1e-15.
 
     Raises
     ------
     UsageError
-        When ``show`` names no parameter.
+        When ``show`` names no parameter, or the way into the travel takes too long.
     """
-    velocity = np.zeros(round(limits.duration * limits.rate) + 1)
-    for stretch in arrange(limits, show):
-        samples = stretch.end - stretch.begin
-        velocity[stretch.begin : stretch.end] = stretch.part.velocity(limits, samples)
+    velocity = _laid_out(limits, show)[1]
     steps = 0.5 * (velocity[1:] + velocity[:-1]) / limits.rate
     position = np.concatenate([[0.0], np.cumsum(steps).round(15)])
     return pd.DataFrame(
@@ -113,3 +103,58 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
             "position_command": position + 0.0,  # no -0
         }
     )
+
+
+def _laid_out(limits: Limits, show: Collection[str]) -> tuple[tuple[Stretch, ...], Array]:
+    """Return the stretches and the velocity (n,).
+
+    Where the range that the parts need does not lie around the start, the drive first moves to
+    where it does, and back at the end.
+    """
+    n = round(limits.duration * limits.rate)
+    rest = max(1, round(REST * n))
+    least = 0
+    for _ in range(ROUNDS):
+        stretches = _stretches(show, n, max(rest, least))
+        velocity = np.zeros(n + 1)
+        for one in stretches:
+            samples = one.end - one.begin
+            velocity[one.begin : one.end] = one.part.velocity(limits, samples)
+        velocity, offset = _placed(velocity, limits)
+        move = parts.approach(limits, offset)
+        if not offset:
+            return stretches, velocity
+        begin, end = stretches[0].begin, stretches[-1].end
+        if len(move) <= min(begin - 1, n - end):
+            velocity[1 : 1 + len(move)] += move
+            velocity[end + 1 : end + 1 + len(move)] -= move
+            return stretches, velocity
+        least = len(move) + 2
+        if 4 * least > n:
+            break
+    raise UsageError(
+        f"travel = {limits.travel[0]:g} to {limits.travel[1]:g}: the move to where the parts fit "
+        "takes too long; start nearer to an end, or plan a longer experiment"
+    )
+
+
+def _stretches(show: Collection[str], n: int, rest: int) -> tuple[Stretch, ...]:
+    weights = [part.weight * (FAVOUR if set(part.shows) & set(show) else 1.0) for part in PARTS]
+    edges = rest + (n - 2 * rest) * np.cumsum([0.0, *weights]) / sum(weights)
+    edges = edges.round().astype(int)
+    return tuple(
+        Stretch(part, int(begin), int(end))
+        for part, begin, end in zip(PARTS, edges[:-1], edges[1:], strict=True)
+    )
+
+
+def _placed(velocity: Array, limits: Limits) -> tuple[Array, float]:
+    """Return the velocity, or its mirror image, and the least offset [m] that keeps the travel."""
+    x = np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1])) / limits.rate])
+    low, high = limits.travel
+    choices = []
+    for sign in (1.0, -1.0):
+        least, most = (sign * x).min(), (sign * x).max()
+        choices.append((float(np.clip(0.0, low - least, high - most)), sign))
+    offset, sign = min(choices, key=lambda choice: abs(choice[0]))
+    return sign * velocity, offset

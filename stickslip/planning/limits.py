@@ -17,6 +17,8 @@ class Limits:
     stroke : between the two farthest positions [m]
     speed : [m/s]
     acceleration : [m/s^2]
+    jerk : [m/s^3]; infinite when it is not limited
+    travel : lowest and highest position, from that at the begin [m]
     duration : of the whole experiment [s]
     rate : samples of the command per second [Hz]
     frequency : of the sweep, begin and end [Hz]; narrower where stroke and acceleration ask for it
@@ -37,15 +39,24 @@ class Limits:
     frequency: tuple[float, float] = (0.1, 5.0)
     slow: tuple[float, float] = (1e-4, 5e-3)
     presliding: tuple[float, float] = (1e-6, 1e-3)
+    jerk: float = math.inf
+    travel: tuple[float, float] = (-math.inf, math.inf)
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
+            if field.name in ("jerk", "travel"):
+                continue
             for number in value if isinstance(value, tuple) else (value,):
                 if not (math.isfinite(number) and number > 0):
                     raise UsageError(f"{field.name} = {value}: expected more than 0")
             if isinstance(value, tuple) and value[0] > value[1]:
                 raise UsageError(f"{field.name} = {value}: expected smallest, then largest")
+        if not self.jerk > 0:
+            raise UsageError(f"jerk = {self.jerk}: expected more than 0")
+        low, high = self.travel
+        if not low <= 0.0 <= high or not high > low:
+            raise UsageError(f"travel = {low:g} to {high:g}: expected a range that contains 0")
         if self.duration < 2.0:
             raise UsageError(f"duration = {self.duration:g} s: expected at least 2 s")
         if not 100.0 <= self.rate <= 1e5:
@@ -55,6 +66,16 @@ class Limits:
                 f"duration = {self.duration:g} s at rate = {self.rate:g} Hz: expected at most "
                 "20 million samples; shorten it or lower the rate"
             )
+
+    @property
+    def room(self) -> float:
+        """The longest distance [m] that stroke and travel permit."""
+        return min(self.stroke, self.travel[1] - self.travel[0])
+
+    @property
+    def reachable(self) -> float:
+        """The largest speed [m/s] of a move from rest to rest within the room."""
+        return min(self.speed, math.sqrt(0.9 * self.acceleration * 0.95 * self.room))
 
 
 LINEAR = Limits()

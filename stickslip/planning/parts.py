@@ -6,6 +6,8 @@ Each is a function (limits, n) of n samples; the first one is 0, the one after t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -24,12 +26,12 @@ def small_moves(limits: Limits, n: int) -> Array:
     """
     moves = max(4, round(n / limits.rate / 0.3))
     smallest, largest = limits.presliding
-    sizes = np.geomspace(smallest, max(smallest, min(largest, limits.stroke / 4)), moves)
+    sizes = np.geomspace(smallest, max(smallest, min(largest, limits.room / 4)), moves)
     pieces = []
     for size, room in zip(sizes, _shares(n, moves), strict=True):
         quick = min(room // 2, max(2, round(QUICK * limits.rate)))
         pieces += [
-            _move(limits, math.pi * size * limits.rate / samples, samples)
+            _smooth(partial(_out_and_back, limits, size), limits, samples)
             for samples in (room - quick, quick)
         ]
     return np.concatenate(pieces)
@@ -44,7 +46,10 @@ def slow_reversals(limits: Limits, n: int) -> Array:
     slowest, fastest = limits.slow
     speeds = np.geomspace(fastest, slowest, count)
     return np.concatenate(
-        [_move(limits, v, room) for v, room in zip(speeds, _shares(n, count), strict=True)]
+        [
+            _smooth(partial(_sine, limits, v), limits, room)
+            for v, room in zip(speeds, _shares(n, count), strict=True)
+        ]
     )
 
 
@@ -54,34 +59,40 @@ def constant_speeds(limits: Limits, n: int) -> Array:
     speeds = np.geomspace(limits.speed, min(limits.slow[1], limits.speed), count)
     pieces = []
     for v, samples in zip(speeds, _shares(n, count), strict=True):
-        share = np.arange(samples) / samples
-        shape = np.interp(share, [0, 0.1, 0.4, 0.6, 0.9, 1], [0, 1, 1, -1, -1, 0])
-        pieces.append(bounded(v * shape, limits))
+        corners = ([0, 0.1, 0.4, 0.6, 0.9, 1], [0, 1, 1, -1, -1, 0])
+        pieces.append(_smooth(partial(_polygon, limits, v, corners), limits, samples))
     return np.concatenate(pieces)
 
 
 def quick_ramps(limits: Limits, n: int) -> Array:
     """Return triangles of velocity, at nine tenths of the permitted acceleration."""
-    a = 0.9 * limits.acceleration
-    period = max(QUICK, 4 * limits.speed / a)
+    a, top = 0.9 * limits.acceleration, limits.reachable
+    period = max(QUICK, 4 * (top / a + 2 * a / limits.jerk))
     count = max(1, math.floor(n / limits.rate / period))
     pieces = []
     for samples in _shares(n, count):
         quarter = samples / limits.rate / 4
-        shape = np.interp(np.arange(samples) / samples, [0, 0.25, 0.75, 1], [0, 1, -1, 0])
-        pieces.append(bounded(min(limits.speed, a * quarter) * shape, limits))
+        corners = ([0, 0.25, 0.75, 1], [0, 1, -1, 0])
+        triangle = partial(_polygon, limits, min(top, a * quarter), corners)
+        pieces.append(_smooth(triangle, limits, samples))
     return np.concatenate(pieces)
 
 
 def sweep(limits: Limits, n: int) -> Array:
+    """Return a sine of rising frequency, see ``_sweep``, with a limited jerk."""
+    return _smooth(partial(_sweep, limits), limits, n)
+
+
+def _sweep(limits: Limits, n: int) -> Array:
     """Return a sine of rising frequency, its amplitude from three quarters of the speed to all.
 
     Its range of frequencies narrows to what stroke and acceleration permit.
     """
-    stroke, a = limits.stroke, 0.9 * limits.acceleration
+    stroke, a = limits.room, 0.9 * limits.acceleration
     top = min(limits.speed, math.sqrt(a * stroke) / 2)
     first = max(limits.frequency[0], 0.75 * top / (math.pi * stroke))
-    last = max(first, min(limits.frequency[1], a / (2 * math.pi * top), limits.rate / 20))
+    fastest = min(a / top, math.sqrt(limits.jerk / top)) / (2 * math.pi)
+    last = max(first, min(limits.frequency[1], fastest, limits.rate / 20))
     duration = n / limits.rate
     cycles = max(1, math.floor(0.5 * (first + last) * duration))  # whole ones, to end at 0
     last = max(first, 2 * cycles / duration - first)
@@ -91,19 +102,63 @@ def sweep(limits: Limits, n: int) -> Array:
     return bounded(_closed(values), limits)
 
 
+def approach(limits: Limits, distance: float) -> Array:
+    """Return a smooth move over a distance [m]: 1 - cos, as fast as the limits permit."""
+    d, tau = abs(distance), 2 * math.pi
+    duration = max(
+        2 * d / limits.speed,
+        (tau * d / limits.acceleration) ** 0.5,
+        (tau**2 * d / limits.jerk) ** (1 / 3),
+    )
+    n = 1 + math.ceil(1.01 * duration * limits.rate)
+    return np.asarray(distance * limits.rate / n * (1 - np.cos(tau * np.arange(n) / n)))
+
+
+def _smooth(piece: Callable[[int], Array], limits: Limits, n: int) -> Array:
+    """Return a piece (n,) whose jerk is limited by a moving average.
+
+    The mean over w samples of an acceleration up to a has a jerk up to 2 a / w per sample. Speed,
+    acceleration and range do not grow.
+    """
+    v = piece(n)
+    if 2 * _jerk(v, limits) <= limits.jerk:  # beside the end of another piece
+        return v
+    a = np.abs(np.diff(v, append=0.0)).max() * limits.rate
+    width = max(1, min(math.ceil(2 * a / limits.jerk * limits.rate), n // 4))
+    v = np.convolve(piece(n - width), np.full(width, 1 / width))
+    v = np.append(v, 0.0)
+    return np.asarray(v * min(1.0, limits.jerk / _jerk(v, limits)))
+
+
+def _jerk(v: Array, limits: Limits) -> float:
+    return float(np.abs(np.diff(v, 2, prepend=[0.0], append=[0.0, 0.0])).max()) * limits.rate**2
+
+
 def bounded(v: Array, limits: Limits) -> Array:
     """Return a velocity made so much smaller that it keeps the limits."""
     x = np.cumsum(v) / limits.rate
     slope = np.abs(np.diff(v, append=0.0)).max() * limits.rate
     most = np.array([np.abs(v).max(), slope, np.ptp(x)])
-    allowed = np.array([limits.speed, limits.acceleration, 0.95 * limits.stroke])
+    allowed = np.array([limits.speed, limits.acceleration, 0.95 * limits.room])
     with np.errstate(divide="ignore"):
         return v * np.float64(min(1.0, np.min(allowed / most)))
 
 
-def _move(limits: Limits, v: float, samples: int) -> Array:
+def _out_and_back(limits: Limits, size: float, samples: int) -> Array:
+    """Return one sine of velocity that leads a distance [m] away."""
+    return _sine(limits, math.pi * size * limits.rate / samples, samples)
+
+
+def _sine(limits: Limits, v: float, samples: int) -> Array:
     """Return one sine of velocity: out and back."""
     return bounded(v * np.sin(2 * math.pi * np.arange(samples) / samples), limits)
+
+
+def _polygon(
+    limits: Limits, v: float, corners: tuple[Sequence[float], Sequence[float]], samples: int
+) -> Array:
+    """Return straight lines between corners: shares of the time, and of a speed."""
+    return bounded(v * np.interp(np.arange(samples) / samples, *corners), limits)
 
 
 def _closed(v: Array) -> Array:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pandas as pd
 from matplotlib.axes import Axes
 
-from stickslip.logs import Motion
+from stickslip.logs.units import Unit
 from stickslip.planning.experiment import Stretch
 from stickslip.report.style import (
     GREY,
@@ -22,13 +22,18 @@ from stickslip.report.style import (
     new_figure,
 )
 
-SCALES = {"linear": (1e3, "mm", 1e6, "µm"), "rotary": (1.0, "rad", 1e3, "mrad")}
-"""Per motion: factor and unit of what is large, factor and unit of what is small."""
 
+def draw_plan(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> bytes:
+    """Return a PNG file of a plan: velocity, position, and the first two parts enlarged.
 
-def draw_plan(table: pd.DataFrame, stretches: tuple[Stretch, ...], motion: Motion) -> bytes:
-    """Return a PNG file of a plan: velocity, position, and the first two parts enlarged."""
-    large, unit, small, fine = SCALES[motion]
+    Parameters
+    ----------
+    table, stretches : of ``plan`` and ``arrange``
+    length : unit of the large moves; in m they are drawn in mm
+    """
+    unit = "mm" if length.name == "m" else length.name
+    large = 1e3 if length.name == "m" else 1 / length.factor
+    small, fine = (1e6, "µm") if length.quantity == "length" else (1e3 * large, f"m{unit}")
     with house_style():
         figure = new_figure(PAGE, 125.0)
         grid = figure.add_gridspec(3, 2, height_ratios=(1.25, 1.0, 1.25))

@@ -1,5 +1,7 @@
 """Plans of experiments: they keep the limits and show on the drive what they promise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -26,6 +28,9 @@ def check_limits(limits: Limits, show=()) -> None:
     assert np.abs(v).max() <= limits.speed * (1 + 1e-9)
     assert np.abs(np.diff(v)).max() * limits.rate <= limits.acceleration * (1 + 1e-9)
     assert np.ptp(x) <= limits.stroke
+    assert limits.travel[0] - 1e-12 <= x.min() <= x.max() <= limits.travel[1] + 1e-12
+    jerk = np.abs(np.diff(v, 2, prepend=[0.0], append=[0.0])).max() * limits.rate**2
+    assert jerk <= limits.jerk * (1 + 1e-6)
     np.testing.assert_allclose(np.diff(x) * limits.rate, (v[1:] + v[:-1]) / 2, atol=1e-9)
     assert np.abs(v).max() > 0
 
@@ -37,10 +42,31 @@ def check_limits(limits: Limits, show=()) -> None:
     duration=st.floats(2, 30),
     rate=st.sampled_from([100.0, 333.3, 1000.0]),
     show=st.lists(st.sampled_from(sorted(PAPER)), max_size=3),
+    jerk=st.one_of(st.just(np.inf), st.floats(0.1, 1e4)),
+    share=st.one_of(st.none(), st.floats(0, 1)),
 )
 @settings(max_examples=60)
-def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show):
-    check_limits(Limits(stroke, speed, acceleration, duration, rate), show)
+def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
+    """The travel, if given, is the stroke around a place of the start at a share of it."""
+    travel = (-np.inf, np.inf) if share is None else (-share * stroke, (1 - share) * stroke)
+    limits = Limits(stroke, speed, acceleration, duration, rate, jerk=jerk, travel=travel)
+    try:
+        check_limits(limits, show)
+    except UsageError as error:
+        assert "takes too long" in str(error)  # noqa: PT017 - of some examples
+        assert share is not None
+
+
+def test_a_start_within_the_travel_is_left_for_the_whole_of_it():
+    limits = Limits(0.3, 1.0, travel=(-0.15, 0.15), jerk=200.0)
+    check_limits(limits)
+    assert np.ptp(plan(limits)["position_command"]) > 0.9 * 0.3
+
+
+def test_the_largest_speed_within_stroke_and_acceleration_is_reached():
+    limits = Limits(stroke=0.1, speed=2.0)
+    reached = plan(limits)["velocity_command"].abs().max()
+    assert 0.9 * limits.reachable < reached <= limits.reachable < np.sqrt(2.0 * 0.1)
 
 
 @pytest.mark.parametrize("limits", [LINEAR, ROTARY])
@@ -63,7 +89,15 @@ def test_what_is_asked_for_gets_more_time(parameter, part):
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"stroke": 0.0}, {"speed": float("nan")}, {"duration": 1.0}, {"rate": 1e9}, {"slow": (2, 1)}],
+    [
+        {"jerk": 0.0},
+        {"travel": (0.1, 0.2)},
+        {"stroke": 0.0},
+        {"speed": float("nan")},
+        {"duration": 1.0},
+        {"rate": 1e9},
+        {"slow": (2, 1)},
+    ],
     ids=str,
 )
 def test_invalid_limits_are_refused(wrong):
@@ -174,13 +208,57 @@ def test_the_command_writes_what_simulate_takes(tmp_path, capsys):
         (["--show", "F_x"], "F_x"),
         (["--out", "plan.xlsx"], ".csv"),
         (["--stroke", "-1"], "stroke"),
+        (["--stroke", "100 parsec"], "--stroke = 100 parsec: expected a number, with a unit such"),
+        (["--stroke", "9deg", "--speed", "3mm/s"], "--speed is in mm/s, but the motion is rotary"),
+        (["--stroke", "9mm", "--motion", "rotary"], "--stroke is in mm"),
+        (["--travel", "1", "2", "3"], "one or two values, got 3"),
+        (["--plot", "file.png"], "file.png exists; --force overwrites it"),
         (["--out", "file/plan.csv"], "file"),
     ],
 )
 def test_an_invalid_plan_is_reported_in_one_line(wrong, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").touch()
+    (tmp_path / "file.png").touch()
     assert main(["plan", *wrong]) == 1
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
     assert message in lines[0]
+
+
+def planned(folder, *arguments):
+    out = folder / "plan.csv"
+    assert main(["plan", *arguments, "--rate", "500", "--out", str(out), "--force"]) == 0
+    return pd.read_csv(out)
+
+
+def test_limits_in_units_are_those_in_si(tmp_path, capsys):
+    given = ["--stroke", "100mm", "--speed", "40mm/s", "--acceleration", "200cm/s2", "--jerk", "50m/s^3", "--travel", "20mm", "8cm", "--duration", "0.25min"]  # fmt: skip
+    table = planned(tmp_path, *given)
+    travel = (-0.02, 0.08)
+    limits = Limits(0.1, 0.04, 2.0, 15.0, 500.0, jerk=50.0, travel=travel)
+    pd.testing.assert_frame_equal(table, plan(limits), rtol=1e-9)
+    assert "mm below the start" in capsys.readouterr().out
+    table = planned(tmp_path, "--stroke", "0.25rev", "--speed", "60 rpm")
+    limits = replace(ROTARY, stroke=np.pi / 2, speed=2 * np.pi, rate=500.0)
+    pd.testing.assert_frame_equal(table, plan(limits), rtol=1e-9)
+    assert "rev below the start" in capsys.readouterr().out
+
+
+def test_a_speed_that_is_not_reached_is_a_warning(tmp_path, capsys):
+    table = planned(tmp_path, "--stroke", "100mm", "--speed", "2m/s")
+    error = capsys.readouterr().err
+    reached = 1e3 * table["velocity_command"].abs().max()
+    assert (
+        f"2000 mm/s is not reached within a stroke of 100 mm, 2000 mm/s^2: {reached:.4g}" in error
+    )
+    planned(tmp_path, "--stroke", "100mm", "--speed", "40mm/s")
+    assert not capsys.readouterr().err
+
+
+def test_a_file_is_not_overwritten(tmp_path, capsys):
+    out = tmp_path / "plan.csv"
+    out.write_text("mine")
+    assert main(["plan", "--out", str(out)]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+    assert out.read_text() == "mine"
