@@ -233,10 +233,10 @@ def planned(folder, *arguments):
 
 
 def test_limits_in_units_are_those_in_si(tmp_path, capsys):
-    given = ["--stroke", "100mm", "--speed", "40mm/s", "--acceleration", "200cm/s2", "--jerk", "50m/s^3", "--travel", "20mm", "8cm", "--duration", "0.25min"]  # fmt: skip
-    table = planned(tmp_path, *given)
-    travel = (-0.02, 0.08)
-    limits = Limits(0.1, 0.04, 2.0, 15.0, 500.0, jerk=50.0, travel=travel)
+    travel, jerk = ("--travel", "20mm", "8cm"), ("--jerk", "50m/s^3")
+    limited = ("--stroke", "100mm", "--speed", "40mm/s", "--acceleration", "200cm/s2")
+    table = planned(tmp_path, *limited, *jerk, *travel, "--duration", "0.25min")
+    limits = Limits(0.1, 0.04, 2.0, 15.0, 500.0, jerk=50.0, travel=(-0.02, 0.08))
     pd.testing.assert_frame_equal(table, plan(limits), rtol=1e-9)
     assert "mm below the start" in capsys.readouterr().out
     table = planned(tmp_path, "--stroke", "0.25rev", "--speed", "60 rpm")

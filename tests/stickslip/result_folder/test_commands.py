@@ -26,7 +26,7 @@ def test_a_file_that_finds_no_room_is_told_and_the_older_one_stays(tmp_path, cap
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
     try:
-        status = main(["plan", "--out", str(out)])
+        status = main(["plan", "--force", "--out", str(out)])
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert status == 1
