@@ -1,9 +1,13 @@
-"""How often the 95 % intervals of learned parameters hold the truth.
+"""How often the 95 % intervals of what is learned hold the truth.
 
-    python -m tests.interval_coverage --recordings 100 --drives varied --out coverage
+    python -m tests.interval_coverage --drives any --recordings 200 --workers 2 --out coverage
 
-Each recording is simulated with noise and a seed of its own, of Table 2's drive or of another one
-each time, and learned like a log; coverage.csv and coverage.png are rewritten after each.
+Each recording is simulated with noise and a seed of its own and learned like a log: of Table 2's
+drive (``same``), of LuGre drives (``varied``), or of drives of every law with imperfections and
+with right, wrong or no gains of the controller (``any``; ``tests/random_drives.py`` defines what
+is true of them). coverage.csv has a row for each quantity and recording and is rewritten after
+each; recordings that it has are not learned again. The summary gives for each quantity the share
+that holds with its 95 % bounds (Clopper and Pearson), and the median relative half-width.
 """
 
 from __future__ import annotations
@@ -12,8 +16,7 @@ import argparse
 import io
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -21,9 +24,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
+from scipy.stats import binomtest
 
 from stickslip.catalog.parameters import PAPER, UNITS
-from stickslip.identification.estimation import Task, candidate_fmus, learn
+from stickslip.identification.estimation import Estimation, Task, candidate_fmus, learn
+from stickslip.identification.estimation.estimation import CriterionName
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
+from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.logs import Recording
 from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
 from stickslip.planning import plan
@@ -41,6 +48,8 @@ from stickslip.report.style import (
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from tests.random_drives import RandomDrive, random_drive
+from tests.random_drives import record as record_random
 
 MASS = (3.0, 12.0)  # [kg]
 F_C = (2.0, 12.0)  # [N]
@@ -49,37 +58,72 @@ SIGMA_0 = (1e5, 1e6)  # [N/m], evenly in its logarithm
 EVEN = 3.0
 """Median half-widths up to which the axis of the picture is linear; beyond, logarithmic."""
 DAMPING = (0.3, 2.0)  # sigma_1 / (2 sqrt(sigma_0 m))
+JUDGED = 5
+"""Speeds of the friction curve that count, from the lowest to the highest."""
 
 
 def main() -> None:
     """Simulate, learn, count."""
     parser = argparse.ArgumentParser(prog="python -m tests.interval_coverage", description=__doc__)
     parser.add_argument("--recordings", type=int, default=100, metavar="N")
-    parser.add_argument("--drives", choices=("varied", "same"), default="varied")
+    parser.add_argument("--drives", choices=("any", "varied", "same"), default="varied")
+    parser.add_argument("--criterion", choices=("auto", "inverse model"), default="auto")
     parser.add_argument("--first", type=int, default=0, help="seed of the first recording")
     parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--out", type=Path, default=Path("coverage"), metavar="DIR")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    seeds = range(options.first, options.first + options.recordings)
-    learned = partial(learn_one, options.drives)
-    tables: list[pd.DataFrame] = []
+    path = options.out / "coverage.csv"
+    tables = [pd.read_csv(path, keep_default_na=False)] if path.exists() else []
+    done = set(tables[0]["seed"]) if tables else set()
+    seeds = set(range(options.first, options.first + options.recordings)) - done
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        for table in pool.map(learned, seeds):
+        waiting = [pool.submit(learn_one, options.drives, options.criterion, s) for s in seeds]
+        for one in as_completed(waiting):
+            table = one.result()
             tables.append(table)
-            everything = pd.concat(tables)
-            everything.to_csv(options.out / "coverage.csv", index=False, lineterminator="\n")
-            (options.out / "coverage.png").write_bytes(draw(everything))
+            everything = pd.concat(tables).sort_values("seed", kind="stable")
+            everything.to_csv(path, index=False, lineterminator="\n")
             row = table.iloc[0]
             missed = ", ".join(table.parameter[~table.holds]) or "none"
             print(
-                f"{row.seed:5} {row.seconds:6.1f} s  {row.criterion:13} missed: {missed}",
+                f"{row.seed:5} {row.seconds:6.1f} s  {row.law:16} {row.criterion:13} "
+                f"missed: {missed}",
                 flush=True,
             )
-    print("\nshare of 95 % intervals that hold the truth, and relative half-width")
-    for name, rows in everything.groupby("parameter", sort=False):
-        width = float(np.median(0.5 * (rows.high - rows.low) / rows.truth))
-        print(f"{name:8} {rows.holds.mean():7.1%} of {len(rows)}   {width:8.3%}")
+    everything = pd.concat(tables)
+    if options.drives != "any":
+        (options.out / "coverage.png").write_bytes(draw(everything))
+    print(f"\n{everything.seed.nunique()} recordings\n" + summary(everything).to_string())
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Return coverage by quantity, by law and by imperfection."""
+    parts = {"all": table}
+    if "imperfections" in table:
+        parts |= dict(iter(table.groupby("law")))
+        parts |= {f"gains {gains}": rows for gains, rows in table.groupby("gains")}
+        names = sorted({name for each in table.imperfections for name in each.split()})
+        parts |= {name: table[table.imperfections.str.contains(name)] for name in names}
+        parts["none"] = table[table.imperfections == ""]
+    rows = []
+    for part, chosen in parts.items():
+        for name, each in chosen.groupby("quantity", sort=False):
+            n, held = each.seed.nunique(), each.holds.mean()
+            bounds = binomtest(round(held * n), n).proportion_ci(method="exact")
+            identifiable = each[each.identifiability != NOT_IDENTIFIABLE]
+            rows.append(
+                {
+                    "drives": part,
+                    "quantity": name,
+                    "recordings": n,
+                    "holds": f"{held:.1%}",
+                    "bounds": f"{bounds.low:.0%} to {bounds.high:.0%}",
+                    "half-width": f"{np.median(each.width):.2%}",
+                    "identifiable": f"{identifiable.holds.mean():.1%} of {len(identifiable)}",
+                }
+            )
+    return pd.DataFrame(rows).set_index(["drives", "quantity"])
 
 
 def drive(drives: str, seed: int) -> dict[str, float]:
@@ -110,36 +154,68 @@ def record(fmus: Path, loop: VelocityLoop, truth: dict[str, float], seed: int) -
     return Recording(result.time, x, force, velocity_command=v_cmd, encoder_step=step)
 
 
-def learn_one(drives: str, seed: int) -> pd.DataFrame:
-    """Return a row for each parameter of one recording."""
-    truth, sheet = drive(drives, seed), Datasheet()
-    loop = design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
+def learn_one(drives: str, criterion: CriterionName, seed: int) -> pd.DataFrame:
+    """Return a row for each quantity of one recording."""
+    if drives == "any":
+        made = random_drive(seed)
+        recording, gains = record_random(made, seed)
+    else:
+        truth, sheet = drive(drives, seed), Datasheet()
+        loop = design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
+        made = RandomDrive(parameters=truth)
+        with candidate_fmus() as fmus:
+            recording, gains = record(fmus, loop, truth, seed), gains_of(loop)
+    begin = time.process_time()
     with candidate_fmus() as fmus:
-        recording = record(fmus, loop, truth, seed)
-        begin = time.perf_counter()
-        estimation = learn(Task(fmus, recording, gains_of(loop), seed=seed))
-    seconds = time.perf_counter() - begin
-    return pd.DataFrame(_rows(truth, estimation.known)).assign(
+        estimation = learn(Task(fmus, recording, gains, criterion, seed=seed))
+    told = {1.0: "right", 0.0: "none"}.get(made.gains, "wrong")
+    return pd.DataFrame(_rows(made, estimation)).assign(
         seed=seed,
+        law=made.law,
+        imperfections=" ".join(made.imperfections),
+        gains=told,
         criterion=estimation.criterion,
         reason=estimation.reason,
-        seconds=round(seconds, 1),
+        model_error=estimation.model_error,
+        seconds=round(time.process_time() - begin, 1),
     )
 
 
-def _rows(truth, known) -> Iterator[dict[str, object]]:
+def _rows(drive: RandomDrive, estimation: Estimation) -> Iterator[dict[str, object]]:
+    travel, known = estimation.recording.position, estimation.known
+    truth = drive.along(travel)
+    if drive.law != estimation.law.name:  # its own parameters mean nothing to the other law
+        known = {name: known[name] for name in ("m", "b")}
     for name, found in known.items():
-        yield {
-            "parameter": name,
-            "unit": UNITS[name],
-            "truth": truth[name],
-            "value": found.value,
-            "standard_error": found.standard_error,
-            "low": found.low,
-            "high": found.high,
-            "identifiability": found.identifiability,
-            "holds": found.low <= truth[name] <= found.high,
-        }
+        if name in truth:
+            yield _row(name, UNITS[name], truth[name], found, abs(truth[name]))
+    curve = estimation.friction_curve
+    if curve is None:
+        return
+    yield _row("offset", "N", drive.offset(travel), curve.offset, truth["F_c"])
+    for k in np.linspace(0, len(curve.speed) - 1, JUDGED).round().astype(int):
+        value, low, high = (float(one[k]) for one in (curve.value, curve.low, curve.high))
+        true = float(drive.friction(curve.speed[k], travel))
+        row = _row("F(v)", "N", true, Interval(value, float("nan"), low, high), true)
+        yield {**row, "parameter": f"F({1e3 * curve.speed[k]:.3g} mm/s)"}
+
+
+def _row(
+    name: str, unit: str, truth: float, found: Identifiability | Interval, size: float
+) -> dict[str, object]:
+    return {
+        "parameter": name,
+        "quantity": name,
+        "unit": unit,
+        "truth": truth,
+        "value": found.value,
+        "standard_error": found.standard_error,
+        "low": found.low,
+        "high": found.high,
+        "width": 0.5 * (found.high - found.low) / size,
+        "identifiability": getattr(found, "identifiability", ""),
+        "holds": found.low <= truth <= found.high,
+    }
 
 
 def draw(table: pd.DataFrame) -> bytes:

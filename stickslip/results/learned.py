@@ -32,6 +32,7 @@ from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
+from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.models import Law, StartValueError, UnknownLaw, load_model
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
@@ -150,6 +151,8 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "seed": learned.seed,
         "spread_over_searches": estimation.spread(),
     }
+    if estimation.friction_curve is not None:
+        document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
     if loop is not None:
         document |= {
             "feed": "nominal",
@@ -172,6 +175,17 @@ def _prediction_document(estimation: Estimation) -> dict[str, Any]:
         for row in law_table(estimation.predictions).to_dict("records")
     ]
     return {"laws": laws, "choice": estimation.choice and estimation.choice.reason}
+
+
+def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
+    """Return friction at the speeds visited with its 95 % intervals, viscous friction with it."""
+    speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
+    friction = {key: getattr(curve, key).tolist() for key in ("value", "low", "high")}
+    return {
+        "speed": {"value": curve.speed.tolist(), "unit": speed},
+        "friction": {**friction, "unit": force},
+        "offset": {**vars(curve.offset), "unit": force},
+    }
 
 
 def log_document(learned: LearnedFromRecording) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection import Choice, Prediction
+from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.logs import Finding, Recording
 from stickslip.models import Law
 
@@ -88,6 +89,7 @@ class Estimation:
     largest_friction : at standstill and creep in the recording [N]
     predictions : of the law where it was not fitted, and of the other laws where they were tried
     choice : of the law among all; None where the law was given
+    friction_curve : friction against speed without a law; None where the drive slides too little
     """
 
     recording: Recording
@@ -111,6 +113,7 @@ class Estimation:
     largest_friction: float = float("inf")
     predictions: tuple[Prediction, ...] = ()
     choice: Choice | None = None
+    friction_curve: FrictionCurve | None = None
 
     def spread(self) -> dict[str, float]:
         """Return the largest relative difference between searches by parameter; 0 for one search.
@@ -183,4 +186,5 @@ def restored(estimation: Estimation, scale: Scale) -> Estimation:
         gains=None if estimation.gains is None else scale.restored(estimation.gains),
         plausible=tuple(map(scale.restored, estimation.plausible)),
         largest_friction=estimation.largest_friction / scale.force,
+        friction_curve=estimation.friction_curve and estimation.friction_curve.restored(scale),
     )

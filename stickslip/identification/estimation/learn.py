@@ -35,7 +35,12 @@ from stickslip.identification.estimation.held_out import check_held_out
 from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
 from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
-from stickslip.identification.fitting.identifiability import identifiability, profiles, unreliable
+from stickslip.identification.fitting.identifiability import (
+    identifiability,
+    of_sliding,
+    profiles,
+    unreliable,
+)
 from stickslip.identification.fitting.multistart import (
     SURE,
     best_fit,
@@ -55,6 +60,8 @@ F_0_DEVIATION = 0.01
 """Least prior standard deviation of the constant force from the inverse model, in F_c."""
 DRAWS = 3
 """Number of draws from the covariance of the fit, on which the compensator is tried."""
+CONTRADICTED = 1.5
+"""Distance between loop and sliding motion, in half-widths, above which the law is not right."""
 BIAS_ERROR = 0.12
 """Standard error of the bias that is subtracted, as share of it."""
 
@@ -105,7 +112,7 @@ def _learn(
         start = begin(model, recording)
         if task.is_level:
             start = replace(start, space=start.space.level())
-        inverse = model.over(start.space)
+        inverse = model.over(start.narrow(start.space))
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
         corrected = None
@@ -113,13 +120,10 @@ def _learn(
             on_stage("fitting the known loop")
             corrected, ambiguity = _output_error(task, task.gains, start, found)
             at_rest = bool(presliding(law))  # else the motion does not give the force at rest
-            if corrected.model_error > MODEL_ERROR and task.criterion == "auto" and at_rest:
+            why = _not_explained(corrected, start)
+            if why and task.criterion == "auto" and at_rest:
                 criterion = InverseModel.name
-                reason = (
-                    f"the loop's residual is {corrected.model_error:.2g} times what encoder and "
-                    "noise explain, so the drive has what the model has not, and the mean force "
-                    "decides"
-                )
+                reason = f"{why}, so the drive has what the model has not, and the force decides"
         on_stage("judging what is known")
         model_error = corrected.model_error if corrected else float("nan")
         if criterion == OutputError.name and corrected and task.gains is not None:
@@ -131,6 +135,10 @@ def _learn(
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
+        # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
+        sliding = {} if criterion == OutputError.name else start.sliding
+        known = of_sliding(known, sliding, start.space)
+        errors |= {name: one.standard_error for name, one in sliding.items()}
         change = change_of_friction(inverse, found.parameters)
         believed = check is not None and not check.error > AGREES
         held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
@@ -142,9 +150,10 @@ def _learn(
         if any(fault.spoils for fault in faults):
             known = {name: unreliable(one) for name, one in known.items()}
         known = hidden(known, faults, float(np.max(np.abs(measured_force(recording)))))
-        largest = largest_friction(inverse, best.parameters)
+        shown = {name: one.value for name, one in sliding.items()}
+        largest = largest_friction(inverse, {**best.parameters, **shown})
         known = conservative(known, start.space, largest)
-        values = {**best.parameters, **{name: known[name].value for name in start.space.friction}}
+        values = {**best.parameters, **shown, **{name: one.value for name, one in known.items()}}
         goodness = goodness_of_fit(task.fmus, recording, inverse, values, task.gains, check)
     return Estimation(
         recording,
@@ -168,7 +177,24 @@ def _learn(
         largest,
         held_out.predictions,
         task.choice,
+        start.curve,
     )
+
+
+def _not_explained(corrected: Corrected, start: Start) -> str:
+    """Return why the simulated loop does not explain the recording; empty if it does."""
+    if corrected.model_error > MODEL_ERROR:
+        return (
+            f"the loop's residual is {corrected.model_error:.2g} times what encoder and noise "
+            "explain"
+        )
+    apart = start.disagreement(corrected.fit.parameters)
+    if apart > CONTRADICTED:
+        return (
+            f"mass or friction of the simulated loop lie {apart:.2g} half-widths of its interval "
+            "from what sliding motion shows"
+        )
+    return ""
 
 
 def _search(

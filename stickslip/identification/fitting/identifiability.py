@@ -6,7 +6,7 @@ again. Near its minimum it is (distance / standard error)^2.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from scipy.stats import t as student
 
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.fitting.fit import Fit, inverse_information
+from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.servo.measurement import Array
 
 WELL, WEAKLY = 0.05, 0.3
@@ -70,8 +71,31 @@ def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Ide
         low, high = value / ratio, value * ratio
     else:
         low, high = value - factor * error, value + factor * error
-    relative = factor * error / abs(value) if value else np.inf
-    if _is_prior_dominated(name, fitted) or relative > WEAKLY:
+    interval = Interval(value, error, low, high)
+    return _classified(name, interval, space, shown=not _is_prior_dominated(name, fitted))
+
+
+def of_sliding(
+    known: dict[str, Identifiability], sliding: Mapping[str, Interval], space: ParameterSpace
+) -> dict[str, Identifiability]:
+    """Return the same with the values that sliding motion shows without a law, by name."""
+    found = {
+        name: _classified(name, interval, space)
+        for name, interval in sliding.items()
+        if name in known
+    }
+    return {**known, **found}
+
+
+def _classified(
+    name: str, interval: Interval, space: ParameterSpace, *, shown: bool = True
+) -> Identifiability:
+    """Return how well a parameter is known; ``shown`` is whether the recording decides it."""
+    value, half = interval.value, 0.5 * (interval.high - interval.low)
+    if space.is_log[space.index(name)] and value > 0.0 and interval.low > 0.0:
+        half = value * 0.5 * float(np.log(interval.high / interval.low))
+    relative = half / abs(value) if value else np.inf
+    if not shown or relative > WEAKLY:
         level = NOT_IDENTIFIABLE
         said = f"not identifiable in this experiment; {_remedy(name, space)}"
     elif relative > WELL:
@@ -80,7 +104,7 @@ def identifiability(name: str, fitted: Fit, errors: Values, degrees: int) -> Ide
     else:
         level = IDENTIFIABLE
         said = f"{IDENTIFIABLE}, +-{100 * relative:.2g} %"
-    return Identifiability(value, error, low, high, level, said)
+    return Identifiability(**vars(interval), identifiability=level, sentence=said)
 
 
 def unreliable(known: Identifiability) -> Identifiability:

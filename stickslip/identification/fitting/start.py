@@ -1,4 +1,4 @@
-"""The start of the search: a straight line through the force, and ranges for the rest."""
+"""The start of the search: what sliding motion shows, and ranges for the rest."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.catalog.parameters import scaled_start
-from stickslip.catalog.space import ParameterSpace
+from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.motion import measured_force, position_of
+from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
 from stickslip.logs import Recording
+from stickslip.servo.stribeck_curve import level
 
 FAST = 0.1  # of the top speed: below it sign(v) is not friction
 DELAYS = np.arange(-3.0, 10.01, 0.5)  # in samples
@@ -24,16 +27,57 @@ STEEPEST = 20.0  # largest F_s / F_c
 
 @dataclass(frozen=True)
 class Start:
-    """A straight line through the force.
+    """A straight line through the force, and the friction curve where the drive slides.
 
     Attributes
     ----------
     line : values by name, in SI units; those of the law except F_c are guesses
     space : with bounds and priors around them
+    curve : friction against speed without a law; None where the drive slides too little
     """
 
     line: dict[str, float]
     space: ParameterSpace
+    curve: FrictionCurve | None = None
+
+    @property
+    def sliding(self) -> dict[str, Interval]:
+        """Mass, viscous friction and constant force by name, as far as sliding shows them."""
+        if self.curve is None:
+            return {}
+        mass, viscous = self.curve.mass, self.curve.viscous
+        if mass.low <= 0.0 or viscous.high <= 0.0:
+            return {}
+        viscous = replace(viscous, value=max(viscous.value, 0.0), low=max(viscous.low, 0.0))
+        return {"m": mass, "b": viscous, "F_0": self.curve.offset}
+
+    def disagreement(self, values: Values) -> float:
+        """Return how far a law's values are from what sliding motion shows, in half-widths.
+
+        That is the larger of the distance of the mass, and the root mean square distance of
+        friction at the speeds of the curve; each is counted in half of its 95 % interval.
+        """
+        if self.curve is None or not self.sliding:
+            return 0.0
+        curve, mass = self.curve, self.curve.mass
+        friction = level(values, curve.speed) + values["b"] * curve.speed
+        apart = 2.0 * (friction - curve.value) / (curve.high - curve.low)
+        mass_apart = 2.0 * (values["m"] - mass.value) / (mass.high - mass.low)
+        return max(abs(mass_apart), float(np.sqrt(np.mean(apart**2))))
+
+    def narrow(self, space: ParameterSpace) -> ParameterSpace:
+        """Return a space with these within their intervals, for the fit of a law.
+
+        Where a law does not explain the motion before the drive slides, the inverse model would
+        compensate that by a wrong mass.
+        """
+        lower, upper = space.lower.copy(), space.upper.copy()
+        for name, interval in self.sliding.items():
+            k = space.index(name)
+            ends = np.array([interval.low, interval.high])
+            ends = np.log(ends) if space.is_log[k] else ends / space.units[k]
+            lower[k], upper[k] = ends
+        return replace(space, lower=lower, upper=upper)
 
 
 def begin(model: InverseModel, recording: Recording) -> Start:
@@ -79,7 +123,16 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         "delay": delay,
         **space.constants,
     }
-    return Start(line, _around(line, space, top, model))
+    found = Start(line, _around(line, space, top, model), _curve(model, recording, delay))
+    shown = {name: one.value for name, one in found.sliding.items()}
+    return replace(found, line={**line, **shown})
+
+
+def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionCurve | None:
+    if model.measures_friction:
+        return None
+    position, force = position_of(recording), measured_force(recording)
+    return friction_curve(position, force, model.T_s, recording.encoder_step, delay)
 
 
 def _line(model: InverseModel, top: float) -> tuple[float, float, float, float, float]:

@@ -181,6 +181,13 @@ def _friction(both: Axes, against_speed: Axes, estimation: Estimation, signals: 
     both.plot(-x, curve[:300][::-1], color=style.WITH)
     both.plot(x, curve[300:], color=style.WITH)
     against_speed.plot(x, curve[300:], color=style.WITH, label=f"learned {steady_name(estimation)}")
+    shown = estimation.friction_curve
+    if shown is not None:
+        low, high = (scale.factor * end for end in (shown.low, shown.high))
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        look = {"fmt": "none", "ecolor": style.INK, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
+        label = "sliding, whatever the law: 95 % intervals"
+        against_speed.errorbar(v_scale.factor * shown.speed, middle, half, label=label, **look)
     limit = 1.15 * scale.factor * highest
     both.set(ylim=(-limit, limit), xlabel=f"Velocity [{v_scale.unit}]")
     against_speed.set(

@@ -1,0 +1,1 @@
+"""Mass, offset and friction against speed from sliding motion, without a friction law."""

@@ -1,0 +1,291 @@
+"""Mass, offset and friction against speed, from where the drive slides and without a friction law.
+
+    F(t - delay) = m a + b v + sign(v) (F_c + curve(|v|)) + F_0 + asymmetry(|v|)
+                   + ripple(x) + sign(v) (guide(x) + start(s) + drift(t))
+
+s is the travel since the last reversal. ``curve``, ``asymmetry``, ``ripple``, ``guide``, ``start``
+and ``drift`` are smooth functions whose sizes follow from the recording (random effects): what a
+drive does not have costs no precision. All terms are low-passed alike.
+
+The regression is made with two low-passes and from two distances since a reversal on. A bias by
+encoder noise changes with the low-pass, and one by bristles that still bend with the distance, so
+the differences between the four show what is not known and are a part of the intervals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from stickslip.identification.criteria.motion import position_noise
+from stickslip.identification.criteria.scaling import Scale
+from stickslip.identification.sliding.regression import Regression, regress
+from stickslip.servo.measurement import Array, derivative, smoothed
+
+SHARE = 1.0 / 16.0
+"""Cut-off of the low-pass, as a share of the rate of the rows."""
+NOISE = 1e-4
+"""Largest variance of the acceleration by encoder noise, as share of that of the motion."""
+DISTANCES = (0.004, 0.02)
+"""Travel since a reversal from which on the drive slides, as a share of the whole travel."""
+SLOWEST = 0.01
+"""Speed from which on the drive slides, as a share of its top speed."""
+NOISY = 4.0
+"""The same in standard deviations of the velocity's noise."""
+GUARD = 0.32
+"""Distance from rows that are not used, in periods of the cut-off."""
+HARMONICS, KNOTS, STEPS = 40, 10, 6
+"""Size of the bases along the guide, over speed, and over the travel since a reversal."""
+LEAST = 300
+"""Rows that a regression needs."""
+LONGEST = 1 << 6
+"""Largest number of samples in a row."""
+SPEEDS = 12
+SPAN = (0.03, 0.97)
+"""Quantiles of the speeds between which the curve is given."""
+DEGREES = 40
+"""Degrees of freedom of the variance within one regression."""
+FIXED = ("m", "b", "F_c", "F_0", "delay")
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value with a standard error and a 95 % interval, in SI units."""
+
+    value: float
+    standard_error: float
+    low: float
+    high: float
+
+    def scaled(self, factor: float) -> Interval:
+        """Return the interval of the value times a positive factor."""
+        return Interval(*(factor * one for one in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class FrictionCurve:
+    """What sliding motion shows of a drive, whatever its friction law.
+
+    Attributes
+    ----------
+    speed : (k,) at which the drive slides in the recording, rising [m/s]
+    value, low, high : (k,) friction with its viscous part, and its 95 % intervals [N]; mean of both
+        directions and of the travel
+    mass : moving mass [kg]
+    viscous : slope of friction over speed, beside the Stribeck effect [N s/m]
+    offset : constant force against the motor, with half the difference of friction forward and
+        backward [N]
+    """
+
+    speed: Array
+    value: Array
+    low: Array
+    high: Array
+    mass: Interval
+    viscous: Interval
+    offset: Interval
+
+    def restored(self, scale: Scale) -> FrictionCurve:
+        """Return the curve of a scaled recording in SI units."""
+        force = 1.0 / scale.force
+        return replace(
+            self,
+            speed=self.speed / scale.length,
+            value=self.value * force,
+            low=self.low * force,
+            high=self.high * force,
+            mass=self.mass.scaled(1.0 / scale.of("m")),
+            viscous=self.viscous.scaled(1.0 / scale.of("b")),
+            offset=self.offset.scaled(force),
+        )
+
+
+def friction_curve(
+    position: Array, force: Array, T_s: float, step: float, delay: float = 0.0
+) -> FrictionCurve | None:
+    """Estimate the friction curve of a recording.
+
+    Parameters
+    ----------
+    position, force : (n,) [m], [N]
+    T_s : sample period [s]
+    step : resolution of the position [m]
+    delay : of the force, about; it is fitted beside the rest [s]
+
+    Returns
+    -------
+    FrictionCurve or None
+        None where the drive slides too little.
+    """
+    if len(position) < 8 * LEAST:
+        return None
+    t = T_s * np.arange(len(position))
+    force = np.interp(t - delay, t, force) if delay else force
+    noise = position_noise(position, step)
+    first = _samples_per_row(position, T_s, noise)
+    rows = [_Rows.of(position, force, T_s, noise, first * factor) for factor in (1, 2)]
+    speeds = rows[-1].speeds(DISTANCES[-1])
+    if speeds is None:
+        return None
+    found = [row.estimate(distance, speeds) for row in rows for distance in DISTANCES]
+    estimates = [one for one in found if one is not None]
+    if len(estimates) < len(found):
+        return None
+    values, variances = (np.array(column) for column in zip(*estimates, strict=True))
+    value = values.mean(axis=0)
+    within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
+    error = np.sqrt(within + between)
+    # Welch, Satterthwaite: the degrees of freedom of a sum of variances.
+    degrees = error**4 / (within**2 / DEGREES + between**2 / (len(found) - 1))
+    width = student.ppf(0.975, degrees) * error
+    mass, viscous, offset = (
+        Interval(*map(float, (value[i], error[i], value[i] - width[i], value[i] + width[i])))
+        for i in range(3)
+    )
+    low, high = (value - width)[3:], (value + width)[3:]
+    return FrictionCurve(speeds, value[3:], low, high, mass, viscous, offset)
+
+
+def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
+    """Return the least number, a power of two, with which noise does not bias the mass."""
+    q = 2
+    while q < LONGEST and len(position) // (4 * q) > LEAST:
+        cutoff = SHARE / (q * T_s)
+        a = derivative(derivative(smoothed(position, T_s, cutoff), T_s), T_s)
+        # White noise of this deviation, twice differentiated behind the two passes of the filter.
+        density = noise**2 * 2.0 * T_s
+        own = density * (2.0 * np.pi) ** 4 * cutoff**5 * PASSED
+        if own < NOISE * float(np.var(a)):
+            break
+        q *= 2
+    return q
+
+
+PASSED = 0.2
+"""Integral of f^4 |H|^4 over f from 0, in units of the cut-off; H is of second order."""
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """A recording behind a low-pass, every q-th sample of it.
+
+    Attributes
+    ----------
+    x, v, a, force : (n,)
+    s : (n,) travel since the last reversal [m]
+    ahead : (n,) direction of the motion, -1 or 1
+    slides : (n,) whether the speed is above the noise
+    """
+
+    T: float
+    cutoff: float
+    x: Array
+    v: Array
+    a: Array
+    force: Array
+    s: Array
+    ahead: Array
+    slides: NDArray[np.bool_]
+    top: float
+    slowest: float
+
+    @classmethod
+    def of(cls, position: Array, force: Array, T_s: float, noise: float, q: int) -> _Rows:
+        n = len(position) // q * q
+        T, cutoff = q * T_s, SHARE / (q * T_s)
+        x = smoothed(position[:n].reshape(-1, q).mean(axis=1), T, cutoff)
+        v = derivative(x, T)
+        own = noise * 2.0 * np.pi * cutoff * np.sqrt(2.0 * cutoff * T_s)
+        top = float(np.quantile(np.abs(v), 0.99))
+        slowest = max(NOISY * own, SLOWEST * top)
+        slides = np.abs(v) > slowest
+        last = np.maximum.accumulate(np.where(slides, np.arange(len(v)), 0))
+        ahead = np.sign(v)[last]
+        path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
+        reversed_at = np.zeros(len(v))
+        turns = np.flatnonzero(np.diff(ahead)) + 1
+        reversed_at[turns] = path[turns]
+        s = path - np.maximum.accumulate(reversed_at)
+        logged = smoothed(force[:n].reshape(-1, q).mean(axis=1), T, cutoff)
+        return cls(T, cutoff, x, v, derivative(v, T), logged, s, ahead, slides, top, slowest)
+
+    def used(self, distance: float) -> NDArray[np.intp]:
+        """Return the indices of the rows at which the drive has slid this share of its travel."""
+        good = self.slides & (self.s > distance * np.ptp(self.x))
+        edge = int(4.0 / self.cutoff / self.T)
+        good[:edge] = good[len(good) - edge :] = False
+        guard = int(GUARD / self.cutoff / self.T)
+        near = np.convolve(~good, np.ones(2 * guard + 1), "same") > 0.5
+        return np.flatnonzero(~near)
+
+    def speeds(self, distance: float) -> Array | None:
+        used = self.used(distance)
+        if len(used) < LEAST:
+            return None
+        low, high = np.quantile(np.abs(self.v[used]), SPAN)
+        return np.geomspace(low, high, SPEEDS)
+
+    def estimate(self, distance: float, speeds: Array) -> tuple[Array, Array] | None:
+        """Return m, b, F_0 and the friction at k speeds (3 + k,), and their variances."""
+        used = self.used(distance)
+        if len(used) < LEAST:
+            return None
+        speed, ahead = np.maximum(np.abs(self.v), self.slowest), self.ahead[:, np.newaxis]
+        force = self.force[used]
+        size = float(np.median(np.abs(force - np.median(force))))
+        travel = float(np.ptp(self.x))
+        knots = np.log(np.geomspace(max(self.slowest, speed[used].min()), self.top, KNOTS))
+        steps = np.log(distance * travel * np.geomspace(1.0, 10.0, STEPS))
+        along = (self.x - self.x.min()) / travel
+        waves = np.cos(np.pi * along[:, np.newaxis] * np.arange(1, HARMONICS + 1))
+        over_speed = _hats(np.log(speed), knots)
+        start = _hats(np.log(np.maximum(self.s, 1e-3 * distance * travel)), steps)[:, :-1]
+        time = np.linspace(-1.0, 1.0, len(self.x))[:, np.newaxis]
+        drift = np.hstack([time, time**2 - 1.0 / 3.0])
+        rate = np.gradient(self.force)
+        fixed = np.column_stack([self.a, self.v, self._low(ahead)[:, 0], np.ones_like(rate), rate])[
+            used
+        ]
+        groups = {
+            "ripple": waves,
+            "guide": self._low(ahead * waves),
+            "curve": self._low(ahead * over_speed),
+            "asymmetry": over_speed,
+            "start": self._low(ahead * start),
+            "drift": self._low(ahead * drift),
+        }
+        groups = {name: size * group[used] for name, group in groups.items()}
+        classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
+        found = regress(force, fixed, groups, classes)
+        return _quantities(found, size, knots, speeds, float(np.median(speed[used])))
+
+    def _low(self, columns: Array) -> Array:
+        return smoothed(columns.T, self.T, self.cutoff).T
+
+
+def _quantities(
+    found: Regression, size: float, knots: Array, speeds: Array, typical: float
+) -> tuple[Array, Array]:
+    """Return m, b, F_0 and friction at speeds (k,), and their variances, (3 + k,) each."""
+    weights = np.zeros((3 + len(speeds), len(found.coefficients)))
+    for row, name in enumerate(("m", "b", "F_0")):
+        weights[row, FIXED.index(name)] = 1.0
+    weights[2, found.places["asymmetry"]] = size * _hats(np.log([typical]), knots)[0]
+    weights[3:, FIXED.index("F_c")] = 1.0
+    weights[3:, FIXED.index("b")] = speeds
+    weights[3:, found.places["curve"]] = size * _hats(np.log(speeds), knots)
+    variance = np.einsum("ij,jk,ik->i", weights, found.covariance, weights)
+    return weights @ found.coefficients, variance
+
+
+def _hats(z: Array, knots: Array) -> Array:
+    """Return piecewise linear functions (n, k) of z (n,), each 1 at one knot and 0 at others."""
+    return np.column_stack([np.interp(z, knots, one) for one in np.eye(len(knots))])
+
+
+def _class(z: Array, n: int) -> NDArray[np.intp]:
+    """Return in which of n classes of like size each value (k,) is."""
+    return np.asarray(np.digitize(z, np.quantile(z, np.arange(1, n) / n)))

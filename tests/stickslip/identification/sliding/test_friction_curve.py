@@ -1,0 +1,71 @@
+"""Mass, offset and friction against speed without a law, on motions with closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.identification.sliding.friction_curve import FrictionCurve, friction_curve
+
+T_S = 5e-4
+M, B, F_C, F_S, V_S, F_0 = 3.0, 20.0, 4.0, 7.0, 2e-3, 0.8
+STEP = 4e-7
+
+
+def curve(v: np.ndarray) -> np.ndarray:
+    return F_C + (F_S - F_C) * np.exp(-v / V_S) + B * v
+
+
+def recorded(
+    seed: int, *, guide: float = 0.0, asymmetry: float = 0.0, ripple: float = 0.0
+) -> FrictionCurve:
+    """Return the curve of sines whose amplitude and frequency vary, logged with steps and noise."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(40_000) * T_S
+    phase = 2.0 * np.pi * (0.15 * t + 0.5 * (2.0 / 20.0) * t**2)
+    x = 0.012 * np.sin(phase) + 0.004 * np.sin(2.0 * np.pi * 0.11 * t)
+    v = np.gradient(x, T_S)
+    a = np.gradient(v, T_S)
+    here = 1.0 + guide * np.sin(2.0 * np.pi * x / 0.004) + asymmetry * np.sign(v)
+    magnitude = here * (curve(np.abs(v)) - B * np.abs(v))
+    turns = np.where(np.diff(np.sign(v), prepend=0.0), np.arange(len(v)), 0)
+    since = np.abs(x - x[np.maximum.accumulate(turns)])  # friction turns over 20 um
+    bent = 1.0 - 2.0 * np.exp(-since / 2e-5)
+    force = M * a + B * v + np.sign(v) * bent * magnitude + F_0
+    force += ripple * np.sin(2.0 * np.pi * x / 0.009)
+    shown = STEP * np.round((x + 1e-7 * rng.standard_normal(len(x))) / STEP)
+    found = friction_curve(shown, force + 0.05 * rng.standard_normal(len(x)), T_S, STEP)
+    assert found is not None
+    return found
+
+
+def holds(found: FrictionCurve) -> np.ndarray:
+    """Return whether the intervals of m, b, F_0 and of the friction at each speed hold."""
+    truth = [M, B, F_0, *curve(found.speed)]
+    low = [one.low for one in (found.mass, found.viscous, found.offset)] + list(found.low)
+    high = [one.high for one in (found.mass, found.viscous, found.offset)] + list(found.high)
+    return (np.array(low) <= truth) & (truth <= np.array(high))
+
+
+def test_a_plain_drive_is_found_within_narrow_intervals() -> None:
+    found = recorded(0)
+    assert found.mass.low <= M <= found.mass.high
+    assert found.mass.high - found.mass.low < 0.04 * M
+    assert found.value == pytest.approx(curve(found.speed), rel=0.01)
+    assert np.all(found.high - found.low < 0.1 * found.value)
+
+
+@pytest.mark.parametrize("imperfection", [{"guide": 0.1}, {"ripple": 0.5}], ids=str)
+def test_intervals_hold_where_friction_varies(imperfection: dict[str, float]) -> None:
+    assert holds(recorded(1, **imperfection)).mean() > 0.75
+
+
+def test_friction_that_differs_between_the_directions_is_an_offset() -> None:
+    found = recorded(2, asymmetry=0.15)
+    assert found.offset.value == pytest.approx(F_0 + 0.15 * F_C, abs=0.05)
+    assert found.value == pytest.approx(curve(found.speed), rel=0.02)
+
+
+def test_a_drive_that_hardly_slides_has_no_curve() -> None:
+    x = 1e-6 * np.sin(np.arange(40_000) * T_S)
+    assert friction_curve(STEP * np.round(x / STEP), x, T_S, STEP) is None
