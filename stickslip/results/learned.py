@@ -210,7 +210,7 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
             {
                 "drive": drive.name,
                 "law": drive.law,
-                "parameters": _with_units(drive.values, rotary=rotary),
+                "parameters": _with_units(drive.parameters, rotary=rotary),
             }
             for drive in trial.drives
         ],

@@ -56,16 +56,16 @@ def test_a_family_has_every_law_and_what_the_log_leaves_open(law):
     known = Known(KNOWN.plausible, {"F_c": (5.0, 7.0)}, KNOWN.rivals if law != "dahl" else {})
     drives = {drive.name: drive for drive in family(own, friction, VALIDATION, known)}
     assert {drive.law for drive in drives.values()} == set(law_names())
-    assert drives["friction as fitted"].values == friction
-    assert drives["friction x 0.5"].values["F_c"] == pytest.approx(0.5 * 5.999)
-    assert drives["friction x 1.5"].values["F_c"] == pytest.approx(1.5 * 5.999)
-    assert drives["F_c = 5 N"].values["F_c"] == 5.0
-    assert drives["plausible friction 1"].values["m"] == 5.6
+    assert drives["friction as fitted"].parameters == friction
+    assert drives["friction x 0.5"].parameters["F_c"] == pytest.approx(0.5 * 5.999)
+    assert drives["friction x 1.5"].parameters["F_c"] == pytest.approx(1.5 * 5.999)
+    assert drives["F_c = 5 N"].parameters["F_c"] == 5.0
+    assert drives["plausible friction 1"].parameters["m"] == 5.6
     if law != "dahl":
-        assert drives["Dahl friction"].values == {"sigma_0": 3e5, "F_c": 6.5}
+        assert drives["Dahl friction"].parameters == {"sigma_0": 3e5, "F_c": 6.5}
     if own.steady == "stribeck":
-        assert drives["F_s = F_c"].values["F_s"] == friction["F_c"]
-        assert drives["F_c = 7 N"].values["F_s"] >= 7.0
+        assert drives["F_s = F_c"].parameters["F_s"] == friction["F_c"]
+        assert drives["F_c = 7 N"].parameters["F_s"] >= 7.0
 
 
 @pytest.mark.parametrize("top", [2e-3, 0.04, 0.3])

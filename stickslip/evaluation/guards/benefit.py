@@ -267,7 +267,9 @@ class _Runs(ExitStack):
 
     def error(self, drive: Drive, command: Command, variant: Variant) -> float:
         """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""
-        values = {f"drive.{name}": value for name, value in {**self.axis, **drive.values}.items()}
+        values = {
+            f"drive.{name}": value for name, value in {**self.axis, **drive.parameters}.items()
+        }
         until = (len(command.v_cmd) - 1) * self.T_s
         try:
             result = self.simulations[drive.law].run(

@@ -49,12 +49,12 @@ class Drive:
     ----------
     name : how it differs from the fitted one
     law : name of its friction law
-    values : start values of the drive FMU: friction, and what else differs
+    parameters : start values of the drive FMU: friction, and what else differs
     """
 
     name: str
     law: str
-    values: Values
+    parameters: Values
 
 
 @dataclass(frozen=True, eq=False)

@@ -149,14 +149,3 @@ def test_a_delay_at_its_bound_is_a_fault(short, candidates):
     )
     assert fault.spoils == "intervals"
     assert "identifiable" not in {known.identifiability for known in learned.known.values()}
-
-
-def test_f_s_that_does_not_show_is_f_c(command, candidates):
-    """The fit prefers 20 times F_c here; such a force pushed the drive."""
-    learned = learn(Task(candidates, recording(run("gms", command))))
-    assert learned.fit.parameters["F_s"] > 10.0 * learned.fit.parameters["F_c"]
-    assert learned.known["F_s"].identifiability == "not identifiable"
-    assert learned.compensator["F_s"] == learned.compensator["F_c"]
-    assert learned.known["F_s"].value == learned.known["F_c"].value
-    assert "F_s = F_c is taken" in learned.known["F_s"].sentence
-    assert learned.compensator["F_c"] == pytest.approx(5.999, rel=0.15)
