@@ -62,10 +62,29 @@ class Drive:
         """The velocity loop in which it runs."""
         return design_velocity_loop(Axis(self.parameters["m"], self.parameters["b"], 0.0), LOOP)
 
-    def run(self, v_cmd: np.ndarray, force: np.ndarray | None = None) -> dict[str, np.ndarray]:
-        """Run it along a command, with a feedforward force."""
+    def run(
+        self, v_cmd: np.ndarray, force: np.ndarray | None = None, level: float = 1.0
+    ) -> dict[str, np.ndarray]:
+        """Run it along a command, with a feedforward force and a level of friction."""
         loop = self.loop
-        return drives.run(self.law, v_cmd, force, **self.changes, K_p=loop.K_p, K_i=loop.K_i)
+        friction = {name: level * self.parameters[name] for name in ("F_s", "F_c")}
+        changes = {**self.changes, **friction, "K_p": loop.K_p, "K_i": loop.K_i}
+        return drives.run(self.law, v_cmd, force, **changes)
+
+    def error(self, v_cmd: np.ndarray, force: np.ndarray | None) -> float:
+        """Return the RMS of v - v_cmd [m/s], over both directions and slightly other friction.
+
+        A single run that sticks and slips depends by some per cent on the last digit of anything.
+        """
+        squares = [
+            np.mean(
+                (self.run(s * v_cmd, None if force is None else s * force, by)["v"] - s * v_cmd)
+                ** 2
+            )
+            for s in (1.0, -1.0)
+            for by in (0.998, 1.002)
+        ]
+        return float(np.sqrt(np.mean(squares)))
 
 
 LIGHT = {"m": 0.8, "b": 2.0, "F_c": 1.5, "F_s": 2.4, "v_s": 2e-3, "sigma_0": 1e5, "sigma_1": 300.0}
@@ -93,7 +112,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("never_worse"), metavar="DIR")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    rows: list[dict[str, object]] = []
+    rows, worst = [], 0.0
     for name in options.drives:
         drive = DRIVES[name]
         laws = ["lugre"] if "lugre" in options.laws else []
@@ -108,12 +127,8 @@ def main() -> None:
             pd.DataFrame(rows).to_csv(options.out / "never_worse.csv", index=False)
             shown = " ".join(f"{what} {ratio:.2f}" for what, ratio in ratios.items())
             print(f"{name:24} {law:17} {fate} {shown}", flush=True)
-    worst = max((value for row in rows for value in row.values() if _is_ratio(value)), default=0.0)
+        worst = max([worst, *ratios.values()])
     print(f"largest ratio {worst:.3f}, expected at most {WORSE:g}")
-
-
-def _is_ratio(value: object) -> bool:
-    return isinstance(value, np.floating)
 
 
 def learn(drive: Drive, law: str, path: Path) -> ss.Learned:
@@ -138,9 +153,7 @@ def tried(drive: Drive, law: str, compensator: dict[str, float]) -> dict[str, fl
             system, stop = feedforward(folder, loop, compensator), (len(v_cmd) - 1) * T_S
             with system.prepare(step=T_S, stop=stop, record=("compensator.F_mean",)) as simulation:
                 force = simulation.run({}, loop.commands(v_cmd))["compensator.F_mean"]
-            runs = [drive.run(v_cmd, added)["v"] for added in (None, force)]
-            without, compensated = (np.sqrt(np.mean((v - v_cmd) ** 2)) for v in runs)
-            ratios[name] = compensated / without
+            ratios[name] = drive.error(v_cmd, force) / drive.error(v_cmd, None)
     return ratios
 
 

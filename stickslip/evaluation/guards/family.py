@@ -23,10 +23,9 @@ Values = Mapping[str, float]
 
 SPEEDS = (1.0, 0.1, 0.01)
 """Shares of the log's speed."""
-MOVES = {"micro-steps": (3.0, 0.01), "short moves": (30.0, 0.1)}
-"""Lengths of small moves: in presliding deflections, and at most as a share of the travel."""
-COUNTS = 20
-"""Encoder steps in the shortest move."""
+MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
+"""Lengths of small moves: in presliding deflections, at least in encoder steps, and at most as a
+share of the travel."""
 LEVELS = (0.5, 1.5)
 """Shares of the fitted friction."""
 UNEVEN = 0.1
@@ -143,7 +142,7 @@ def commands(
     ----------
     command : the trapezoid at full speed
     friction : gives the presliding deflection, in which small moves are measured
-    encoder_step : of which a move has at least ``COUNTS`` [m]
+    encoder_step : of which a move has several [m]
     """
     unit = "mrad/s" if rotary else "mm/s"
     t = np.arange(round((command.corners()[-1] + command.begin) / T_s) + 1) * T_s
@@ -151,8 +150,8 @@ def commands(
     for share in SPEEDS:
         slower = replace(command, height=share * command.height, slope=share * command.slope)
         found.append(Command(f"{1e3 * slower.height:.3g} {unit}", slower.sample(t)))
-    for name, (deflections, share) in MOVES.items():
-        length = max(deflections * deflection(friction, command), COUNTS * encoder_step)
+    for name, (deflections, steps, share) in MOVES.items():
+        length = max(deflections * deflection(friction, command), steps * encoder_step)
         length = min(length, share * travel(command))
         found.append(Command(name, _moves(length, command, T_s)))
     return tuple(found)

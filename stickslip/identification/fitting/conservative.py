@@ -22,7 +22,7 @@ SOFTEST = 0.5
 """Least share of a fitted stiffness: a contact that is far too soft pushes after the motion."""
 CREEP = 0.1
 """Share of the highest speed up to which friction towards rest shows."""
-BEYOND = 1.05
+BEYOND = 1.25
 """Ratio to the largest force that the recording shows, above which a value is reduced to it."""
 
 
