@@ -26,11 +26,7 @@ from stickslip.planning import plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION
 from stickslip.servo.systems import build_fmus, feedforward
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
 from tests.stickslip.identification import drives
 
 T_S = drives.T_S

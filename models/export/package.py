@@ -75,6 +75,7 @@ def load_law(name: str) -> Law:
     return read_law(MODELS / "laws" / name)
 
 
+@cache
 def load_model(name: str, law: str | None = None) -> Model:
     """Read a model by name.
 

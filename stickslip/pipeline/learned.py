@@ -301,7 +301,8 @@ def learn_recording(
     choice = None
     if law == AUTO:
         on_stage("comparing friction laws")
-        choice = choose(predictions(recording, gains))
+        workers = search.execution.workers if search else 1
+        choice = choose(predictions(recording, gains, workers=workers))
         law = choice.chosen.candidate.law.name
     with candidate_fmus(law) as fmus:
         task = Task(
@@ -325,13 +326,18 @@ def learn_recording(
 
 
 def try_compensator(
-    reading: Reading, learned: LearnedFromRecording, *, with_observer: bool = True
+    reading: Reading,
+    learned: LearnedFromRecording,
+    *,
+    with_observer: bool = True,
+    workers: int = 1,
 ) -> LearnedFromRecording:
     """Try a learned compensator at the log's own speed, where a loop can be closed.
 
     Parameters
     ----------
     with_observer : whether a disturbance observer is designed and tried beside it
+    workers : number of runs in parallel
     """
     estimation = learned.estimation
     mass = estimation.known.get("m")
@@ -357,7 +363,8 @@ def try_compensator(
         for name in estimation.fit.space.friction
         if estimation.known[name].identifiability != NOT_IDENTIFIABLE
     }
-    with bench_of(law, loop, learned.friction, drives, command, sheet, rotary=rotary) as bench:
+    own = learned.friction
+    with bench_of(law, loop, own, drives, command, sheet, rotary=rotary, workers=workers) as bench:
         benefits = bench.benefits(feedforwards(law, learned.friction))
         best = best_of(benefits)
         found = findings_of(bench, learned.friction, best, best.share, errors)

@@ -92,6 +92,9 @@ def learn(
     )
     on_stage("trying the compensator")
     learned = try_compensator(
-        reading, replace(learned, asked=compensation), with_observer=compensation != FEEDFORWARD
+        reading,
+        replace(learned, asked=compensation),
+        with_observer=compensation != FEEDFORWARD,
+        workers=search.execution.workers if search else 1,
     )
     return with_tracking(reading, learned)

@@ -116,11 +116,12 @@ def bench_of(
     *,
     feed: Feed = "nominal",
     rotary: bool = False,
+    workers: int = 1,
 ) -> Iterator[Bench]:
     """Build the loop in which variants are tried; parameters as for ``benefits_on_drives``."""
     with temporary_folder() as folder:
         tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
-        yield Bench(folder, law, loop, drives, tried, feed, datasheet, rotary)
+        yield Bench(folder, law, loop, drives, tried, feed, datasheet, rotary, workers)
 
 
 def findings_of(

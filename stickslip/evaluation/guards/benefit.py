@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ import numpy as np
 from stickslip import cosim
 from stickslip.evaluation.guards.family import MOVES, Command, Drive
 from stickslip.evaluation.guards.trial import axis_values
+from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
@@ -174,6 +175,7 @@ class Bench:
     folder : empty; FMUs are built into it
     law : of the feedforward
     drives, commands : every drive is tried on every command
+    workers : number of runs in parallel
     """
 
     folder: Path
@@ -184,6 +186,7 @@ class Bench:
     feed: Feed = "nominal"
     datasheet: Datasheet = field(default_factory=Datasheet)
     rotary: bool = False
+    workers: int = 1
 
     def __post_init__(self) -> None:
         for name in self.laws:
@@ -202,7 +205,7 @@ class Bench:
     def _without(self) -> list[float]:
         """RMS of v - v_cmd [m/s] without compensation, of each drive and command."""
         with _Runs(self, NONE) as runs:
-            return [runs.error(*cell, NONE) for cell in self._cells()]
+            return runs.each(lambda cell: runs.error(*cell, NONE), self._cells())
 
     def benefits(
         self, variants: Iterable[Variant], shares: Sequence[float] = SHARES
@@ -225,16 +228,17 @@ class Bench:
                 compensated = runs.error(drive, command, variant.share(self.law, share))
                 return Tried(command.speed, drive.name, error, compensated, command.name)
 
-            full = tuple(tried(k, 1.0) for k in range(len(cells)))
+            full = tuple(runs.each(partial(tried, share=1.0), range(len(cells))))
             if not variant.has_feedforward or all(row.ratio <= WORSE for row in full):
                 return Benefit(1.0, full, full, unit, variant)
             # Where the whole force harms most, a share fails first.
             order = sorted(range(len(cells)), key=lambda k: -full[k].ratio)
             for share in shares[1:]:
-                rows = {}
-                for k in order:
-                    rows[k] = tried(k, share)
-                    if rows[k].ratio > WORSE:
+                rows: dict[int, Tried] = {}
+                for begin in range(0, len(order), self.workers):
+                    some = order[begin : begin + self.workers]
+                    rows |= zip(some, runs.each(partial(tried, share=share), some), strict=True)
+                    if any(rows[k].ratio > WORSE for k in some):
                         break
                 else:
                     found = tuple(rows[k] for k in range(len(cells)))
@@ -243,7 +247,7 @@ class Bench:
 
 
 class _Runs(ExitStack):
-    """Loops with one variant: a prepared simulation for each law of the drives."""
+    """Loops with one variant: prepared simulations for each law of the drives."""
 
     def __init__(self, bench: Bench, variant: Variant) -> None:
         super().__init__()
@@ -258,12 +262,19 @@ class _Runs(ExitStack):
         }
         self.simulations = {
             name: self.enter_context(
-                build_loop(bench.folder_of(name), loop, variant.chain, bench.feed).prepare(
-                    step=loop.T_s, stop=(self.n - 1) * loop.T_s, record=("drive.v",)
+                Runs(
+                    cosim.Specification(
+                        build_loop(bench.folder_of(name), loop, variant.chain, bench.feed),
+                        step=loop.T_s,
+                        stop=(self.n - 1) * loop.T_s,
+                        record=("drive.v",),
+                    ),
+                    bench.workers,
                 )
             )
             for name in bench.laws
         }
+        self.each = self.simulations[bench.law.name].each
 
     def error(self, drive: Drive, command: Command, variant: Variant) -> float:
         """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""

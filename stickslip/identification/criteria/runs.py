@@ -32,7 +32,12 @@ class Runs(Closing):
         self._all = [specification.prepare()]
         self._idle = self._all.copy()
 
-    def run(self, parameters: Mapping[str, object], inputs: Mapping[str, Input]) -> cosim.Result:
+    def run(
+        self,
+        parameters: Mapping[str, object],
+        inputs: Mapping[str, Input],
+        until: float | None = None,
+    ) -> cosim.Result:
         """Run once, see ``cosim.Simulation.run``."""
         try:
             simulation = self._idle.pop()
@@ -40,7 +45,7 @@ class Runs(Closing):
             simulation = self._specification.prepare()
             self._all.append(simulation)
         try:
-            return simulation.run(parameters, inputs)
+            return simulation.run(parameters, inputs, until=until)
         finally:
             self._idle.append(simulation)
 

@@ -90,6 +90,12 @@ class Fit:
         """Return the Gauss step (k,) from here towards the least sum of squares."""
         return self.shift(self.residual) - self._inverse() @ self.pull()
 
+    def length(self, step: Array) -> float:
+        """Return by how much a step (k,) from the least deviance raises it, linearised."""
+        change = self.jacobian @ step
+        prior = _prior_information(self.space) @ step**2
+        return float(change @ change) / self.noise + float(prior)
+
     def pull(self) -> Array:
         """Return half the gradient (k,) of the squared prior residual."""
         return _prior_information(self.space) * (self.q - self.space.prior_mean)

@@ -29,6 +29,8 @@ PRIOR_DOMINATED = 0.5
 """Standard error, as share of the prior standard deviation, above which the prior decides."""
 POINTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # of the profile, in standard errors
 PASSES = 3
+SETTLED = 0.01
+"""Length of a Gauss step, in deviance, below which a point of a profile is not moved again."""
 LOOSE = 0.5
 """Standard error of a coordinate above which it is held while others are profiled."""
 AT_BOUND = 1e-6
@@ -146,9 +148,9 @@ def profiles(
 ) -> pd.DataFrame:
     """Return the profile likelihoods of the law's parameters.
 
-    Each point holds one parameter and lets the others follow by three Gauss steps with the Jacobian
-    of the fit; where that is not enough the curve lies above the true profile. Where a bound keeps
-    the parameter from a value there is no point.
+    Each point holds one parameter and lets the others follow by up to three Gauss steps with the
+    Jacobian of the fit; where that is not enough the curve lies above the true profile. Where a
+    bound keeps the parameter from a value there is no point.
 
     Parameters
     ----------
@@ -168,13 +170,19 @@ def profiles(
         for name in space.friction
         for distance in POINTS
     ]
+    moving = points
     for k in range(PASSES + 1):
-        rests = residuals([space.decode(point.q) for point in points])
-        for point, rest in zip(points, rests, strict=True):
+        rests = residuals([space.decode(point.q) for point in moving])
+        for point, rest in zip(moving, rests, strict=True):
             if k:
                 point.losses.append(information.loss(rest, point.q))
-            if k < PASSES:
-                point.advance(rest)
+        if k == PASSES:
+            break
+        moving = [
+            point
+            for point, rest in zip(moving, rests, strict=True)
+            if point.advance(rest) > SETTLED or not k
+        ]
     middle = [(name, fitted.parameters[name], 0.0) for name in space.friction]
     rows = middle + [point.row() for point in points if point.is_reached]
     table = pd.DataFrame(rows, columns=["parameter", "value", "deviance"])
@@ -245,8 +253,8 @@ class _Point:
                 self.q[index] + self._change, space.lower[index], space.upper[index]
             )
 
-    def advance(self, rest: Array) -> None:
-        """Make a Gauss step from the residual (n,) here."""
+    def advance(self, rest: Array) -> float:
+        """Make a Gauss step from the residual (n,) here; return its length in deviance."""
         fitted, space, direction = self._fitted, self._fitted.space, self._direction
         frozen, weight = self._information.frozen, self._information.weight
         prior = weight * (self.q - space.prior_mean)
@@ -254,7 +262,9 @@ class _Point:
         if not self._held:
             missing = self._wanted - direction @ (self.q + step)
             step += frozen @ direction * missing / self._plain**2
-        self.q = np.clip(self.q + step, space.lower, space.upper)
+        before, self.q = self.q, np.clip(self.q + step, space.lower, space.upper)
+        moved = np.where(self._information.loose, 0.0, self.q - before)
+        return fitted.length(moved)
 
     @property
     def is_reached(self) -> bool:
