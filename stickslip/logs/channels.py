@@ -73,7 +73,9 @@ def unit_fault(
         what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
         advice = f"give a unit such as {_expected(role, motion)}, or what {one} is in {SI}"
         advice = f"{advice} with --scale {role}=NUMBER"
-        return Finding("error", what, "", f"{advice}; --column {role}=none leaves it out")
+        if role not in ("time", "position", "force"):
+            advice = f"{advice}; --column {role}=none leaves it out"
+        return Finding("error", what, "", advice)
     named = named_quantity(name)
     elsewhere = () if quantity_key(role) == "force" else ("current", "voltage", "torque", "angle")
     if stated := table.units.get(name):

@@ -14,6 +14,8 @@ from stickslip.logs.units import unit_named
 _DELIMITERS = ("\t", ";", ",", "|", " ")
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
 _BEHIND = re.compile(r"^(.+?)(?:\s*,\s*|\s+/\s*|\s+in\s+)([^,\s]+)$")
+_GROUPED = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d*")
+"""A number such as 1.234,5."""
 _SAMPLE = 200
 _SAMPLED = 1 << 18
 """Characters of lines that are looked at."""
@@ -45,8 +47,12 @@ class Dialect:
 
     def number(self, field: str) -> float | None:
         """Return the number that a field holds, None when it is not a number."""
+        if self.decimal == ",":
+            if _GROUPED.fullmatch(field):
+                field = field.replace(".", "")
+            field = field.replace(",", ".")
         try:
-            return float(field.replace(",", ".") if self.decimal == "," else field)
+            return float(field)
         except ValueError:
             return None
 

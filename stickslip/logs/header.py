@@ -64,18 +64,20 @@ def find_header(lines: Sequence[Line], dialect: Dialect) -> Header:
     head: list[list[str]] = []
     above: list[int] = []
     titled: dict[str, list[str]] = {}
-    for _, text in lines:
+    begin = 0
+    for k, (_, text) in enumerate(lines):
         row = dialect.fields(text.lstrip("#% "))
-        known = sum(dialect.number(field) is not None for field in row)
         key = re.sub(r"[\W\d_]", "", row[0]).lower() if row else ""
         if key in _KEYS:
             titled[key] = row
-        elif known and 2 * known >= len(row) and (titled or len(row) == width):
-            break
-        elif len(row) == width and not known:
-            above.append(len(head))
+        elif (titled or len(row) == width) and _holds_numbers(row, dialect):
+            following = dialect.fields(lines[k + 1][1]) if k + 1 < len(lines) else row
+            if len(following) != len(row) or _holds_numbers(following, dialect):
+                begin = k
+                break
+        elif len(row) == width and not any(dialect.number(field) is not None for field in row):
+            above.append(k)
         head.append(row)
-    begin = len(head) if len(head) < len(lines) else 0
     if names := next((titled[key] for key in _NAMES if len(titled) > 1 and key in titled), None):
         return _titled(begin, width, names, titled, dialect)
     if not above:
@@ -84,6 +86,11 @@ def find_header(lines: Sequence[Line], dialect: Dialect) -> Header:
     times = [(role_named(name) or ("",))[0] == "time" for name in names]
     paired = width >= 4 and all(times[::2]) and not any(times[1::2])
     return Header(above[-1] + 1, width, names, units, paired)
+
+
+def _holds_numbers(row: list[str], dialect: Dialect) -> bool:
+    known = sum(dialect.number(field) is not None for field in row)
+    return known > 0 and 2 * known >= len(row)
 
 
 def _above(head: list[list[str]], above: list[int]) -> tuple[list[str], list[str | None]]:

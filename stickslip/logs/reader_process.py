@@ -17,11 +17,12 @@ import numpy as np
 
 MEMORY = 1 << 32
 """Bytes of address space, so that a small compressed file cannot fill the memory."""
-_VALUES = ("values", "data")
+_VALUES = ("values", "data", "value")
 _LABELS = ("label", "name")
 _UNITS = ("unit", "units")
 _FURTHER = {*_LABELS, *_UNITS, "time", "dimensions"}
 """Fields that, beside values, make a structure one signal: those of Simulink and dSPACE."""
+_TIMES = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 _KINDS = {"c": "complex numbers", "U": "text", "S": "text", "V": "an array of structs"}
 
 _Signal = tuple[str, Any, str, Any]
@@ -32,7 +33,7 @@ def signals(prefix: str, found: Any, time: Any = None) -> Iterator[_Signal]:
     """Yield the signals of a tree of mappings, lists and arrays."""
     if isinstance(found, Mapping):
         fields = {key.lower(): value for key, value in found.items()}
-        own = next((fields[key] for key in ("time",) if _is_numbers(fields.get(key))), None)
+        own = _seconds(fields.get("time"))
         values = next((fields[key] for key in _VALUES if key in fields), None)
         if values is not None and _FURTHER & fields.keys():
             name = _text(fields, _LABELS) or prefix
@@ -60,6 +61,13 @@ def _text(fields: Mapping[str, Any], keys: tuple[str, ...]) -> str:
 
 def _is_numbers(found: Any) -> bool:
     return isinstance(found, np.ndarray) and found.dtype.kind in "biufmM"
+
+
+def _seconds(found: Any) -> Any:
+    """Return numbers as seconds, None for anything else."""
+    if isinstance(found, Mapping) and _is_numbers(found.get("values")):
+        return found["values"] * _TIMES.get(found.get("unit", "s"), 1.0)
+    return found if _is_numbers(found) else None
 
 
 def _leaf(found: Any) -> Any:

@@ -21,7 +21,7 @@ _EXACT = {
 }
 _WEAK = {
     "force": "u i iq i_q vir motor_current motorstrom corriente",
-    "time": "index",
+    "time": "index date datum date_time datetime",
 }
 _SYMBOLS = {
     "position": "x q s y pos phi theta",
@@ -33,7 +33,7 @@ _ACTUAL = "act actual ist istwert meas measured fb feedback"
 _FILLERS = "value wert val smoothed filtered geglättet glatt co"
 """Words that change nothing."""
 _BASES = {
-    "time": "time seconds zeit temps tempo tiempo",
+    "time": "time seconds zeit uhrzeit temps tempo tiempo",
     "position": "position pos angle displacement encoder enc theta travel lage winkel weg "
     "posizione",
     "velocity": "velocity vel velo speed omega geschwindigkeit drehzahl vitesse velocità velocidad",

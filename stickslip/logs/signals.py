@@ -44,9 +44,9 @@ def table_of(
 ) -> LogTable:
     """Return one table of signals; what has other times is interpolated.
 
-    Columns of a matrix are called ``name(1)`` and so on. The common times are those at which most
-    signals were logged that a name tells to be of use; of several the coarsest, because a position
-    that is interpolated between its samples shows false accelerations.
+    Columns of a matrix are called ``name(1)`` and so on. The common times are those of the
+    position, because one that is interpolated between its samples shows false accelerations;
+    without a position those of the velocity, of the force, or of most samples.
 
     Parameters
     ----------
@@ -136,12 +136,12 @@ def _aligned(
     for name, t in times.items():
         groups.setdefault(t.tobytes(), []).append(name)
 
-    def usefulness(names: list[str]) -> tuple[int, int]:
-        useful = len({role for name in names if (role := role_named(name))})
-        n = len(times[names[0]])
-        return useful, -n if useful else n
+    def weight(names: list[str]) -> tuple[bool | int, ...]:
+        roles = {found[0] for name in names if (found := role_named(name))}
+        wanted = (role in roles for role in ("position", "velocity", "force"))
+        return (*wanted, len(times[names[0]]))
 
-    common = max(groups.values(), key=usefulness)
+    common = max(groups.values(), key=weight)
     base = times[common[0]]
     moved = []
     for names in groups.values():

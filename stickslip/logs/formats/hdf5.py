@@ -9,6 +9,7 @@ import numpy as np
 
 TITLE = "HDF5 or MATLAB 7.3"
 SUFFIXES = (".h5", ".hdf5", ".hdf", ".mat")
+_UNITS = ("unit", "units")
 NEEDS = ("h5py", "hdf5")
 
 
@@ -33,12 +34,14 @@ def _plain(file: Any, item: Any) -> Any:
     if "MATLAB_object_decode" in item.attrs:
         return f"a MATLAB object ({matlab}), which only MATLAB reads; save a structure with time"
     if isinstance(item, h5py.Group):
-        fields = {name: _plain(file, item[name]) for name in item}
+        hard = [name for name in item if isinstance(item.get(name, getlink=True), h5py.HardLink)]
+        fields = {name: _plain(file, item[name]) for name in hard}
+        unit = _unit(item)
         several = [value for value in fields.values() if isinstance(value, list)]
         if matlab == "struct" and several and len(several) == len(fields):
             each = zip(*several, strict=True)  # an array of structures has one cell per field
             return [dict(zip(fields, values, strict=True)) for values in each]
-        return fields
+        return {**fields, "unit": unit} if unit else fields
     if "MATLAB_empty" in item.attrs:
         return "" if matlab == "char" else "an empty array"
     value = np.asarray(item[()])
@@ -47,15 +50,15 @@ def _plain(file: Any, item: Any) -> Any:
     if matlab == "char":
         return "".join(map(chr, value.ravel()))
     if value.dtype.names:
-        fields = {name: value[name] for name in value.dtype.names}
-    elif value.dtype.kind in "SO" and value.size == 1:
+        return {name: value[name] for name in value.dtype.names}
+    if value.dtype.kind in "SO" and value.size == 1:
         return _text(value.ravel()[0])
-    elif matlab:
-        return value.T
-    else:
-        fields = {"values": value}
-    unit = next((_text(item.attrs[key]) for key in ("unit", "units") if key in item.attrs), "")
-    return {**fields, "unit": unit} if "values" in fields else fields
+    unit = _unit(item)
+    return value.T if matlab else {"values": value, "unit": unit} if unit else value
+
+
+def _unit(item: Any) -> str:
+    return next((_text(item.attrs[key]) for key in item.attrs if key.lower() in _UNITS), "")
 
 
 def _text(found: Any) -> str:

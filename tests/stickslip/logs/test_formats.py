@@ -128,7 +128,7 @@ def test_the_content_decides_before_the_name_does(table, tmp_path):
 
 
 def test_signals_of_other_times_are_interpolated(tmp_path):
-    """The times are the coarser ones of the two signals that are of use, not the finest."""
+    """The times are those of the position, not the finest."""
     fast, slow = np.arange(4000) * 5e-4, np.arange(1000) * 2e-3
     with writers.Matlab73(tmp_path / "log.mat") as file:
         for name, t, values in (
@@ -162,6 +162,19 @@ def test_objects_of_matlab_are_named(tmp_path):
         file.put_object("out", "Simulink.SimulationData.Dataset")
     with pytest.raises(RecordingError, match=r"object .Simulink.SimulationData.Dataset.*structure"):
         read_recording(tmp_path / "log.mat")
+
+
+def test_a_group_with_values_and_times_is_a_signal_and_soft_links_are_left_out(tmp_path):
+    t = np.arange(50) * 1e-3
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        for name, unit in (("position", "mm"), ("force", "N")):
+            group = file.create_group(name)
+            group["time"], group["value"] = t * 1e3, t
+            group["time"].attrs["unit"], group.attrs["Unit"] = "ms", unit
+        file["position/circle"] = h5py.SoftLink("/")
+    table = read_table(tmp_path / "log.h5")
+    assert table.units == {"force": "N", "position": "mm", "time": "s"}
+    np.testing.assert_allclose(table.numbers["time"], t)
 
 
 def test_scalars_of_version_7_3_may_be_named(tmp_path, table):

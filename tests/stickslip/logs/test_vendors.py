@@ -93,6 +93,12 @@ FILES = {
     "time of day": "Timestamp;Lage / mm;Istkraft / N\n"
     + rows([f"23:59:59,{k + 700}" if k < 300 else f"00:00:00,{k - 300:03d}" for k in range(N)],
            X * 1e3, F),
+    "numbers in the preamble": "Messung;Achse;3\nKanal;1;2\nZeit;Lage;Kraft\ns;mm;N\n"
+    + rows(T, X * 1e3, F),
+    "grouped digits": "Zeit [s];Lage [nm];Kraft [N]\n"
+    + rows(T, X * 1e9, F, number=lambda a: f"{a:,.9f}".translate(str.maketrans(",.", ".,"))),
+    "date and time of day": "Datum;Uhrzeit;Lage [mm];Kraft [N]\n"
+    + rows(["12.03.2024"] * N, [f"10:00:00,{k:03d}" for k in range(N)], X * 1e3, F),
     "own times": "Zeit 1 [ms];Lageistwert [µm];Zeit 2 [ms];Kraftistwert [N]\n"
     + rows(T * 1e3, X * 1e6, T * 1e3 + 0.0, F),
 }  # fmt: skip
@@ -113,6 +119,24 @@ def test_a_vendor_file_needs_no_option(name, tmp_path):
 
 
 TORQUE = np.sin(9 * T) * 0.7
+
+
+def test_channels_of_twincat_with_other_periods(tmp_path):
+    """Each channel has its own times; the force every 2 ms comes on those of the position."""
+    pair = "{:.9g}\t{:.9g}\t".format
+    head = titled("Name", "Axis 1.ActPos", "Axis 1.ActForce")
+    head += titled("SampleTime[ms]", "1", "2") + titled("Unit", "mm", "N")
+    lines = [
+        pair(T[k] * 1e3, X[k] * 1e3) + (pair(T[2 * k] * 1e3, F[2 * k]) if 2 * k < N else "\t\t")
+        for k in range(N)
+    ]
+    path = tmp_path / "log.csv"
+    path.write_text("Name\tScope\n\n" + head + "\n" + "\n".join(lines) + "\n")
+    recording = read_recording(path).recording
+    np.testing.assert_allclose(recording.position, X[:-1], atol=1e-10)
+    np.testing.assert_allclose(recording.force[::2], F[:-1:2], rtol=1e-7)
+
+
 RATED = {
     "percent": ("Drehmomentistwert [%]", TORQUE / 2.4 * 100, {"rated_torque": 2.4}),
     "per mille": ("Torque actual value [0.1%]", TORQUE / 2.4 * 1000, {"rated_torque": 2.4}),
