@@ -96,7 +96,7 @@ FILES = {
     "numbers in the preamble": "Messung;Achse;3\nKanal;1;2\nZeit;Lage;Kraft\ns;mm;N\n"
     + rows(T, X * 1e3, F),
     "grouped digits": "Zeit [s];Lage [nm];Kraft [N]\n"
-    + rows(T, X * 1e9, F, number=lambda a: f"{a:,.9f}".translate(str.maketrans(",.", ".,"))),
+    + rows(T, X * 1e9, F, number=lambda a: f"{a:,.12f}".translate(str.maketrans(",.", ".,"))),
     "date and time of day": "Datum;Uhrzeit;Lage [mm];Kraft [N]\n"
     + rows(["12.03.2024"] * N, [f"10:00:00,{k:03d}" for k in range(N)], X * 1e3, F),
     "own times": "Zeit 1 [ms];Lageistwert [µm];Zeit 2 [ms];Kraftistwert [N]\n"
