@@ -12,7 +12,9 @@ from stickslip.identification.selection.prediction import Prediction
 
 TIE = 2.0
 """Standard errors of the difference of two mean squares up to which two laws are tied."""
-GAIN = 0.8
+MARGIN = 0.98
+"""Ratio of two errors above which they are tied in any case."""
+GAIN = 0.7
 """Error, over that of Coulomb and viscous friction, at which no parameter need be identified."""
 NOTHING_MORE = "nothing more can be seen in this log, neither presliding nor a Stribeck curve"
 
@@ -60,10 +62,19 @@ def choose(predictions: Sequence[Prediction]) -> Choice:
 
 
 def is_better(one: Prediction, other: Prediction) -> bool:
-    """Tell whether one predicts better, by the standard error of the difference over blocks."""
-    gain = other.squares - one.squares
-    error = np.std(gain, ddof=1) / np.sqrt(len(gain))
-    return bool(np.mean(gain) > TIE * error)
+    """Tell whether one predicts better, by the standard error over blocks.
+
+    Either the difference of the mean squares or their ratio must be significant: where one law
+    fails in few blocks only, the difference has a large standard error.
+    """
+    if one.force > MARGIN * other.force:
+        return False
+    least = np.finfo(float).tiny
+    ratio = np.log(np.maximum(other.squares, least) / np.maximum(one.squares, least))
+    gains = (other.squares - one.squares, ratio)
+    return any(
+        bool(np.mean(gain) > TIE * np.std(gain, ddof=1) / np.sqrt(len(gain))) for gain in gains
+    )
 
 
 def law_table(predictions: Sequence[Prediction]) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from stickslip.logs import Finding
 
 NOTED, SPOILED = 1.5, 2.0
 """Ratios of the error to the one explained above which it is a warning, and spoils intervals."""
-SMALLEST = 0.01
+SMALLEST = 0.02
 """Unexplained force, as share of the measured one, that is not worth a warning."""
 MOST = 0.5
 """Share of the unexplained mean square that a cause must remove to be named as the likely one."""

@@ -39,6 +39,8 @@ STEPS = (1.0, 0.3, 1.0)
 """Shares of the Gauss steps from the fit of all samples to that of a fold; bad ones are skipped."""
 AT_BOUND = 1e-6
 """Distance from a bound below which a coordinate stays there."""
+RISES = 2.0
+"""Standard errors by which friction must rise towards rest to be seen to do so."""
 THIN = 4
 """Every fourth sample starts the fits; the low-pass leaves less than a quarter of the band."""
 
@@ -173,8 +175,13 @@ def predict(
 
 
 def _shown(fitted: Fit) -> tuple[str, ...]:
+    """Return what is identified of presliding, and of a rise towards rest that is one."""
     space, errors, degrees = fitted.space, fitted.errors(), BLOCKS - len(fitted.q)
-    names = dict.fromkeys((*presliding(space.law), *space.rise))
+    spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
+    rises = any(
+        fitted.q[space.index(name)] > RISES * spread[space.index(name)] for name in space.bounded
+    )
+    names = dict.fromkeys((*presliding(space.law), *(space.rise if rises else ())))
     known = {name: identifiability(name, fitted, errors, degrees) for name in names}
     return tuple(n for n, one in known.items() if one.identifiability != NOT_IDENTIFIABLE)
 

@@ -105,3 +105,22 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path
     capsys.readouterr()
     assert main([*export, "--as", "c", "--out", str(tmp_path / "c")]) != 0
     assert "the law dahl is exported by --as fmu" in capsys.readouterr().err
+
+
+def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
+    """The drive has five Maxwell-slip elements, which LuGre does not explain."""
+    command = plan()["velocity_command"].to_numpy()[:16_000]
+    log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))
+    how = ["--criterion", "inverse", "--out", str(tmp_path / "out")]
+    assert main(["learn", str(log), "--law", "auto", *how]) == 0
+    printed = capsys.readouterr().out
+    assert "law: GMS predicts" in printed
+    learned = json.loads((tmp_path / "out" / "learned.json").read_text())
+    assert learned["law"] == "gms"
+    errors = {row["law"]: row["held_out_error"] for row in learned["prediction"]["laws"]}
+    assert errors["GMS"]["value"] < 0.5 * errors["LuGre"]["value"]
+    assert errors["GMS"]["unit"] == "N"
+    assert "law: " + learned["prediction"]["choice"] in printed
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Which friction law explains the log" in page
+    assert "Coulomb-viscous" in page

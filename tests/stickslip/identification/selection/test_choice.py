@@ -1,0 +1,71 @@
+"""The choice of a law: ties, laws that the recording does not identify, and measured logs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from synthetic_predictions import predicted
+
+from stickslip.identification.selection import choose, predictions
+from stickslip.logs import load_description
+from stickslip.pipeline.log_learning import read_and_check
+
+ROOT = Path(__file__).resolve().parents[4]
+DATA = ROOT.parent / "shared" / "data"
+
+
+def laws(plain=2.0, lugre=1.0, static=2.0, gms=1.0):
+    return [
+        predicted("coulomb_stribeck", plain, is_level=True, seed=1),
+        predicted("lugre", lugre, seed=2),
+        predicted("coulomb_stribeck", static, seed=3),
+        predicted("gms", gms, seed=4),
+    ]
+
+
+def test_lugre_wins_a_tie():
+    choice = choose(laws(gms=0.99))
+    assert choice.chosen.candidate.law.name == "lugre"
+    assert "GMS tie" in choice.reason
+
+
+def test_a_law_that_predicts_better_wins():
+    assert choose(laws(gms=0.8)).chosen.candidate.law.name == "gms"
+
+
+def test_coulomb_viscous_wins_where_no_law_is_better():
+    choice = choose(laws(2.0, 2.0, 1.99, 2.01))
+    assert choice.chosen.candidate.is_level
+    assert "nothing more can be seen" in choice.reason
+
+
+@pytest.mark.parametrize(("error", "wins"), [(1.6, False), (1.2, True)])
+def test_a_law_whose_parameters_do_not_show_must_be_much_better(error, wins):
+    found = [replace(one, shown=()) for one in laws(2.0, error, 2.0, 2.0)]
+    assert (choose(found).chosen.candidate.law.name == "lugre") == wins
+
+
+def test_a_law_that_fails_in_one_block_only_is_worse():
+    found = laws(lugre=0.5, gms=0.5)
+    squares = 1.3 * found[3].squares
+    squares[7] = 40.0
+    failing = replace(found[1], squares=squares, force=float(np.sqrt(squares.mean())))
+    assert choose([found[0], failing, *found[2:]]).chosen.candidate.law.name == "gms"
+
+
+@pytest.mark.parametrize(
+    ("log", "example", "law", "level"),
+    [
+        ("emps/DATA_EMPS.mat", "emps.toml", "coulomb_stribeck", True),
+        ("tribometer/test_data_2.txt", "tribometer.toml", "lugre", False),
+    ],
+)
+def test_measured_logs(log, example, law, level):
+    if not (DATA / log).exists():
+        pytest.skip(f"{DATA / log} is not here")
+    description = load_description(ROOT / "examples" / "logs" / example)
+    reading, _ = read_and_check(DATA / log, description)
+    choice = choose(predictions(reading.recording, reading.controller.parameters()))
+    assert choice.chosen.candidate.law.name == law
+    assert choice.chosen.candidate.is_level == level

@@ -1,0 +1,70 @@
+"""A law that leaves more force than noise explains, and the causes that are tested."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from synthetic_predictions import predicted
+
+from stickslip.identification.selection.mismatch import Cause, another_law, mismatch
+from stickslip.identification.selection.position import along_the_travel
+from stickslip.logs import Recording
+
+T_S = 1e-3
+
+
+def found(error, explained):
+    return replace(predicted("lugre", error), relative=error / 6.0, explained=explained)
+
+
+@pytest.mark.parametrize(
+    ("error", "explained", "spoils"),
+    [
+        (0.5, 0.1, "intervals"),
+        (0.5, 0.3, ""),
+        (0.5, 0.4, None),  # noise
+        (0.05, 0.01, None),  # less than the smallest share of the force
+    ],
+)
+def test_force_above_what_noise_explains_is_a_warning(error, explained, spoils):
+    findings = list(mismatch(found(error, explained), (), rotary=False))
+    if spoils is None:
+        assert not findings
+        return
+    (finding,) = findings
+    assert finding.spoils == spoils
+    assert f"{error:g} N" in finding.figure
+    assert f"{explained:g} N" in finding.figure
+
+
+def test_causes_are_listed_with_their_figures_and_the_likely_one_is_advised():
+    law = predicted("gms", 0.12)
+    causes = [
+        Cause("a delay of 3 ms", 0.45, "shift the force"),
+        *another_law(found(0.5, 0.1), [law]),
+    ]
+    (finding,) = mismatch(found(0.5, 0.1), causes, rotary=True)
+    assert "another law, GMS, leaves 0.12 N m, a delay of 3 ms leaves 0.45 N m" in finding.figure
+    assert finding.advice == "give --law gms"
+    (finding,) = mismatch(found(0.5, 0.1), causes[:1], rotary=False)
+    assert finding.advice == "take the values as coarse"
+
+
+def test_a_law_that_is_tied_is_no_cause():
+    assert not list(another_law(found(0.5, 0.1), [predicted("gms", 0.495)]))
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 0.3])
+@pytest.mark.parametrize("turns", [False, True])
+def test_force_along_the_travel(amplitude, turns):
+    """Ripple has one sign at a position, friction that of the motion."""
+    rng = np.random.default_rng(0)
+    t = np.arange(0.0, 20.0, T_S)
+    x = 0.05 * np.sin(2.0 * np.pi * 0.31 * t)
+    v = np.gradient(x, T_S)
+    wave = amplitude * np.sin(2.0 * np.pi * x / 0.02) * (np.sign(v) if turns else 1.0)
+    residual = wave + 0.1 * rng.standard_normal(len(t))
+    inverse = SimpleNamespace(used=slice(None), motion=SimpleNamespace(v=v), cutoff=60.0, T_s=T_S)
+    cause = along_the_travel(inverse, Recording(t, x), residual)
+    assert cause.left == pytest.approx(0.1, rel=0.15)
