@@ -86,7 +86,7 @@ def _verdict(estimation: Estimation) -> Html:
         paragraph(" ".join(sentences)),
         element("div", join(tiles, "\n"), class_="tiles"),
         paragraph(f"Criterion: {estimation.criterion}, since {estimation.reason}."),
-        *(paragraph(f"{str(fault).capitalize()}.") for fault in estimation.faults),
+        *(paragraph(f"{str(fault)[:1].upper()}{str(fault)[1:]}.") for fault in estimation.faults),
         class_="verdict",
     )
 
