@@ -1,37 +1,55 @@
-"""The compensator as source code: C for a drive's firmware, structured text for a PLC."""
+"""A compensator as source code: C for a drive's firmware, structured text for a PLC."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from stickslip.fmi.files import atomic_write
-from stickslip.models.export.package import load_model
+from stickslip.models.export.package import law_names, load_model
 from stickslip.models.firmware.c99 import c_files
-from stickslip.models.firmware.structured_text import st_file
+from stickslip.models.firmware.structured_text import body_of, st_file
 
 Language = Literal["c", "st"]
 
 
 def write_compensator(
-    folder: Path | str, language: Language, *, start: Mapping[str, float] | None = None
+    folder: Path | str,
+    language: Language,
+    *,
+    start: Mapping[str, float] | None = None,
+    law: str | None = None,
+    model: str = "compensator",
+    called: str | None = None,
 ) -> list[Path]:
-    """Write the compensator as ``compensator.c`` and ``.h``, or as ``compensator.st``.
+    """Write a compensator as ``NAME.c`` and ``NAME.h``, or as ``NAME.st``.
 
     Parameters
     ----------
     folder : is made if it is absent
     language : C99, in 64-bit or 32-bit floating point, or structured text of IEC 61131-3
     start : parameter -> start value, in the unit of model.toml, instead of the one there
+    law : friction law of a feedforward, by default LuGre
+    model : name of the compensator's model
+    called : name in the code, by default that of the model
 
     Raises
     ------
     StartValueError
         When there is no such parameter, or the value is out of its range.
+    UnknownModel
+        When there is no such model, or it is not available in structured text.
     OSError
         When a file cannot be written.
     """
-    model = load_model("compensator").with_start(start or {})
-    files = c_files(model) if language == "c" else st_file(model)
+    found = load_model(model, law).with_start(start or {})
+    found = replace(found, name=called or found.name)
+    files = c_files(found) if language == "c" else st_file(found)
     return [atomic_write(Path(folder) / name, text) for name, text in files.items()]
+
+
+def laws_in_structured_text() -> list[str]:
+    """Return the friction laws whose feedforward is available in structured text."""
+    return [law for law in law_names() if body_of(load_model("compensator", law))]

@@ -1,4 +1,4 @@
-"""Several C files as one: the functions that a model needs, callees first, all of them static.
+"""Several C files as one: what a model needs, callees first, all functions static.
 
 Reads the C of this project, in which every definition begins in the first column, ends before the
 next blank line outside braces, and has its comment above it or above its prototype.
@@ -15,11 +15,13 @@ _DEFINED = {  # -> what stands before it here
     re.compile(r"^[\w ]+?[ *](\w+)\([^{};]*\) \{", re.DOTALL): "static ",
     re.compile(r"^typedef .*\} (\w+);$", re.DOTALL): "",
     re.compile(r"^#define (\w+)\("): "",
+    re.compile(r"^static const double (\w+) = "): "static ",
+    re.compile(r"^enum \{ (\w+) = "): "",
 }
 
 
 def pieces(texts: Iterable[str]) -> dict[str, str]:
-    """Return name -> definition with its comment: functions, types and macros with arguments."""
+    """Return name -> definition with its comment: functions, types, constants and macros."""
     split = [_split(block) for text in texts for block in _blocks(text)]
     comments = {match[1]: comment for comment, code in split if (match := _PROTOTYPE.match(code))}
     found = {}
@@ -53,11 +55,13 @@ def without_comments(text: str) -> str:
 
 
 def _blocks(text: str) -> Iterator[str]:
-    """Yield what stands between blank lines outside braces."""
+    """Yield what stands between blank lines outside braces; constants one by one."""
     block: list[str] = []
     for line in [*text.splitlines(), ""]:
         joined = "\n".join(block)
-        if line or joined.count("{") > joined.count("}"):
+        if line.startswith("static const ") and line.count("{") == 0:
+            yield line
+        elif line or joined.count("{") > joined.count("}"):
             block.append(line)
         elif block:
             yield joined

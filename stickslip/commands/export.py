@@ -1,17 +1,20 @@
-"""``stickslip export``: export the tuned compensator, a linear system or a whole loop."""
+"""``stickslip export``: export the tuned compensator, an observer, a linear system or a whole loop."""
 
 from __future__ import annotations
 
 import argparse
 
-from stickslip.commands import export_compensator, export_lti, export_system
+from stickslip.commands import export_compensator, export_lti, export_observer, export_system
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare what the command exports."""
-    exports = parser.add_subparsers(dest="what", metavar="compensator|lti|FILE.ssp", required=True)
+    exports = parser.add_subparsers(
+        dest="what", metavar="compensator|observer|lti|FILE.ssp", required=True
+    )
     exports.choices = exports._name_parser_map = _Parsers()  # noqa: SLF001 - no public way
     export_compensator.add_to(exports)
+    export_observer.add_to(exports)
     export_lti.add_to(exports)
     export_system.add_to(exports)
 

@@ -13,7 +13,7 @@ from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.evaluation.guards import benefits_on_drives, feedforward
-from stickslip.models.firmware import write_compensator
+from stickslip.models.firmware import laws_in_structured_text, write_compensator
 from stickslip.results.learned import LearnedFile
 
 MOST_SAMPLES = 10_000_000
@@ -25,6 +25,15 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser = exports.add_parser("compensator", help="the tuned compensator: FMU, C or PLC code")
     parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
     add_options(parser, parameters, type=Path, required=True)
+    add_form_option(parser)
+    force = "export the whole force, even if it makes the loop worse"
+    add_options(parser, {"--force": force}, **FLAG)
+    add_fmu_options(parser)
+    parser.set_defaults(run=run)
+
+
+def add_form_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--as``."""
     parser.add_argument(
         "--as",
         dest="form",
@@ -32,10 +41,6 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
         default="fmu",
         help="an FMU (default), C99 for firmware, or IEC 61131-3 structured text for a PLC",
     )
-    force = "export the whole force, even if it makes the loop worse"
-    add_options(parser, {"--force": force}, **FLAG)
-    add_fmu_options(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -45,10 +50,11 @@ def run(options: argparse.Namespace) -> None:
     makes the loop worse nowhere; where there is none, nothing is written.
     """
     learned = LearnedFile(options.parameters)
-    if options.form != "fmu" and learned.law.name != "lugre":
+    written = laws_in_structured_text()
+    if options.form == "st" and learned.law.name not in written:
         raise UsageError(
-            f"{options.parameters}: --as {options.form} writes the law lugre only; the law "
-            f"{learned.law.name} is exported by --as fmu"
+            f"{options.parameters}: --as st writes the laws {', '.join(written)}; the law "
+            f"{learned.law.name} is exported by --as fmu or --as c"
         )
     start = learned.compensator
     try:
@@ -113,7 +119,7 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
 
 def _write(options: argparse.Namespace, law: str, start: dict[str, float]) -> list[Path]:
     if options.form != "fmu":
-        return write_compensator(options.out, options.form, start=start)
+        return write_compensator(options.out, options.form, start=start, law=law)
     return [
         models.build_fmu("compensator", options.out, start=start, law=law, **fmu_options(options))
     ]

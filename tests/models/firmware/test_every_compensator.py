@@ -1,0 +1,174 @@
+"""Each compensator and friction law as C and structured text, against its FMU step by step."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip import cosim, models
+from stickslip.fmi import toolchain
+from stickslip.models.firmware import laws_in_structured_text, write_compensator
+
+sys.path.insert(0, str(Path(__file__).parent))  # structured_text
+import structured_text
+
+STEP, N = 5e-4, 1500  # s
+STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-ffreestanding")
+FEEDFORWARDS = {law: ("compensator", law, "compensator") for law in models.law_names()}
+OBSERVER = ("dob", None, "observer")
+CASES = {**FEEDFORWARDS, "observer": OBSERVER, "static": ("static_feedforward", None, None)}
+STARTS = {
+    "dahl": {"i": 0.7},
+    "gms": {"F_s": 9.5, "C": 800.0, "delta": 2.0},
+    "coulomb_stribeck": {"F_s": 9.5, "delta": 0.7, "b": 3.0, "lead": 1e-4, "hold": 0.0},
+    "observer": {"m": 2.0, "b": 30.0, "tau_i": 4e-4, "L_v": 300.0, "share": 0.8},
+}
+
+
+def signals(names: list[str]) -> dict[str, np.ndarray]:
+    """Return inputs (N,) of a motion that rests, creeps, reverses and runs fast."""
+    t = np.arange(N) * STEP
+    v = np.where(t < 0.01, 0.0, 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t))
+    x = np.round(np.cumsum(v) * STEP / 4e-7) * 4e-7
+    F = 8.0 * np.tanh(v / 1e-3) + 3.0 * np.gradient(v, STEP)
+    found = {"v": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3)}
+    return {name: found[name] for name in names}
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
+    """Return a function: case -> folder with C, FMU, and structured text where there is any."""
+
+    @cache
+    def export(case: str) -> Path:
+        model, law, called = CASES[case]
+        folder = tmp_path_factory.mktemp(case)
+        start = STARTS.get(case, {})
+        write_compensator(folder, "c", start=start, law=law, model=model, called=called)
+        if case in (*laws_in_structured_text(), "observer"):
+            write_compensator(folder, "st", start=start, law=law, model=model, called=called)
+        models.build_fmu(model, folder, start=start, law=law, called=called)
+        return folder
+
+    return export
+
+
+def of_fmu(folder: Path, case: str) -> tuple[models.Model, np.ndarray]:
+    """Return the model and its outputs (N - 1, outputs) after each step."""
+    model, law, called = CASES[case]
+    found = models.load_model(model, law)
+    found = replace(found, name=called or found.name)
+    inputs, outputs = members(found, "input"), members(found, "output")
+    system = cosim.System()
+    system.add("c", folder / f"{found.name}.fmu")
+    for name in inputs:
+        system.expose(name, f"c.{name}")
+    stop = (N - 1) * STEP
+    with system.prepare(step=STEP, stop=stop, constant_step=True) as simulation:
+        result = simulation.run(inputs=signals(inputs))
+    return found, np.column_stack([result[f"c.{name}"] for name in outputs])[1:]
+
+
+def members(model: models.Model, role: str) -> list[str]:
+    return [name for name, _ in model.fields[role]]
+
+
+def driver(model: models.Model) -> str:
+    """Return C that feeds rows of inputs to a model and writes rows of outputs."""
+    name = model.name
+    struct = "".join(word.capitalize() for word in name.split("_"))
+    inputs, outputs = members(model, "input"), members(model, "output")
+    given = "".join(f", ({name}_real)in[i * {len(inputs)} + {k}]" for k in range(len(inputs)))
+    kept = "".join(
+        f"        out[i * {len(outputs)} + {k}] = (double)c.outputs.{output};\n"
+        for k, output in enumerate(outputs)
+    )
+    step = "" if model.sampled else f", ({name}_real)h"
+    return f"""
+#include <stddef.h>
+#include "{name}.h"
+__attribute__((visibility("default"))) size_t drive(size_t n, double h, const double *in, double *out);
+size_t drive(size_t n, double h, const double *in, double *out) {{
+    {struct} c;
+    size_t finite = 0, i = 0;
+    (void)h;
+    {name}_init(&c{given});
+    for (; i < n; i++) {{
+        finite += {name}_step(&c{step}{given});
+{kept}    }}
+    return finite;
+}}
+"""
+
+
+def of_c(folder: Path, model: models.Model, *flags: str) -> np.ndarray:
+    """Return the outputs (N - 1, outputs) of the C."""
+    files = {f"{model.name}.{end}": (folder / f"{model.name}.{end}").read_text() for end in "ch"}
+    files["driver.c"] = driver(model)
+    library = ctypes.CDLL(str(toolchain.shared_library("every", files, flags=(*STRICT, *flags))))
+    library.drive.restype = ctypes.c_size_t
+    given = np.column_stack([*signals(members(model, "input")).values()])[:-1].copy()
+    out = np.empty((N - 1, len(members(model, "output"))))
+    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (given, out)]
+    count = library.drive(ctypes.c_size_t(N - 1), ctypes.c_double(STEP), *pointers)
+    assert count == N - 1
+    return out
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_c_in_double_is_the_fmu_bit_for_bit(exported, case):
+    folder = exported(case)
+    model, expected = of_fmu(folder, case)
+    np.testing.assert_array_equal(of_c(folder, model), expected)
+    assert np.ptp(expected) > 5.0  # N
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_c_in_float_is_near(exported, case):
+    """The observer's position has 24 bits, of which one is worth some newtons in L_d."""
+    folder = exported(case)
+    model, expected = of_fmu(folder, case)
+    found = of_c(folder, model, f"-D{model.name.upper()}_FLOAT")
+    error = np.abs(found - expected)
+    assert error.max() > 0.0  # float was compiled indeed
+    assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
+
+
+@pytest.mark.parametrize("case", ["coulomb_stribeck", "observer"])
+def test_structured_text_agrees_with_the_fmu(exported, case):
+    folder = exported(case)
+    model, expected = of_fmu(folder, case)
+    blocks = structured_text.load((folder / f"{model.name}.st").read_text())
+    block = blocks[model.name.capitalize()]
+    given = signals(members(model, "input"))
+    outputs = members(model, "output")
+    step = {} if model.sampled else {"h": STEP}
+    for k in range(N - 1):
+        scope = block(**step, **{name: float(values[k]) for name, values in given.items()})
+        assert scope["valid"]
+        found = [scope[name] for name in outputs]
+        np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("case", ["gms", "observer"])
+def test_a_strict_compiler_has_nothing_to_say(exported, case, tmp_path):
+    folder, name = exported(case), CASES[case][2]
+    compiler = [sys.executable, "-m", "ziglang", "cc", *STRICT, "-Wdouble-promotion", "-c"]
+    for flags in ([], [f"-D{name.upper()}_FLOAT"]):
+        arguments = [*compiler, *flags, f"{name}.c", "-o", str(tmp_path / "o")]
+        done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_law_without_structured_text_is_refused(tmp_path):
+    assert laws_in_structured_text() == ["coulomb_stribeck", "lugre"]
+    with pytest.raises(models.ModelError, match="GMS .* is not available in structured text"):
+        write_compensator(tmp_path, "st", law="gms")
+    assert not list(tmp_path.iterdir())
