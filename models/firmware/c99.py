@@ -101,7 +101,7 @@ def _source(model: Model) -> str:
         needed(found, ("model_start", step, "model_outputs")),
         key=lambda piece: "static " in found[piece],
     )  # types first
-    # exp and log have another form for 32 bits; what only their form for 64 bits needs goes with it.
+    # exp and log have another form for 32 bits, which needs less than that for 64 bits
     used = [e for e in _ELEMENTARY if e in order]
     own = pieces([_NUMERICS.read_text(encoding="utf-8")])
     others = needed(found | dict.fromkeys(used, ""), ("model_start", step, "model_outputs"))
@@ -116,7 +116,8 @@ def _source(model: Model) -> str:
     states = "&c->states" if model.fields.get("state") else "NULL"
     parts = f"{states}, &c->memory, &c->inputs, &c->parameters"
     starts = "".join(
-        f"        .{_STRUCTS[v.role].lower()}.{_member(v)} = R({float(v.start)!r}), /* {unit(v)} */\n"
+        f"        .{_STRUCTS[v.role].lower()}.{_member(v)} = R({float(v.start)!r}),"
+        f" /* {unit(v)} */\n"
         for v in model.variables
         if v.role in ("parameter", "state")
     )

@@ -1,4 +1,4 @@
-"""``stickslip export``: export the tuned compensator, an observer, a linear system or a whole loop."""
+"""``stickslip export``: the tuned compensator, an observer, a linear system or a whole loop."""
 
 from __future__ import annotations
 

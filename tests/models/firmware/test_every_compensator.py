@@ -94,7 +94,8 @@ def driver(model: models.Model) -> str:
     return f"""
 #include <stddef.h>
 #include "{name}.h"
-__attribute__((visibility("default"))) size_t drive(size_t n, double h, const double *in, double *out);
+__attribute__((visibility("default")))
+size_t drive(size_t n, double h, const double *in, double *out);
 size_t drive(size_t n, double h, const double *in, double *out) {{
     {struct} c;
     size_t finite = 0, i = 0;
@@ -169,6 +170,6 @@ def test_a_strict_compiler_has_nothing_to_say(exported, case, tmp_path):
 
 def test_a_law_without_structured_text_is_refused(tmp_path):
     assert laws_in_structured_text() == ["coulomb_stribeck", "lugre"]
-    with pytest.raises(models.ModelError, match="GMS .* is not available in structured text"):
+    with pytest.raises(models.ModelError, match=r"GMS .* is not available in structured text"):
         write_compensator(tmp_path, "st", law="gms")
     assert not list(tmp_path.iterdir())

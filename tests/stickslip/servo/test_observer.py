@@ -176,7 +176,9 @@ def test_loops_without_room_for_an_observer_say_why():
     with pytest.raises(ControlError, match=r"alone has a peak sensitivity of .*; lower K_p or K_i"):
         design_observer(fast, 4e-7, 6.0)
     swift = design_velocity_loop(Axis(60.0, 6.0), LoopSpecification(600.0, 40.0, 1.2e-4))
-    with pytest.raises(ControlError, match="no disturbance observer .* the controller alone is as"):
+    with pytest.raises(
+        ControlError, match=r"no disturbance observer .* the controller alone is as"
+    ):
         design_observer(swift, 1e-6, 1.0)
     with pytest.raises(ControlError, match="friction is 0 N; expected above 0"):
         design_observer(PAPER, 1e-7, 0.0)
