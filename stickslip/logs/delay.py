@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stickslip.identification.stages.estimate import covariance
-from stickslip.logs.motion import kinematics, rigid, unexplained
+from stickslip.logs.motion import basis, kinematics, rigid, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
 
 CUTOFF = 50.0
 """Low-pass of what is compared [Hz]."""
 ROUNDS = 12
-FARTHEST = 0.05
+FARTHEST = 0.1
 """Delays beyond are not looked for [s]."""
-TRIALS = 21
+TRIALS = 41
 """Delays that are tried at first."""
 NOTHING = 1e-7
 """Share of a signal by which it changes in one sample, where nothing but rounding changes it."""
@@ -117,14 +117,12 @@ def _fitted(
 
 def _best_trial(signal: CubicSpline, t: Array, base: Array) -> float:
     """Return the delay [s], of a few, with which columns (k, c) explain a signal at t (k,) best."""
-    scale = np.linalg.norm(base, axis=0)
-    basis = np.linalg.qr(base[:, scale > 0] / scale[scale > 0])[0]
-    left = {}
+    directions = basis(base)
+    rests = {}
     for delay in np.linspace(-FARTHEST, FARTHEST, TRIALS):
         shifted = signal(np.clip(t + delay, signal.x[0], signal.x[-1]))
-        rest = shifted - basis @ (basis.T @ shifted)
-        left[float(delay)] = float(rest @ rest)
-    return min(left, key=lambda delay: (left[delay], abs(delay)))
+        rests[float(delay)] = float(shifted @ shifted - np.sum((directions.T @ shifted) ** 2))
+    return min(rests, key=lambda delay: (rests[delay], abs(delay)))
 
 
 def samples_late(recording: Recording) -> int:

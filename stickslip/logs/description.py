@@ -31,7 +31,7 @@ ROLES = (
     "added_velocity",
 )
 """What a column can be."""
-CONFIRMED = ("mass", "speed", "acceleration")
+CONFIRMED = ("mass", "speed", "acceleration", "force")
 """Figures that are errors where they are extreme, until they are confirmed."""
 
 
@@ -76,7 +76,7 @@ class Description:
     sample_period : [s]; used instead of the column of time
     span : begin and end of what is used, on the log's own time [s]
     tau_i : time constant of the amplifier's current loop [s]
-    confirm : figures that are as extreme as they look: mass, speed, acceleration
+    confirm : figures that are as extreme as they look: mass, speed, acceleration, force
     delimiter, decimal : of a text file; None detects it
 
     Raises

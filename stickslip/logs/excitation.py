@@ -56,8 +56,9 @@ class Excitation:
     spacing : median samples between two reversals; inf with fewer
     acceleration : 99 % of the samples have less [m/s^2]
     mass : of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
+    coulomb : the same drive's Coulomb friction [N]
     inertial : share of the force's standard deviation, while sliding, that acceleration causes;
-        nan, as the mass, where too little slides or no force is known
+        nan, as both, where too little slides or no force is known
     turn_around : reversal of friction; None where it cannot be measured
     """
 
@@ -72,6 +73,7 @@ class Excitation:
     spacing: float
     acceleration: float
     mass: float
+    coulomb: float
     inertial: float
     turn_around: TurnAround | None
 
@@ -100,6 +102,7 @@ def excitation(recording: Recording) -> Excitation:
         spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
+        coulomb=float(fit[2]) if np.isfinite(inertial) else np.nan,
         inertial=inertial,
         turn_around=_turn_around(recording, motion, turns, fit),
     )

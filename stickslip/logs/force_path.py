@@ -7,15 +7,16 @@ while it slides: a limit that the log lacks, a limit that only the log has, and 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
+from stickslip.logs.delay import force_delay
 from stickslip.logs.finding import Finding
-from stickslip.logs.motion import FEWEST, Rigid, kinematics, rigid, rigid_columns, unexplained
+from stickslip.logs.motion import FEWEST, kinematics, left, rigid, rigid_columns
 from stickslip.logs.recording import Recording
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, smoothed
 
 LEVELS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Quantiles of the force that are tried as a limit."""
@@ -27,11 +28,11 @@ BEYOND = 0.03
 """Share of the limit by which the motion shows more force on average."""
 LAGS = np.geomspace(0.5, 100.0, 24)
 """Time constants of a low-pass that are tried [samples]."""
-REMOVED = (0.0, 0.6, 0.8, 1.0)
-"""Shares of the time constant that were taken out with the delay."""
-LAGGED = 0.5
+OWN = (0.0, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0)
+"""Shares of the time constant by which a low-pass makes a delay, of those that are tried."""
+LAGGED = 0.35
 """Largest share of the unexplained force that may remain with a low-pass."""
-ATTENUATED = 0.01
+ATTENUATED = 0.02
 """Relative change of the mass by a low-pass that counts."""
 
 
@@ -45,20 +46,23 @@ def force_path(recording: Recording) -> Iterator[Finding]:
     force = recording.force
     if force is None:
         return
-    found = (
-        _before_limit(recording, force),
-        _clipped(recording, np.abs(force)),
-        _low_passed(recording),
-    )
-    yield from filter(None, found)
+    limits = (_before_limit(recording, force), _clipped(recording, np.abs(force)))
+    # A limit delays the force, too.
+    yield from filter(None, limits if any(limits) else [_low_passed(recording)])
 
 
 def _before_limit(recording: Recording, force: Array) -> Finding | None:
     """Return a finding where the motion shows a limit that the logged force does not have."""
+    motion = kinematics(recording)
+    if (drive := rigid(recording, motion)) is None:
+        return None
     limits = np.quantile(np.abs(force), LEVELS)
-    left = [unexplained(replace(recording, force=np.clip(force, -at, at))) for at in limits]
-    best = int(np.argmin(left))
-    if best == 0 or not left[best] < EXPLAINED * unexplained(recording):
+    clipped = (
+        smoothed(np.clip(force, -at, at), recording.T_s, motion.cutoff)[drive.used] for at in limits
+    )
+    rests = [left(drive.columns, one) for one in clipped]
+    best = int(np.argmin(rests))
+    if best == 0 or not rests[best] < EXPLAINED * left(drive.columns, drive.force[drive.used]):
         return None
     share = float(np.mean(np.abs(force) > limits[best]))
     figure = f"{np.abs(force).max():.4g}, while the motion shows at most {limits[best]:.4g}"
@@ -97,30 +101,32 @@ def _low_passed(recording: Recording) -> Finding | None:
     motion = kinematics(recording)
     if (drive := rigid(recording, motion)) is None:
         return None
-    plain, mass = _left(drive.columns, drive)
+    delay = force_delay(recording)
+    late = delay.value if delay and not delay.at_bound else 0.0
+    spline, t = CubicSpline(recording.t, drive.force), recording.t[drive.used]
     every = rigid_columns(motion, recording.T_s)
+    plain, mass = _fitted(drive.columns, spline(t + late))
     trials = []
     for lag in LAGS:
         share = -np.expm1(-1.0 / lag)
-        delayed = lfilter([share], [1.0, share - 1.0], every, axis=0)
-        for removed in REMOVED:
-            ahead = np.roll(delayed, -round(removed * lag), axis=0)
-            trials.append((*_left(ahead[drive.used], drive), float(lag)))
-    left, lagged_mass, lag = min(trials)
-    if left > LAGGED * plain or abs(lagged_mass / mass - 1.0) < ATTENUATED:
+        delayed = lfilter([share], [1.0, share - 1.0], every, axis=0)[drive.used]
+        trials += [
+            (*_fitted(delayed, spline(t + late - own * lag * recording.T_s)), lag) for own in OWN
+        ]
+    rest, unfiltered, lag = min(trials)
+    if rest > LAGGED * plain or abs(unfiltered / mass - 1.0) < ATTENUATED:
         return None
     frequency = 1.0 / (2.0 * np.pi * lag * recording.T_s)
     figure = (
-        f"at {frequency:.2g} Hz, which explains {1.0 - left / plain:.0%} of what is unexplained"
+        f"at {frequency:.2g} Hz, which explains {1.0 - rest / plain:.0%} of what is unexplained"
     )
     advice = "log it without a filter, or position and command with the same"
     what = "the force in the log is low-passed"
     return Finding("warning", what, figure, advice, spoils="values")
 
 
-def _left(columns: Array, drive: Rigid) -> tuple[float, float]:
-    """Return the sum of squares [N^2] that columns (k, 4) leave of the force, and the mass [kg]."""
-    force = drive.force[drive.used]
+def _fitted(columns: Array, force: Array) -> tuple[float, float]:
+    """Return the sum of squares [N^2] that columns (k, 4) leave of a force (k,), and the mass."""
     fit = np.linalg.lstsq(columns, force, rcond=None)[0]
     rest = force - columns @ fit
     return float(rest @ rest), float(fit[0])

@@ -113,9 +113,18 @@ def rigid_columns(motion: Kinematics, T_s: float) -> Array:
 
 def unexplained(recording: Recording) -> float:
     """Return the sum of squares [N^2] of the force that a rigid drive leaves, NaN if unknown."""
-    if (drive := rigid(recording, kinematics(recording))) is None:
-        return np.nan
-    basis = np.linalg.qr(drive.columns)[0]
-    force = drive.force[drive.used]
-    rest = force - basis @ (basis.T @ force)
+    drive = rigid(recording, kinematics(recording))
+    return np.nan if drive is None else left(drive.columns, drive.force[drive.used])
+
+
+def left(columns: Array, force: Array) -> float:
+    """Return the sum of squares [N^2] that columns (k, c) leave of a force (k,)."""
+    directions = basis(columns)
+    rest = force - directions @ (directions.T @ force)
     return float(rest @ rest)
+
+
+def basis(columns: Array) -> Array:
+    """Return orthonormal columns (k, r) that span what others (k, c) span."""
+    scale = np.linalg.norm(columns, axis=0)
+    return np.linalg.qr(columns[:, scale > 0.0] / scale[scale > 0.0])[0]

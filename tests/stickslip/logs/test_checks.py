@@ -102,3 +102,17 @@ def test_a_recording_shorter_than_its_low_pass_is_checked():
     """60 samples in 60 us: everything lies near a reversal."""
     short = Recording(np.arange(60) * 1e-6, DRIVE.position[:60], force=DRIVE.force[:60])
     assert "the recording is short" in findings(short)
+
+
+def test_motion_in_one_direction_hides_coulomb_friction():
+    """Its force and a constant one have the same sign throughout."""
+    drive = rigid_drive(n=8000, step=4e-7)
+    t = drive.t
+    v = 0.02 + 0.015 * np.sin(2 * np.pi * (0.4 * t + 0.1 * t**2))
+    force = 3.0 * np.gradient(v, t) + 20.0 * v + 4.0
+    for way in (1.0, -1.0):
+        log = Recording(t, way * np.cumsum(v) * drive.T_s, way * force)
+        [found] = [one for one in check_recording(log) if one.spoils]
+        assert "cannot be told apart" in found.what
+        assert "F_c" in found.hides
+    assert not any(one.hides for one in check_recording(DRIVE))

@@ -25,7 +25,7 @@ def test_a_usual_mass_is_accepted(check, m):
     assert check(m=m)[:2] == (0, [])
 
 
-@pytest.mark.parametrize("m", [2.4e-4, 5e-7, 2e5, 1e9])
+@pytest.mark.parametrize("m", [2.4e-4, 5e-7, 2e5, 1e6])
 def test_an_extreme_mass_must_be_confirmed(check, m):
     status, errors, _ = check(m=m)
     assert status == 1
@@ -94,3 +94,24 @@ def test_a_mass_that_is_not_identifiable_may_be_extreme(check_log):
     status, _, out, _ = check_log(pd.DataFrame(dict(columns)))
     assert status == 0
     assert "--confirm" not in out
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [({"m": 1e-2}, "mass"), ({"m": 5e4}, "force"), ({"size": 80.0}, "speed")],
+)
+def test_an_unusual_figure_is_asked_about(check, change, name):
+    status, errors, out = check(**change)
+    assert (status, errors) == (0, [])
+    [line] = [line for line in out.splitlines() if f"the {name} is unusual" in line]
+    assert line.startswith("warning: ")
+    assert f"--confirm {name}" in line
+    assert f"the {name} is unusual" not in check("--confirm", name, **change)[2]
+
+
+def test_a_force_against_the_motion_is_an_error(check):
+    status, errors, _ = check("--scale", "force=-1")
+    assert status == 1
+    assert "the force acts against the motion" in errors[0]
+    assert "--scale force=-1*-1" in errors[0] or "--scale force=-1" in errors[0]
+    assert check("--scale", "force=-1*-1")[:2] == (0, [])
