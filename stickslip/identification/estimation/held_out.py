@@ -16,7 +16,7 @@ from stickslip.identification.selection import (
     predict,
     predictions,
 )
-from stickslip.identification.selection.mismatch import Cause, another_law, is_mismatch, mismatch
+from stickslip.identification.selection.mismatch import LARGE, Cause, is_mismatch, mismatch
 from stickslip.identification.selection.position import along_the_travel
 from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
@@ -58,7 +58,7 @@ def check_held_out(
     residual = held_out(inverse, found)
     own = predict(inverse, found, task.fmus, task.recording, candidate, gains, residual)
     tried = task.choice.predictions if task.choice else ()
-    if is_mismatch(own):
+    if is_mismatch(own) or own.relative > LARGE:
         if not tried:
             further = [one for one in candidates() if one != candidate]
             tried = tuple(
@@ -68,6 +68,5 @@ def check_held_out(
         causes = (*causes, replace(place, left=place.left / scale.force))
     own = own.restored(scale)
     others = [one for one in tried if one.candidate != candidate]
-    laws = another_law(own, others)
-    findings = mismatch(own, (*causes, *laws), rotary=task.recording.motion == "rotary")
+    findings = mismatch(own, others, causes, rotary=task.recording.motion == "rotary")
     return HeldOut((own, *others), tuple(findings))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from synthetic_predictions import predicted
 
-from stickslip.identification.selection.mismatch import Cause, another_law, mismatch
+from stickslip.identification.selection.mismatch import Cause, mismatch
 from stickslip.identification.selection.position import along_the_travel
 from stickslip.logs import Recording
 
@@ -28,7 +28,7 @@ def found(error, explained):
     ],
 )
 def test_force_above_what_noise_explains_is_a_warning(error, explained, spoils):
-    findings = list(mismatch(found(error, explained), (), rotary=False))
+    findings = list(mismatch(found(error, explained), (), (), rotary=False))
     if spoils is None:
         assert not findings
         return
@@ -39,20 +39,27 @@ def test_force_above_what_noise_explains_is_a_warning(error, explained, spoils):
 
 
 def test_causes_are_listed_with_their_figures_and_the_likely_one_is_advised():
-    law = predicted("gms", 0.12)
-    causes = [
-        Cause("a delay of 3 ms", 0.45, "shift the force"),
-        *another_law(found(0.5, 0.1), [law]),
-    ]
-    (finding,) = mismatch(found(0.5, 0.1), causes, rotary=True)
+    delay = Cause("a delay of 3 ms", 0.45, "shift the force")
+    law = found(0.5, 0.1)
+    (finding,) = mismatch(law, [predicted("gms", 0.12)], [delay], rotary=True)
     assert "another law, GMS, leaves 0.12 N m, a delay of 3 ms leaves 0.45 N m" in finding.figure
     assert finding.advice == "give --law gms"
-    (finding,) = mismatch(found(0.5, 0.1), causes[:1], rotary=False)
+    (finding,) = mismatch(law, (), [delay], rotary=False)
     assert finding.advice == "take the values as coarse"
+    likely = replace(delay, left=0.2)
+    (finding,) = mismatch(law, [predicted("gms", 0.4)], [likely], rotary=False)
+    assert finding.advice == "shift the force"
 
 
 def test_a_law_that_is_tied_is_no_cause():
-    assert not list(another_law(found(0.5, 0.1), [predicted("gms", 0.495)]))
+    (finding,) = mismatch(found(0.5, 0.1), [predicted("gms", 0.495)], (), rotary=False)
+    assert "GMS" not in finding.figure
+
+
+def test_a_law_that_predicts_much_better_is_a_mismatch_whatever_noise_explains():
+    (finding,) = mismatch(found(0.5, 0.5), [predicted("gms", 0.2)], (), rotary=False)
+    assert finding.spoils == "intervals"
+    assert not list(mismatch(found(0.5, 0.5), [predicted("gms", 0.45)], (), rotary=False))
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 0.3])
