@@ -22,6 +22,7 @@ from stickslip.commands.tables import print_benefit, print_laws, print_parts, pr
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
+from stickslip.models import law_names
 from stickslip.pipeline.learned import AUTO, LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
@@ -81,6 +82,8 @@ def run(options: argparse.Namespace) -> None:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
     options.compensation = _compensation(options.compensator, options.law)
+    if options.law == "auto" and options.compensator.partition("+")[0] in law_names():
+        options.law = options.compensator.partition("+")[0]
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
@@ -100,7 +103,8 @@ def _compensation(name: str, law: str) -> Choice | None:
         When there is no compensator of this name for the law.
     """
     known: dict[str, Choice | None] = {"auto": None, "dob": OBSERVER}
-    known |= {law: FEEDFORWARD, f"{law}+dob": BOTH}
+    for one in law_names() if law == "auto" else [law]:
+        known |= {one: FEEDFORWARD, f"{one}+dob": BOTH}
     if name not in known:
         expected = ", ".join(known)
         raise UsageError(f"--compensator {name}: expected one of {expected}; --law gives the law")

@@ -10,11 +10,7 @@ from stickslip.cli import main
 from stickslip.results.learned import loop_document
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.velocity_filter import (
-    FilterSpecification,
-    Observer,
-    design_velocity_filter,
-)
+from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, 1e-4)

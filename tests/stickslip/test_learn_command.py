@@ -6,6 +6,7 @@ from functools import partial
 import pytest
 
 from stickslip.cli import main
+from stickslip.commands.learn import _compensation
 from stickslip.identification.estimation import Search
 from stickslip.results.learned_folder import FILES
 
@@ -156,3 +157,15 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
         assert not (tmp_path / "compensator.fmu").exists()
     assert main([*arguments, "--confirm", "mass"]) == 0
     assert (tmp_path / "compensator.fmu").exists()
+
+
+def test_the_compensator_that_is_asked_for_belongs_to_the_law(log, capsys):
+    asked = {"auto": None, "dob": "observer", "dahl": "feedforward"}
+    asked["dahl+dob"] = "feedforward + observer"
+    for law in ("dahl", "auto"):
+        assert {name: _compensation(name, law) for name in asked} == asked
+    assert main(["learn", "--log", str(log), "--compensator", "dahl"]) == 1
+    expected = (
+        "--compensator dahl: expected one of auto, dob, lugre, lugre+dob; --law gives the law"
+    )
+    assert expected in capsys.readouterr().err

@@ -208,7 +208,7 @@ def _observer(observed: Observed) -> list[Html]:
         table(
             ("Compensation", "Fitted drive", "Mean", "Worst", "Never worse"),
             rows,
-            "Tracking error relative to that without compensation, on the same drives and commands",
+            "Tracking error of the simulated drives relative to that without compensation",
             (0, 4),
         ),
     ]
