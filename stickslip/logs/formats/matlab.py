@@ -21,7 +21,17 @@ def contents(data: bytes) -> dict[str, Any]:
     from scipy.io import loadmat
 
     variables = loadmat(io.BytesIO(data), chars_as_strings=True).items()  # type: ignore[arg-type]
-    return {name: _plain(value) for name, value in variables if not name.startswith("__")}
+    found = {name: value for name, value in variables if not name.startswith("__")}
+    return {_name(name, value): _plain(value) for name, value in found.items()}
+
+
+def _name(name: str, found: Any) -> str:
+    """Return the name of a variable; those of objects stand in the object."""
+    return _decoded(found.ravel()["s0"][0]) if type(found).__name__ == "MatlabOpaque" else name
+
+
+def _decoded(text: Any) -> str:
+    return text.decode("latin-1") if isinstance(text, bytes) else str(text)
 
 
 def _plain(found: Any) -> Any:
@@ -29,9 +39,8 @@ def _plain(found: Any) -> Any:
         return found
     kind = found.dtype.kind
     if type(found).__name__ == "MatlabOpaque":
-        cls = found.ravel()["s2"][0]
-        kind_of = cls.decode("latin-1") if isinstance(cls, bytes) else str(cls)
-        return f"a MATLAB object ({kind_of}), which only MATLAB reads; save a structure with time"
+        cls = _decoded(found.ravel()["s2"][0])
+        return f"a MATLAB object ({cls}), which only MATLAB reads; save a structure with time"
     if kind == "V" and found.dtype.names:
         each = [
             {name: _plain(value) for name, value in zip(found.dtype.names, one, strict=True)}

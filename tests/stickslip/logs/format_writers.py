@@ -1,5 +1,7 @@
 """Logs written by the library of each format: (path, columns by header) -> file."""
 
+import struct
+
 import h5py
 import numpy as np
 import scipy.io
@@ -173,3 +175,18 @@ def matlab73_cells(path, columns):
     with Matlab73(path) as file:
         each = [{"Name": name, "Data": values[:, None]} for name, values in columns.items()]
         file.put("log", each)
+
+
+def matlab_object(path, name, cls):
+    """Write an object as MATLAB 7 does: an element that names its class, and numbers."""
+
+    def element(kind, content):
+        return struct.pack("<II", kind, len(content)) + content.ljust(
+            -(-len(content) // 8) * 8, b"\0"
+        )
+
+    numbers = element(6, struct.pack("<II", 13, 0)) + element(5, struct.pack("<ii", 2, 1))
+    numbers = element(14, numbers + element(1, b"") + element(6, struct.pack("<II", 1, 2)))
+    texts = b"".join(element(1, text.encode()) for text in (name, "MCOS", cls))
+    opaque = element(14, element(6, struct.pack("<II", 17, 0)) + texts + numbers)
+    path.write_bytes(b"MATLAB 5.0 MAT-file, Platform: PCWIN64".ljust(124) + b"\0\1IM" + opaque)

@@ -157,11 +157,16 @@ def test_matrices_of_signals(shape, tmp_path):
     np.testing.assert_array_equal(table.numbers["log(2)"], values[:, 1])
 
 
-def test_objects_of_matlab_are_named(tmp_path):
-    with writers.Matlab73(tmp_path / "log.mat") as file:
-        file.put_object("out", "Simulink.SimulationData.Dataset")
-    with pytest.raises(RecordingError, match=r"object .Simulink.SimulationData.Dataset.*structure"):
-        read_recording(tmp_path / "log.mat")
+@pytest.mark.parametrize("version", [7, 7.3])
+def test_objects_of_matlab_are_named(version, tmp_path):
+    path, cls = tmp_path / "log.mat", "Simulink.SimulationData.Dataset"
+    if version == 7:
+        writers.matlab_object(path, "out", cls)
+    else:
+        with writers.Matlab73(path) as file:
+            file.put_object("out", cls)
+    with pytest.raises(RecordingError, match=rf"out: .* object .{cls}.* structure with time"):
+        read_recording(path)
 
 
 def test_a_group_with_values_and_times_is_a_signal_and_soft_links_are_left_out(tmp_path):
