@@ -4,7 +4,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import container, description, firmware, isolation, many_runs, workers
+from benchmarks import container, description, firmware, isolation, learn, many_runs, workers
 from benchmarks.coupling import report
 from benchmarks.learning import speed
 from benchmarks.timing import table
@@ -17,6 +17,7 @@ BENCHMARKS = {
     "description": description,
     "many_runs": many_runs,
     "firmware": firmware,
+    "learn": learn,
     "speed": speed,
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -26,6 +27,7 @@ PAPER_TABLE4 = {
 """Table 4, without and with compensation; it prints no unit, and mm/s is the reading that fits."""
 
 METRICS = ("E_max", "E_rms")
+Errors = TypeVar("Errors", float, pd.Series)
 
 RECORD = (
     *("drive.x_enc", "drive.x", "drive.v", "drive.F_f"),
@@ -117,7 +119,7 @@ def covered(t: Array, spans: Iterable[Span]) -> NDArray[np.bool_]:
     return inside
 
 
-def reduction(without: float, compensated: float) -> float:
+def reduction(without: Errors, compensated: Errors) -> Errors:
     """Return the error reduction ratio (9)."""
     return (without - compensated) / without
 

@@ -48,6 +48,7 @@ def test_tables_have_the_columns_that_others_rely_on(results):
     assert list(table4.columns) == [
         *("velocity", "region", "metric", "without", "with", "reduction"),
         *("paper_without", "paper_with", "paper_reduction", "tuned_pi", "identified"),
+        *("with_filter", "reduction_with_filter"),
     ]
     assert len(table4) == 8
     motions = pd.read_csv(results / "motions.csv")

@@ -38,7 +38,7 @@ def sections(reproduction: Reproduction) -> Sequence[Section]:
         design_section(reproduction),
         identification_section(reproduction),
         learning_section(reproduction),
-        validation_section(reproduction.validation),
+        validation_section(reproduction.validation, reproduction.table4()),
         steps_section(reproduction),
         study_section(study, truth) if study else None,
         motions_section(reproduction),

@@ -7,6 +7,7 @@ import pandas as pd
 from stickslip import models
 from stickslip.evaluation.validation import Validation
 from stickslip.pipeline.reproduction import Extras, Reproduction
+from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Section
 from stickslip.report.quantity import (
@@ -86,12 +87,15 @@ def _drive(reproduction: Reproduction) -> Html:
 
 
 def _verdict(reproduction: Reproduction) -> Html:
-    table = reproduction.validation.table()
+    table = reproduction.table4()
     own, true = (table[table["velocity"] == shown] for shown in ("measured", "true"))
     extras = reproduction.extras and reproduction.extras.validation
     tiles = []
     for k, row in enumerate(own.to_dict("records")):
         beside = ["simulated drive", f"true velocity {percent(true['reduction'].iloc[k])}"]
+        if FILTERED in true:
+            reduced = true[REDUCTION_WITH_FILTER].iloc[k]
+            beside.append(f"true velocity, with velocity filter {percent(reduced)}")
         if extras:
             beside.append(f"all extras on {percent(_measured(extras)['reduction'].iloc[k])}")
         beside.append(f"real stage (paper) {percent(row['paper_reduction'], 0)}")

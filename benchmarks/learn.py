@@ -1,0 +1,59 @@
+"""``learn`` of a 20 s log with its controller known, in runs of the loop that it fits.
+
+Such a run is what no estimation by output error can do without, so the ratio says how many of them
+a stage is worth. Two workers are compared with one.
+"""
+
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import stickslip as ss
+from stickslip.identification.estimation import Search
+from stickslip.logs import Column, Description
+from stickslip.pipeline.record_mode import commissioning_loop, gains_of
+from stickslip.planning import plan
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import build_fmus, servo_loop
+from stickslip.tuning.execution import Execution
+
+RUNS = 20
+
+
+def measure(folder: Path) -> dict[str, float]:
+    build_fmus(folder, {})
+    loop = commissioning_loop(Datasheet())
+    v_cmd = plan()["velocity_command"].to_numpy()
+    t = np.arange(len(v_cmd)) * loop.T_s
+    record = ("drive.x_enc", "drive.F_m")
+    with servo_loop(folder, loop).prepare(step=loop.T_s, stop=t[-1], record=record) as simulation:
+        inputs = {"v_cmd": v_cmd}
+        result = simulation.run({"drive.noise": True, "drive.seed": 1}, inputs)
+        simulation.run({}, inputs)  # is done twice
+        begin = time.perf_counter()
+        for _ in range(RUNS):
+            simulation.run({}, inputs)
+        one = (time.perf_counter() - begin) / RUNS
+    log = pd.DataFrame(
+        {"time": t, "position": result[record[0]], "force": result[record[1]]}
+    ).assign(velocity_command=v_cmd)
+    log.to_csv(folder / "log.csv", index=False)
+    columns = {name: Column(name) for name in log}
+    description = Description(columns=columns, controller="PI", gains=gains_of(loop))
+    figures: dict[str, float] = {}
+    for workers in (1, 2):
+        stages: list[tuple[str, float]] = []
+        ss.learn(
+            folder / "log.csv",
+            description,
+            search=Search(execution=Execution(workers=workers)),
+            on_stage=lambda name, to=stages: to.append((name, time.perf_counter())),
+        )
+        stages.append(("", time.perf_counter()))
+        for (name, begin), (_, end) in pairwise(stages):
+            figures[f"{name}, workers = {workers}"] = (end - begin) / one
+        figures[f"all, workers = {workers}"] = (stages[-1][1] - stages[0][1]) / one
+    return figures
