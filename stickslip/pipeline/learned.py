@@ -393,7 +393,8 @@ def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]
 def known_friction(estimation: Estimation) -> Known:
     """Return what a log tells of friction besides the estimate, for ``family``.
 
-    Static friction is bounded by the largest friction in the log, with a reserve.
+    Static friction is bounded by the largest friction in the log, with a reserve. Other laws have
+    the values that were fitted to the log, where they were tried.
     """
     space, known = estimation.fit.space, estimation.known
     largest = RESERVE * estimation.largest_friction
@@ -407,7 +408,13 @@ def known_friction(estimation: Estimation) -> Known:
             ranges[name] = (low, high)
     values = (bounded_by(one, space, largest) for one in estimation.plausible)
     plausible = tuple(map(_of_drive, values))
-    return Known(plausible, ranges)
+    rivals = {}
+    for prediction in estimation.predictions:
+        law = prediction.candidate.law
+        if law.name != estimation.law.name and not prediction.candidate.is_level:
+            bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
+            rivals[law.name] = _of_drive(bounded)
+    return Known(plausible, ranges, rivals)
 
 
 def _of_drive(values: Mapping[str, float]) -> dict[str, float]:

@@ -81,10 +81,10 @@ class Known:
 
     Attributes
     ----------
-    plausible : values that the log supports, such as the fit and draws from its covariance
+    plausible : values that the log supports: the fit first, and draws from its covariance
     ranges : interval by name for parameters that are poorly identified
     rivals : values by name for other laws fitted to the same log, by name of the law; those left
-        out take the values of the same names
+        out take the values of the same names from the fit
     """
 
     plausible: Sequence[Values] = ()
@@ -119,11 +119,12 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tupl
         **{f"plausible friction {k + 1}": one for k, one in enumerate(known.plausible)},
     }
     drives = [Drive(name, law.name, values) for name, values in own.items()]
+    fit = known.plausible[0] if known.plausible else friction
     length = deflection(friction, command)
     for other in law_names():
         if other != law.name:
             rival = friction_law(other)
-            values = known.rivals.get(other) or _alike(rival, friction, length)
+            values = known.rivals.get(other) or _alike(rival, fit, length)
             drives.append(Drive(f"{rival.title} friction", other, values))
     return tuple(drives)
 
