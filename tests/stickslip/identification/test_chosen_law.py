@@ -103,8 +103,10 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path
     for name in ("sigma_0", "F_c"):
         assert exported[name].start == cosim.Fmu(compensator).variables[name].start
     capsys.readouterr()
-    assert main([*export, "--as", "c", "--out", str(tmp_path / "c")]) != 0
-    assert "the law dahl is exported by --as fmu" in capsys.readouterr().err
+    assert main([*export, "--as", "c", "--out", str(tmp_path / "c")]) == 0
+    assert repr(exported["sigma_0"].start) in (tmp_path / "c" / "compensator.c").read_text()
+    assert main([*export, "--as", "st", "--out", str(tmp_path / "st")]) != 0
+    assert "the law dahl is exported by --as fmu or --as c" in capsys.readouterr().err
 
 
 def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
