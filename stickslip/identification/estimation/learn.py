@@ -60,6 +60,8 @@ F_0_DEVIATION = 0.01
 """Least prior standard deviation of the constant force from the inverse model, in F_c."""
 DRAWS = 3
 """Number of draws from the covariance of the fit, on which the compensator is tried."""
+SLOWER = 0.5
+"""Cut-off of a second low-pass, as share of the first."""
 CONTRADICTED = 1.5
 """Distance between loop and sliding motion, in half-widths, above which the law is not right."""
 BIAS_ERROR = 0.12
@@ -136,7 +138,7 @@ def _learn(
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
-        sliding = {} if criterion == OutputError.name else start.sliding
+        sliding = {} if criterion == OutputError.name else start.beside(best.parameters)
         known = of_sliding(known, sliding, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
         change = change_of_friction(inverse, found.parameters)
@@ -277,14 +279,24 @@ def _output_error(
 
 
 def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
-    """Return the fit without its bias, and standard errors by name [SI]."""
-    if inverse.measures_friction or not coarse(inverse, task.recording):
+    """Return the fit without its bias, and standard errors by name [SI].
+
+    What the encoder, sampling, or friction beside the law make of the fit depends on the low-pass,
+    so the difference of a fit behind another one is a part of the covariance.
+    """
+    if inverse.measures_friction:
         return found, found.errors()
-    best, bias, alike = correct_inverse(inverse, found, task.fmus, task.recording, task.seed)
-    if not alike:  # not a valid correction, but a measure of the uncertainty
-        return found, value_errors(found.space, found.q, found.covariance + np.outer(bias, bias))
-    spread = np.outer(bias, bias) * BIAS_ERROR**2
-    return best, value_errors(best.space, best.q, found.covariance + spread)
+    recording, cutoff, law = task.recording, SLOWER * inverse.cutoff, found.space.law
+    with InverseModel(task.fmus, recording, cutoff, task.workers, law) as slower:
+        apart = fit(slower.over(found.space), [found.q]).q - found.q
+    spread, best = found.covariance + np.outer(apart, apart), found
+    if coarse(inverse, recording):
+        corrected, bias, alike = correct_inverse(inverse, found, task.fmus, recording, task.seed)
+        # Where it is not alike it is no valid correction, but a measure of the uncertainty.
+        best, share = (corrected, BIAS_ERROR) if alike else (found, 1.0)
+        spread = spread + np.outer(bias, bias) * share**2
+    best = replace(best, covariance=spread)
+    return best, best.errors()
 
 
 def _known_loop(

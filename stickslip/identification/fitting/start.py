@@ -51,6 +51,17 @@ class Start:
         viscous = replace(viscous, value=max(viscous.value, 0.0), low=max(viscous.low, 0.0))
         return {"m": mass, "b": viscous, "F_0": self.curve.offset}
 
+    def beside(self, values: Values) -> dict[str, Interval]:
+        """Return what sliding shows, with the viscous friction of a law's values within it.
+
+        The law's Coulomb friction belongs to its own viscous friction.
+        """
+        found = self.sliding
+        if "b" in found:
+            value = float(np.clip(values["b"], found["b"].low, found["b"].high))
+            found["b"] = replace(found["b"], value=value)
+        return found
+
     def disagreement(self, values: Values) -> float:
         """Return how far a law's values are from what sliding motion shows, in half-widths.
 
