@@ -76,7 +76,8 @@ def main() -> None:
     path = options.out / "coverage.csv"
     tables = [pd.read_csv(path, keep_default_na=False)] if path.exists() else []
     done = set(tables[0]["seed"]) if tables else set()
-    seeds = set(range(options.first, options.first + options.recordings)) - done
+    every = range(options.first, options.first + options.recordings)
+    seeds = [seed for seed in every if seed not in done]
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(learn_one, options.drives, options.criterion, s) for s in seeds]
         for one in as_completed(waiting):
