@@ -88,7 +88,9 @@ def _print_drives(fleet: Fleet) -> None:
         for name, parameter in document["parameters"].items():
             known[parameter["identifiability"]].append(name)
         parameters = [f"{level}: {' '.join(of)}" for level, of in known.items() if of]
-        print(f"{drive.name:{width}}  {'; '.join([document['criterion'], *parameters])}")
+        print(
+            f"{drive.name:{width}}  {'; '.join([drive.kind, document['criterion'], *parameters])}"
+        )
 
 
 def _print_parameters(table: pd.DataFrame) -> None:

@@ -170,10 +170,11 @@ def print_published(published: Published) -> None:
     print(
         f"cost in m2/s2: {published.cost_without:.3g} without compensation, median "
         f"{np.median(start):.3g} at the start and {np.median(final):.3g} at the end "
-        f"(paper: {PAPER_COST:.2g})"
+        f"on the simulated drive; {PAPER_COST:.2g} at the end on the real stage (paper)"
     )
     print("errors in mm/s, median over seeds; worse: seeds that track worse than their start")
-    print("velocity region  metric  without   start    with   paper   worse")
+    print("                         simulated drive         real stage (paper)")
+    print("velocity region  metric  without   start    with    with   worse")
     table = published.table4()
     keys = ["velocity", "region", "metric"]
     for (velocity, region, metric), rows in table.groupby(keys, sort=False):

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
+from stickslip.fleet.table import SIMULATED
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     NOT_IDENTIFIABLE,
@@ -94,7 +95,9 @@ def _figure(table: pd.DataFrame) -> Figure:
         axes.set_title(f"${SYMBOLS.get(parameter, parameter)}$ [{unit}]")
         axes.tick_params(axis="y", labelleft=k % COLUMNS == 0, length=0)
     if first is not None:
-        _name_drives(first, names, set(table["name"][table["parameter"].isna()]))
+        remarks = dict.fromkeys(table["name"][table["source"] == SIMULATED], "simulated")
+        remarks |= dict.fromkeys(table["name"][table["parameter"].isna()], "failed")
+        _name_drives(first, names, remarks)
     figure.legend(handles=_legend(learned), loc="outside lower center", ncols=4)
     return figure
 
@@ -135,11 +138,13 @@ def _range(table: pd.DataFrame) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _name_drives(axes: Axes, names: list[str], failed: set[str]) -> None:
+def _name_drives(axes: Axes, names: list[str], remarks: dict[str, str]) -> None:
     """Name the lines; of many drives only some."""
     axes.set_ylim(len(names) - 0.3, -0.7)
     shown = range(0, len(names), -(-len(names) // NAMED))
-    labels = [f"{names[k]} (failed)" if names[k] in failed else names[k] for k in shown]
+    labels = [
+        f"{names[k]} ({remarks[names[k]]})" if names[k] in remarks else names[k] for k in shown
+    ]
     axes.set_yticks(list(shown), labels)
 
 

@@ -19,6 +19,7 @@ from stickslip.pipeline.reproduction import drive_truth
 from stickslip.servo.systems import Changes
 
 COLUMNS = ("name", "log", "config", "set")
+SIMULATED = "simulated drive"
 _NAME = re.compile(r"\w[\w.-]{0,79}")
 
 
@@ -51,6 +52,11 @@ class Drive:
     name: str
     source: LogSource | Variant
     row: Mapping[str, str]
+
+    @property
+    def kind(self) -> str:
+        """What was recorded: a simulated drive, or whatever made the log."""
+        return SIMULATED if isinstance(self.source, Variant) else "log"
 
 
 def read_fleet(path: Path) -> list[Drive]:

@@ -19,7 +19,7 @@ from stickslip.results.folder import remove_results, staged
 
 COLUMNS = [
     *("name", "parameter", "unit", "value", "standard_error", "low", "high", "identifiability"),
-    *("criterion", "truth", "reason"),
+    *("criterion", "source", "truth", "reason"),
 ]
 
 
@@ -41,6 +41,7 @@ def fleet_table(fleet: Fleet) -> pd.DataFrame:
                 "parameter": parameter,
                 **{column: known[column] for column in COLUMNS[2:8]},
                 "criterion": document["criterion"],
+                "source": drive.kind,
                 "truth": truth.get(parameter),
             }
             for parameter, known in document["parameters"].items()

@@ -71,7 +71,7 @@ def study_section(study: WholeStudy, drive: Mapping[str, float]) -> Section:
             "Learned parameters and errors on the trapezoid, a dot for each seed",
             "What each seed started from and what it learned: (a) parameters relative to those of "
             "the simulated drive, which are the paper’s Table 2 unless they were changed; (b) the "
-            "errors of Table 4, beside the real stage’s.",
+            "errors of Table 4 on the simulated drive, beside those of the real stage (paper).",
         ),
         _outcomes(published),
         *_learned(published),
@@ -104,7 +104,9 @@ def _course(published: Published) -> Html:
         f"Without compensation a training run costs {number(published.cost_without, 3)} m²/s², the "
         f"coarse starts {_range(start)}, the end {_range(final)} (median; least to most). In the "
         f"median of seeds the cost falls to {percent(float(np.median(final / start)), 0)} of the "
-        f"start’s; {below} of {len(final)} seeds end below the paper’s {number(PAPER_COST)}.",
+        f"start’s; "
+        f"{below} of {len(final)} seeds on the simulated drive end below the "
+        f"{number(PAPER_COST)} of the real stage (paper).",
     )
 
 
@@ -136,7 +138,12 @@ def _outcomes(published: Published) -> Html:
         "", "Velocity", "Without", "Coarse start", "Learned: median (middle half)",
         "Real stage (paper)", "Seeds that got worse",
     )  # fmt: skip
-    return table(head, rows, "Table 4 as published, over seeds [mm/s]", (0, 1))
+    return table(
+        head,
+        rows,
+        "Table 4 as published: the simulated drive over seeds, and the real stage [mm/s]",
+        (0, 1),
+    )
 
 
 def _learned(published: Published) -> tuple[Html, Html]:
@@ -162,7 +169,12 @@ def _learned(published: Published) -> tuple[Html, Html]:
         "Real stage (paper)", "Unit",
     )  # fmt: skip
     return (
-        table(head, rows, "Learned values as published, over seeds", (0, 6)),
+        table(
+            head,
+            rows,
+            "Learned values as published: the simulated drive over seeds, and the real stage",
+            (0, 6),
+        ),
         quiet(
             "“At start” counts the seeds whose value differs from its start by less than 2 %. "
             "Mutation draws a new value anywhere from 0.1 to 100 times the start, so 98 of 100 "

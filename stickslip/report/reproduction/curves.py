@@ -187,7 +187,7 @@ def draw_motions(reproduction: Reproduction) -> Figure:
     for axes, (letter, motion, region, title) in zip(panels, shown, strict=True):
         runs = reproduction.motions.evaluation.runs[motion.name]
         _motion(axes, motion, region, runs[UNCOMPENSATED], runs[LEARNED])
-        style.name_panel(axes, letter, f"{title}, {region.replace('um', 'µm')}")
+        style.name_panel(axes, letter, f"{title}, {region.replace('um', 'µm')}, simulated")
     style.legend_below(panels[0])
     return figure
 
@@ -207,7 +207,7 @@ def _motion(axes: Axes, motion: Motion, region: str, without: Run, compensated: 
         values = run.x_enc if motion is MOVES else run.v["measured"]
         axes.plot(t, scale * values[part], color=colour, lw=0.7, label=label)
     axes.plot(t, scale * command[part], label="command", **COMMAND)
-    axes.set(xlabel="Time [s]", ylabel=f"Measured {quantity}", xlim=(t[0], t[-1]))
+    axes.set(xlabel="Time [s]", ylabel=f"Encoder’s {quantity}", xlim=(t[0], t[-1]))
 
 
 LOOKS = {
