@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from stickslip.identification.selection.choice import is_better
+from stickslip.identification.selection.candidates import candidates
+from stickslip.identification.selection.choice import choose, is_better
 from stickslip.identification.selection.prediction import Prediction
 from stickslip.logs import Finding
 
@@ -83,11 +84,19 @@ def mismatch(
 
 
 def _another_law(found: Prediction, others: Sequence[Prediction]) -> Iterator[Cause]:
-    """Yield the law that predicts best, if it predicts better than the one found."""
-    best = min(others, key=lambda one: one.force, default=found)
-    if best.candidate != found.candidate and is_better(best, found):
-        name = best.candidate.title
-        yield Cause(f"another law, {name},", best.force, f"give --law {best.candidate.law.name}")
+    """Yield the law that would be chosen, if it predicts better than the one found."""
+    if not others:
+        return
+    order = candidates().index
+    ordered = sorted((found, *others), key=lambda one: order(one.candidate))
+    best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=_force)
+    if best is not found and is_better(best, found):
+        law = "auto" if best.candidate.is_level else best.candidate.law.name
+        yield Cause(f"another law, {best.candidate.title},", best.force, f"give --law {law}")
+
+
+def _force(one: Prediction) -> float:
+    return one.force
 
 
 def _removes(cause: Cause, found: Prediction) -> float:
