@@ -56,6 +56,8 @@ from stickslip.servo.velocity_loop import (
 
 RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
+RULED_OUT = 3.0
+"""Ratio to the least force error among the laws above which values of a law are ruled out."""
 WIDE = 4.0
 """Largest ratio to the value taken of one on which it is tried."""
 AUTO = "auto"
@@ -394,7 +396,8 @@ def known_friction(estimation: Estimation) -> Known:
     """Return what a log tells of friction besides the estimate, for ``family``.
 
     Static friction is bounded by the largest friction in the log, with a reserve. Other laws have
-    the values that were fitted to the log, where they were tried.
+    the values that were fitted to the log, where they were tried and the log does not rule them
+    out.
     """
     space, known = estimation.fit.space, estimation.known
     largest = RESERVE * estimation.largest_friction
@@ -409,9 +412,11 @@ def known_friction(estimation: Estimation) -> Known:
     values = (bounded_by(one, space, largest) for one in estimation.plausible)
     plausible = tuple(map(_of_drive, values))
     rivals = {}
+    least = min((prediction.force for prediction in estimation.predictions), default=0.0)
     for prediction in estimation.predictions:
         law = prediction.candidate.law
-        if law.name != estimation.law.name and not prediction.candidate.is_level:
+        is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
+        if is_rival and prediction.force <= RULED_OUT * least:
             bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
             rivals[law.name] = _of_drive(bounded)
     return Known(plausible, ranges, rivals)
