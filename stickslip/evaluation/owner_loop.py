@@ -74,8 +74,9 @@ def commanded_velocity(recording: Recording) -> Array:
     UsageError
         When neither was logged.
     """
-    if recording.velocity_command is not None:
-        return recording.velocity_command
+    received = recording.controller_inputs.get("v_cmd")
+    if received is not None:
+        return received
     if recording.position_command is None:
         raise UsageError(
             f"{recording.source}: no command; log the velocity or position command, or name its "

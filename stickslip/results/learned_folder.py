@@ -61,9 +61,10 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     if learned.trial and learned.benefit:
         further.append(compensation(learned.benefit, learned.trial.observed))
     opening = []
-    if learned.tracking and learned.trial:
-        motion, share = learned.estimation.recording.motion, learned.trial.benefit.share
-        opening.append(tracking_section(learned.tracking, motion, share))
+    if learned.tracking and learned.benefit:
+        motion, share = learned.estimation.recording.motion, learned.benefit.share
+        observed = learned.observer is not None
+        opening.append(tracking_section(learned.tracking, motion, share, observed=observed))
     written = learned.writes(force=force)
     absent = ["compensator.fmu", "observer.fmu", TABLE, *picture_files([TRACKING])]
     with staged(folder, command, without=absent) as staging:

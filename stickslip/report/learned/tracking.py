@@ -25,8 +25,16 @@ LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 HEADS = ("Simulated, without", "Simulated, with", "Simulated, no friction")
 
 
-def tracking_section(tracking: Tracking, motion: Motion, share: float = 1.0) -> Section:
-    """Return the section; ``share`` is that of the compensator's force."""
+def tracking_section(
+    tracking: Tracking, motion: Motion, share: float = 1.0, *, observed: bool = False
+) -> Section:
+    """Return the section.
+
+    Parameters
+    ----------
+    share : of the compensator's force
+    observed : whether an observer was designed, which another section shows
+    """
     errors = tracking.errors()
     scales = _scales(tracking, motion)
     place = WORDS[motion][0].capitalize()
@@ -44,6 +52,8 @@ def tracking_section(tracking: Tracking, motion: Motion, share: float = 1.0) -> 
     measured = ("Measured, log",) if tracking.measured else ()
     head = ("Error", "", *measured, *HEADS, "Reduction")
     part = "" if share == 1.0 else f" The compensator gives {percentage(share)} of its force."
+    if observed:
+        part += " It is the feedforward alone; “Whether compensation helps” has the observer, too."
     return Section(
         "Tracking without and with the compensator",
         paragraph(
