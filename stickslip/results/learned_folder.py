@@ -64,7 +64,10 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     if learned.tracking and learned.benefit:
         motion, share = learned.estimation.recording.motion, learned.benefit.share
         observed = learned.observer is not None
-        opening.append(tracking_section(learned.tracking, motion, share, observed=observed))
+        refusal = "" if force else learned.refusal
+        opening.append(
+            tracking_section(learned.tracking, motion, share, observed=observed, refusal=refusal)
+        )
     written = learned.writes(force=force)
     absent = ["compensator.fmu", "observer.fmu", TABLE, *picture_files([TRACKING])]
     with staged(folder, command, without=absent) as staging:

@@ -26,7 +26,12 @@ HEADS = ("Simulated, without", "Simulated, with", "Simulated, no friction")
 
 
 def tracking_section(
-    tracking: Tracking, motion: Motion, share: float = 1.0, *, observed: bool = False
+    tracking: Tracking,
+    motion: Motion,
+    share: float = 1.0,
+    *,
+    observed: bool = False,
+    refusal: str = "",
 ) -> Section:
     """Return the section.
 
@@ -34,6 +39,7 @@ def tracking_section(
     ----------
     share : of the compensator's force
     observed : whether an observer was designed, which another section shows
+    refusal : why the compensator is not written; empty where it is
     """
     errors = tracking.errors()
     scales = _scales(tracking, motion)
@@ -54,6 +60,7 @@ def tracking_section(
     part = "" if share == 1.0 else f" The compensator gives {percentage(share)} of its force."
     if observed:
         part += " It is the feedforward alone; “Whether compensation helps” has the observer, too."
+    refused = [paragraph(f"compensator.fmu is not written: {refusal}.")] if refusal else []
     return Section(
         "Tracking without and with the compensator",
         paragraph(
@@ -62,6 +69,7 @@ def tracking_section(
             )
             + _verdict(tracking, motion)
         ),
+        *refused,
         Illustration(
             FIGURE,
             partial(draw_tracking, tracking, motion),

@@ -1,0 +1,48 @@
+"""The section with which the page on a log opens."""
+
+import re
+
+import numpy as np
+
+from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Tracking, TrackingError
+from stickslip.report.learned.tracking import tracking_section, window
+from stickslip.report.page import Picture
+
+
+def tracked(measured=None):
+    """A sine whose velocity error is 2, 1 and 0.5 mm/s, and ten times as large for a while."""
+    t = np.arange(2000) * 1e-3
+    v_cmd = 0.02 * np.sin(5.0 * t)
+    shape = np.where((t > 1.2) & (t < 1.25), 10.0, 1.0) * 1e-3
+    sizes = {NONE: 2.0, FEEDFORWARD: 1.0, FRICTIONLESS: 0.5}
+    velocity = {name: v_cmd + size * shape for name, size in sizes.items()}
+    position = {name: size * 1e-5 * np.ones_like(t) for name, size in sizes.items()}
+    words = ("the log's PI controller", "the log's own command")
+    return Tracking(t, v_cmd, velocity, position, slice(0, None), *words, True, measured)
+
+
+def words(section):
+    pictures = {one.name: Picture.of(one.draw) for one in section.illustrations()}
+    return re.sub("<[^>]*>", "|", section.markup(pictures)).replace("\u00a0", " ")
+
+
+def test_the_section_labels_measured_and_simulated_and_names_loop_and_command():
+    measured = TrackingError(2.1e-3, 2.2e-2, 2e-5, 3e-5)
+    text = words(tracking_section(tracked(measured), "linear"))
+    for label in ("Measured, log", "Simulated, without", "Simulated, with", "50 %"):
+        assert label in text
+    assert "in the loop of the log’s PI controller" in text
+    assert "Measured" not in words(tracking_section(tracked(), "linear"))
+
+
+def test_a_compensator_that_is_not_written_is_named_first():
+    text = words(tracking_section(tracked(), "linear", refusal="it is worse at 2 mm/s"))
+    assert "compensator.fmu is not written: it is worse at 2 mm/s." in text
+    assert text.index("is not written") < text.index("Simulated, with")
+    assert "is not written" not in words(tracking_section(tracked(), "linear"))
+
+
+def test_the_detail_is_where_compensation_changes_most():
+    part = window(tracked())
+    assert part.start / 1e3 < 1.25
+    assert part.stop / 1e3 > 1.2
