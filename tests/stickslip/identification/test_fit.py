@@ -52,6 +52,46 @@ def test_it_finds_what_linear_least_squares_finds(space):
     np.testing.assert_allclose(np.diag(found.covariance), np.diag(classic), rtol=0.6)
 
 
+def test_a_coordinate_that_leaves_its_bounds_stops_there(space):
+    """The others are then those of least squares with the held one moved to the other side."""
+    rng = np.random.default_rng(1)
+    truth = rng.uniform(0.1, 1.0, K)
+    line = line_of(rng, truth, 0.1 * rng.standard_normal(N), space)
+    held, free = 3, np.arange(K) != 3
+    line.space = replace(space, upper=np.where(free, 9.0, 0.05))
+    rest = line.seen - 0.05 * line.regressors[:, held]
+    expected, *_ = np.linalg.lstsq(line.regressors[:, free], rest, rcond=None)
+    found = fit(line, [np.zeros(K)])
+    assert found.q[held] == 0.05
+    np.testing.assert_allclose(found.q[free], expected, atol=1e-5)
+
+
+def test_a_fit_ends_where_a_step_promises_nothing(space):
+    """A linear criterion needs a Jacobian, a damped step, and a Jacobian that says so."""
+    rng = np.random.default_rng(2)
+    line = line_of(rng, rng.uniform(0.1, 1.0, K), 0.1 * rng.standard_normal(N), space)
+    evaluations = []
+    residual = line.residual
+    line.residual = lambda values: (evaluations.append(1), residual(values))[1]
+    q = fit(line, [np.zeros(K)]).q
+    assert len(evaluations) <= 1 + 3 * (K + 2)
+    evaluations.clear()
+    fit(line, [q])
+    assert len(evaluations) == K + 2
+
+
+def test_a_third_start_is_left_out_where_two_agree(space):
+    rng = np.random.default_rng(4)
+    line = line_of(rng, rng.uniform(0.1, 1.0, K), 0.1 * rng.standard_normal(N), space)
+
+    def starts():
+        yield np.zeros(K)
+        yield np.ones(K)
+        raise AssertionError("a third start was asked for")
+
+    fit(line, starts())
+
+
 @pytest.mark.slow
 def test_the_covariance_knows_of_correlated_noise(space):
     """Slow noise on slow regressors: the plain formula says ten times too little."""
