@@ -148,6 +148,7 @@ class SimulatedTrial:
                 "without": row.without,
                 "with": row.compensated,
                 "ratio": row.ratio,
+                "scatter": row.scatter,
             }
             for benefit in (self.benefit, *self.others)
             for row in benefit.rows
