@@ -27,6 +27,7 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from scipy.stats import binomtest
 
 from stickslip.catalog.parameters import PAPER, UNITS
+from stickslip.errors import StickslipError
 from stickslip.identification.estimation import Estimation, Task, candidate_fmus, learn
 from stickslip.identification.estimation.estimation import CriterionName
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
@@ -81,7 +82,11 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(learn_one, options.drives, options.criterion, s) for s in seeds]
         for one in as_completed(waiting):
-            table = one.result()
+            try:
+                table = one.result()
+            except StickslipError as error:  # nothing was claimed that could be wrong
+                print(f"refused: {error}", flush=True)
+                continue
             tables.append(table)
             everything = pd.concat(tables).sort_values("seed", kind="stable")
             everything.to_csv(path, index=False, lineterminator="\n")
