@@ -164,7 +164,16 @@ def read_json(file: Path) -> None:
         _algorithm().replay(checkpoint.read(file, ""))
     elif b"parameters" in data:
         learned = LearnedFile(file)
-        for entry in ("compensator", "standard_errors", "feed", "loop", "validation", "datasheet"):
+        for entry in (
+            "compensator",
+            "drive",
+            "drive_errors",
+            "standard_errors",
+            "feed",
+            "loop",
+            "validation",
+            "datasheet",
+        ):
             getattr(learned, entry)
     else:
         read_lti(file)
