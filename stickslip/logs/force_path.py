@@ -26,10 +26,12 @@ FLAT, PILED = 0.02, 0.005
 """Distance from the largest force, relative, of a limit; smallest share of the samples there."""
 BEYOND = 0.03
 """Share of the limit by which the motion shows more force on average."""
-LAGS = np.geomspace(0.5, 100.0, 24)
+LAGS = np.geomspace(0.5, 100.0, 20)
 """Time constants of a low-pass that are tried [samples]."""
-OWN = (0.0, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0)
+OWN = (0.0, 0.5, 0.7, 0.85, 1.0)
 """Shares of the time constant by which a low-pass makes a delay, of those that are tried."""
+EXACT = 0.005
+"""Unexplained share of the force below which no low-pass is looked for."""
 LAGGED = 0.35
 """Largest share of the unexplained force that may remain with a low-pass."""
 ATTENUATED = 0.02
@@ -106,6 +108,8 @@ def _low_passed(recording: Recording) -> Finding | None:
     spline, t = CubicSpline(recording.t, drive.force), recording.t[drive.used]
     every = rigid_columns(motion, recording.T_s)
     plain, mass = _fitted(drive.columns, spline(t + late))
+    if plain < EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
+        return None
     trials = []
     for lag in LAGS:
         share = -np.expm1(-1.0 / lag)
