@@ -56,7 +56,7 @@ from stickslip.servo.velocity_loop import (
 
 RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
-RULED_OUT = 3.0
+RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
 WIDE = 4.0
 """Largest ratio to the value taken of one on which it is tried."""
