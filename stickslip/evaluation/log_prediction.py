@@ -36,6 +36,8 @@ SEEDS = (1, 2, 3)
 """Of the noise in simulated loops."""
 FRICTION = "friction"
 """Name of the change of friction as a whole."""
+KNOWN = 0.15
+"""Relative standard error up to which the interval of a parameter explains errors."""
 STEP = 0.01
 """Relative change of a parameter that gives the derivative of a signal by it."""
 
@@ -200,8 +202,10 @@ def _spread(signals: Callable[[Values], Array], values: Values, errors: Values) 
     """Return what the standard errors of the parameters make of signals (..., n), uncorrelated."""
     at = signals(values)
     total = np.zeros(at.shape[:-1])
-    for name, error in errors.items():
-        step = STEP * abs(values[name]) or error
+    # An open interval would explain anything.
+    known = {name: error for name, error in errors.items() if error <= KNOWN * abs(values[name])}
+    for name, error in known.items():
+        step = STEP * abs(values[name])
         change = (signals({**values, name: values[name] + step}) - at) * error / step
         total += np.mean(change**2, axis=-1)
     return np.sqrt(total)
