@@ -58,7 +58,7 @@ RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
-WIDE = 4.0
+WIDE = 2.0
 """Largest ratio to the value taken of one on which it is tried."""
 AUTO = "auto"
 """Name that stands for the law that a recording shows."""
@@ -148,6 +148,7 @@ class SimulatedTrial:
                 "without": row.without,
                 "with": row.compensated,
                 "ratio": row.ratio,
+                "scatter": row.scatter,
                 "scatter": row.scatter,
             }
             for benefit in (self.benefit, *self.others)

@@ -156,7 +156,9 @@ def _learn(
         largest = largest_friction(inverse, {**best.parameters, **shown})
         known = conservative(known, start.space, largest)
         values = {**best.parameters, **shown, **{name: one.value for name, one in known.items()}}
-        goodness = goodness_of_fit(task.fmus, recording, inverse, values, task.gains, check)
+        bounded = {name: values[name] for name in start.space.bounded}
+        fitted = {**best.parameters, **shown, **bounded}
+        goodness = goodness_of_fit(task.fmus, recording, inverse, fitted, task.gains, check)
     return Estimation(
         recording,
         criterion,

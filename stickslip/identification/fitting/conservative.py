@@ -19,7 +19,8 @@ from stickslip.models import LawParameter
 from stickslip.servo.measurement import smoothed
 
 SOFTEST = 0.5
-"""Least share of a fitted stiffness: a contact that is far too soft pushes after the motion."""
+"""Least share of a fitted stiffness or damping: a contact that is far too soft pushes after the
+motion, and one without damping swings."""
 CREEP = 0.1
 """Share of the highest speed up to which friction towards rest shows."""
 BEYOND = 1.25
@@ -84,7 +85,8 @@ def bounded_by(values: Values, space: ParameterSpace, largest: float) -> dict[st
 def _weakest(parameter: LawParameter, one: Identifiability) -> float:
     if parameter.weakest == "high":
         return one.high
-    return max(one.low, SOFTEST * one.value if parameter.unit == "N/m" else 0.0)
+    is_contact = (parameter.force, parameter.length) == (1, -1)
+    return max(one.low, SOFTEST * one.value if is_contact else 0.0)
 
 
 def _sentence(name: str, what: str, one: Identifiability) -> str:

@@ -52,7 +52,7 @@ def test_what_is_identifiable_stays():
 
 def test_what_is_not_identifiable_is_taken_at_its_weak_end():
     assert taken(known(F_s=NOT_IDENTIFIABLE)) == {**LUGRE, "F_s": 6.0}
-    assert taken(known(sigma_1=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_1": 400.0}
+    assert taken(known(sigma_1=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_1": 2000.0}
     assert taken(known(v_s=NOT_IDENTIFIABLE))["v_s"] == pytest.approx(5e-5)
     assert taken(known(sigma_0=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_0": 2e5}
     both = taken(known(F_s=NOT_IDENTIFIABLE, F_c=NOT_IDENTIFIABLE))
