@@ -149,7 +149,6 @@ class SimulatedTrial:
                 "with": row.compensated,
                 "ratio": row.ratio,
                 "scatter": row.scatter,
-                "scatter": row.scatter,
             }
             for benefit in (self.benefit, *self.others)
             for row in benefit.rows
