@@ -142,16 +142,17 @@ def test_friction_that_is_not_there_is_refused_or_reduced():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("v", [0.3e-3, 1e-3])
-def test_a_weak_loop_at_slow_speed_is_refused_with_exact_parameters(v):
+def test_a_weak_loop_at_slow_speed_gets_a_small_share_of_exact_feedforward(v):
     """The paper's friction, K_p = 200 N s/m: feedforward multiplies the squared error."""
     command = Trapezoid(height=v, slope=20 * v, plateau=2.0, begin=0.1)
     loop = close_velocity_loop(AXIS, 5e-4, 5e-4, 200.0, 2000.0)
     drives = family(LUGRE, TABLE_2, command, Known())
-    benefit, findings = tried(TABLE_2, drives, loop, command)
-    assert not benefit.acceptable
-    assert benefit.share == 1.0
-    assert "; expected at most 1.02 times, and no share of the force" in benefit.refusal
-    assert {"stribeck", "over-compensation"} <= {finding.guard for finding in findings}
+    benefit, _ = tried(TABLE_2, drives, loop, command)
+    assert benefit.acceptable
+    assert benefit.share <= 0.4
+    whole = replace(benefit, share=1.0, rows=benefit.full)
+    assert not whole.acceptable
+    assert "; expected at most 1.02 times, and no share of the force" in whole.refusal
 
 
 @pytest.mark.parametrize("without", [1.0, 0.0, np.inf, np.nan])
