@@ -148,7 +148,6 @@ class SimulatedTrial:
                 "without": row.without,
                 "with": row.compensated,
                 "ratio": row.ratio,
-                "scatter": row.scatter,
             }
             for benefit in (self.benefit, *self.others)
             for row in benefit.rows
@@ -396,9 +395,9 @@ def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]
 def known_friction(estimation: Estimation) -> Known:
     """Return what a log tells of friction besides the estimate, for ``family``.
 
-    Static friction is bounded by the largest friction in the log, with a reserve. Other laws have
-    the values that were fitted to the log, where they were tried and the log does not rule them
-    out.
+    Static friction is bounded by the largest friction in the log, with a reserve. Other laws are
+    those that were fitted to the log because its own does not explain all of it, and that the log
+    does not rule out.
     """
     space, known = estimation.fit.space, estimation.known
     largest = RESERVE * estimation.largest_friction

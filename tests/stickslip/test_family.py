@@ -51,12 +51,12 @@ def tried(values, drives, loop=PAPER, command=VALIDATION):
 
 
 @pytest.mark.parametrize("law", law_names())
-def test_a_family_has_every_law_and_what_the_log_leaves_open(law):
+def test_a_family_has_rivals_and_what_the_log_leaves_open(law):
     own = friction_law(law)
     friction = {name: TABLE_2.get(name, one.start[0]) for name, one in own.parameters.items()}
     known = Known(KNOWN.plausible, {"F_c": (5.0, 7.0)}, KNOWN.rivals if law != "dahl" else {})
     drives = {drive.name: drive for drive in family(own, friction, VALIDATION, known)}
-    assert {drive.law for drive in drives.values()} == set(law_names())
+    assert {drive.law for drive in drives.values()} == {law, *known.rivals}
     assert drives["friction as fitted"].parameters == friction
     assert drives["friction x 0.5"].parameters["F_c"] == pytest.approx(0.5 * 5.999)
     assert drives["friction x 1.5"].parameters["F_c"] == pytest.approx(1.5 * 5.999)
@@ -119,7 +119,6 @@ def test_the_share_is_the_largest_that_is_never_worse(full_benefit):
     assert full_benefit.acceptable
     assert 0.5 <= full_benefit.share < 1.0
     assert not any(row.is_worse for row in full_benefit.rows)
-    assert max(row.ratio for row in full_benefit.rows if row.scatter == 0.0) <= 1.02
     assert max(row.ratio for row in full_benefit.full) > 1.02
     assert len({(row.command, row.drive) for row in full_benefit.rows}) == len(full_benefit.rows)
     assert "friction x 0.5" in full_benefit.reason
@@ -171,15 +170,11 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
         assert worst.drive in benefit.reason
 
 
-def test_a_ratio_above_the_limit_is_worse_where_runs_do_not_scatter_as_much():
-    """Eight runs with a ratio of 1.05 each, and eight that scatter around it by 0.2."""
-    row, ones = Tried(0.04, "one", 1.0, 1.05), np.ones(8)
-    exact = _mean(row, ones, 1.05 * ones)
-    assert (exact.ratio, exact.scatter) == pytest.approx((1.05, 0.0), abs=1e-9)
-    assert exact.is_worse
-    loose = _mean(row, ones, 1.05 + 0.2 * np.array(4 * [-1.0, 1.0]))
-    assert loose.scatter == pytest.approx(0.2 / np.sqrt(7.0), rel=0.05)
-    assert not loose.is_worse
+def test_repeated_runs_count_by_their_mean():
+    """Eight runs without and with compensation, whose ratio scatters around 1.05 or 1.01."""
+    row, ones, apart = Tried(0.04, "one", 1.0, 1.05), np.ones(8), np.array(4 * [-0.05, 0.05])
+    assert _mean(row, ones, 1.05 + apart).is_worse
+    assert not _mean(row, ones, 1.01 + apart).is_worse
     assert _mean(row, ones, np.full(8, np.inf)).is_worse
 
 

@@ -108,14 +108,13 @@ def test_the_compensator_has_what_was_learned(folder, tmp_path):
 
 
 def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
-    """With and without --out: no error of the family is larger than repeated runs scatter."""
+    """With and without --out: no error of the family grows by more than 2 %."""
     document = json.loads((folder / "learned.json").read_text())
     written = document["tracking_error"][0]["compensation"]
     rows = [row for row in document["tracking_error"] if row["compensation"] == written]
     assert len(rows) == len(document["family"]) * len({row["command"] for row in rows})
     for row in rows:
-        assert row["ratio"] <= 1.02 + 2.0 * row["scatter"]
-        assert 0.0 <= row["scatter"] < 0.1
+        assert row["ratio"] <= 1.02
     assert main(["learn", "--log", str(log), "--judge", "inverse"]) == 0
     out, error = capsys.readouterr()
     table = out.split("RMS tracking error of simulated drives")[1].splitlines()

@@ -6,7 +6,7 @@ feedforward leaves an error like that without it, or a larger one; a share of 0.
 force then leaves less, and hardly more on the fitted drive.
 
 Where a drive sticks and slips, errors of runs that hardly differ scatter by some per cent. A ratio
-above the limit is therefore the one of several such runs, and its standard error counts.
+above the limit is therefore the mean of several such runs.
 """
 
 from __future__ import annotations
@@ -36,8 +36,6 @@ WORSE = 1.02
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
 LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
 """Levels of friction at which a run is repeated where it sticks and slips."""
-SURE = 2.0
-"""Standard errors beyond which a ratio is worse than allowed."""
 REPEATED = 1.25
 """Ratio above which no repetition is needed."""
 FEEDFORWARD = "compensator"
@@ -103,7 +101,6 @@ class Tried:
     speed : largest of the command [m/s]
     drive : how its friction differs from the fitted one
     command : its name
-    scatter : standard error of the ratio over runs that hardly differ; 0 for a single run
     """
 
     speed: float
@@ -111,7 +108,6 @@ class Tried:
     without: float
     compensated: float
     command: str = ""
-    scatter: float = 0.0
 
     @property
     def ratio(self) -> float:
@@ -122,8 +118,8 @@ class Tried:
 
     @property
     def is_worse(self) -> bool:
-        """Whether the error grows by more than allowed, and by more than runs scatter."""
-        return not self.ratio <= WORSE + SURE * self.scatter
+        """Whether the error grows by more than allowed."""
+        return not self.ratio <= WORSE
 
 
 @dataclass(frozen=True)
@@ -271,16 +267,9 @@ class Bench:
 
 
 def _mean(row: Tried, without: Array, compensated: Array) -> Tried:
-    """Return a row for runs (n,) that hardly differ, with the scatter of its ratio."""
-    if not np.all(np.isfinite(compensated)):
-        return replace(row, compensated=math.inf)
-    squares = float(np.mean(without**2)), float(np.mean(compensated**2))
-    ratio = math.sqrt(squares[1] / squares[0])
-    apart = compensated**2 - ratio**2 * without**2
-    scatter = float(np.std(apart, ddof=1)) / math.sqrt(len(apart)) / (2.0 * ratio * squares[0])
-    return replace(
-        row, without=math.sqrt(squares[0]), compensated=math.sqrt(squares[1]), scatter=scatter
-    )
+    """Return a row for the root mean squares of runs (n,) that hardly differ."""
+    errors = (float(np.sqrt(np.mean(runs**2))) for runs in (without, compensated))
+    return replace(row, **dict(zip(("without", "compensated"), errors, strict=True)))
 
 
 class _Runs(ExitStack):

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law, scaled_start
+from stickslip.catalog.parameters import friction_law
 from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
-from stickslip.models import Law, law_names
+from stickslip.models import Law
 from stickslip.servo.measurement import Array
 
 Values = Mapping[str, float]
@@ -83,8 +83,7 @@ class Known:
     ----------
     plausible : values that the log supports: the fit first, and draws from its covariance
     ranges : interval by name for parameters that are poorly identified
-    rivals : values by name for other laws fitted to the same log, by name of the law; those left
-        out take the values of the same names from the fit
+    rivals : values by name for other laws fitted to the same log, by name of the law
     """
 
     plausible: Sequence[Values] = ()
@@ -119,13 +118,8 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tupl
         **{f"plausible friction {k + 1}": one for k, one in enumerate(known.plausible)},
     }
     drives = [Drive(name, law.name, values) for name, values in own.items()]
-    fit = known.plausible[0] if known.plausible else friction
-    length = deflection(friction, command)
-    for other in law_names():
-        if other != law.name:
-            rival = friction_law(other)
-            values = known.rivals.get(other) or _alike(rival, fit, length)
-            drives.append(Drive(f"{rival.title} friction", other, values))
+    for other, values in known.rivals.items():
+        drives.append(Drive(f"{friction_law(other).title} friction", other, values))
     return tuple(drives)
 
 
@@ -183,16 +177,6 @@ def _corners(
             changed = {**friction, name: value}
             changed |= {one: max(changed[one], changed[bound]) for one, bound in bounded.items()}
             yield f"{name} = {value:.3g} {unit}", changed
-
-
-def _alike(law: Law, friction: Values, length: float) -> dict[str, float]:
-    """Return the values of the same names in another law, and typical ones for the rest."""
-    values = {}
-    for name, one in law.parameters.items():
-        if len(one.start) == 1:
-            typical = scaled_start(one, friction["F_c"], length)
-            values[name] = friction.get(name, typical)
-    return values
 
 
 def _moves(length: float, command: Trapezoid, T_s: float) -> Array:

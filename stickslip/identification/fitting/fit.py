@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.servo.measurement import Array
@@ -14,14 +15,8 @@ from stickslip.servo.measurement import Array
 STEP = 1e-3  # of a coordinate, for differences
 BLOCKS = 100
 """Number of blocks of a recording whose sums of scores are taken to be independent."""
-ROUNDS, TRIES = 30, 8
-"""Jacobians of a fit, and damped steps from each, at most."""
-DAMPING, FASTER = 1e-3, 8.0
-"""First damping, as share of the information, and the factor by which it changes."""
-CONVERGED = 1e-3
-"""Deviance that a Gauss step must promise for another round; a standard error is 1."""
-ROUGH, STALLED = 0.25, 1e-3
-"""Share of the promised gain, and of the deviance, below both of which a fit ends."""
+ROUNDS = 30
+XTOL, FTOL = 1e-6, 1e-7
 SAME = 1e-4
 """Relative difference of mean squares below which two minima are the same."""
 TINY = 1e-200
@@ -88,23 +83,15 @@ class Fit:
 
     def step(self) -> Array:
         """Return the Gauss step (k,) from here towards the least sum of squares."""
-        return self.shift(self.residual) - self._inverse() @ self.pull()
+        u = self.space
+        pull = _prior_information(u) * (self.q - u.prior_mean)
+        return self.shift(self.residual) - self._inverse() @ pull
 
     def length(self, step: Array) -> float:
         """Return by how much a step (k,) from the least deviance raises it, linearised."""
         change = self.jacobian @ step
         prior = _prior_information(self.space) @ step**2
         return float(change @ change) / self.noise + float(prior)
-
-    def pull(self) -> Array:
-        """Return half the gradient (k,) of the squared prior residual."""
-        return _prior_information(self.space) * (self.q - self.space.prior_mean)
-
-    @property
-    def deviance(self) -> float:
-        """Twice the negative log likelihood, up to a constant, and the squared prior residual."""
-        prior = self.space.prior_residual(self.q)
-        return float(self.residual @ self.residual) / self.noise + float(prior @ prior)
 
     def _inverse(self) -> Array:
         return inverse_information(self.jacobian, self.noise, self.space)
@@ -147,44 +134,51 @@ def fit(criterion: Criterion, starts: Iterable[Array]) -> Fit:
 
 
 def _fit(criterion: Criterion, start: Array) -> Fit:
-    """Minimise by the method of Levenberg and Marquardt.
-
-    A Jacobian takes a run for each coordinate, so no further one is computed where the last one
-    promises little, or where the sum of squares is so rough that its promises are not kept.
-    """
+    """Minimise from a start (k,); the residual's deviation follows the fit in two passes."""
     space = criterion.space
-    q, damping, stalled = space.inside(start), DAMPING, False
-    residual = criterion.residual(space.decode(q))
-    for _ in range(ROUNDS):
-        at = linearised(criterion, q, max(float(np.mean(residual**2)), TINY))
-        problem = NormalEquations.of(at)
-        gauss = problem.step()
-        if problem.gain(gauss) < CONVERGED:
-            at = replace(at, q=q + gauss, residual=at.residual + at.jacobian @ gauss)
+    q, free = space.inside(start), space.upper > space.lower
+
+    def weighted(residual: Array, q: Array) -> Array:
+        return np.append(residual / deviation, space.prior_residual(q))
+
+    def at(z: Array) -> Array:
+        q[free] = z
+        return weighted(criterion.residual(space.decode(q)), q)
+
+    def slopes(z: Array) -> Array:
+        q[free] = z
+        steps = _steps(q, space)[free]
+        points = [q, *(q + np.diag(_steps(q, space))[free])]
+        residuals = criterion.map([space.decode(point) for point in points])
+        middle, *moved = map(weighted, residuals, points)
+        return (np.column_stack(moved) - middle[:, np.newaxis]) / steps
+
+    deviation = _deviation(criterion.residual(space.decode(q)))
+    for _ in range(2):
+        found = least_squares(
+            at,
+            q[free],
+            jac=slopes,
+            bounds=(space.lower[free], space.upper[free]),
+            x_scale="jac",
+            max_nfev=ROUNDS,
+            xtol=XTOL,
+            ftol=FTOL,
+        )
+        q[free] = found.x
+        q = space.inside(q)
+        residual = criterion.residual(space.decode(q))
+        before, deviation = deviation, _deviation(residual)
+        if deviation > 0.9 * before:
             break
-        if stalled:
-            break
-        for _ in range(TRIES):
-            step = problem.step(damping)
-            residual = criterion.residual(space.decode(q + step))
-            gain = at.deviance - replace(at, q=q + step, residual=residual).deviance
-            if gain > 0.0:
-                break
-            damping *= FASTER
-        else:
-            break
-        kept = gain / problem.gain(step)
-        stalled = kept < ROUGH and gain < STALLED * at.deviance
-        damping *= 1.0 / FASTER if kept > 0.5 else 1.0
-        q = q + step
-    spread = covariance(at.jacobian, at.residual, space)
-    return replace(at, covariance=spread, noise=at.variance)
+    fitted = linearised(criterion, q, max(float(np.mean(residual**2)), TINY))
+    return replace(fitted, covariance=covariance(fitted.jacobian, fitted.residual, space))
 
 
 def linearised(criterion: Criterion, q: Array, noise: float) -> Fit:
     """Return residual and Jacobian at coordinates (k,), for a residual of that mean square."""
     space = criterion.space
-    steps = np.where(q + STEP <= space.upper, STEP, -STEP)
+    steps = _steps(q, space)
     points = [q, *(q + np.diag(steps))]
     middle, *moved = criterion.map([space.decode(point) for point in points])
     jacobian = (np.column_stack(moved) - middle[:, np.newaxis]) / steps
@@ -192,48 +186,12 @@ def linearised(criterion: Criterion, q: Array, noise: float) -> Fit:
     return Fit(space, q, middle, jacobian, spread, noise)
 
 
-@dataclass(frozen=True)
-class NormalEquations:
-    """The linear least squares around a point.
+def _steps(q: Array, space: ParameterSpace) -> Array:
+    return np.where(q + STEP <= space.upper, STEP, -STEP)
 
-    Attributes
-    ----------
-    matrix : (k, k) information of residual and priors
-    slope : (k,) half the gradient of the deviance
-    low, high : (k,) least and largest step that the bounds allow
-    """
 
-    matrix: Array
-    slope: Array
-    low: Array
-    high: Array
-
-    @classmethod
-    def of(cls, at: Fit) -> Self:
-        """Return them for the point of a fit."""
-        matrix = at.jacobian.T @ at.jacobian / at.noise + np.diag(_prior_information(at.space))
-        slope = at.jacobian.T @ at.residual / at.noise + at.pull()
-        return cls(matrix, slope, at.space.lower - at.q, at.space.upper - at.q)
-
-    def step(self, damping: float = 0.0) -> Array:
-        """Return the step (k,) of Gauss, or a damped one; what would pass a bound stops there."""
-        scale = np.sqrt(np.maximum(np.diag(self.matrix), TINY))
-        matrix = self.matrix / np.outer(scale, scale) + damping * np.eye(len(scale))
-        low, high = self.low * scale, self.high * scale
-        step, free = np.zeros_like(scale), np.ones(len(scale), dtype=bool)
-        while free.any():
-            wanted = -self.slope / scale - matrix[:, ~free] @ step[~free]
-            step[free] = np.linalg.lstsq(matrix[np.ix_(free, free)], wanted[free])[0]
-            beyond = free & ((step < low) | (step > high))
-            if not beyond.any():
-                break
-            step[beyond] = np.clip(step, low, high)[beyond]
-            free &= ~beyond
-        return np.clip(step / scale, self.low, self.high)
-
-    def gain(self, step: Array) -> float:
-        """Return by how much a step (k,) lowers the deviance of the linear problem."""
-        return -float(2.0 * self.slope @ step + step @ self.matrix @ step)
+def _deviation(residual: Array) -> float:
+    return max(float(np.sqrt(np.mean(residual**2))), 1e-300)
 
 
 def inverse_information(jacobian: Array, variance: float, space: ParameterSpace) -> Array:

@@ -127,7 +127,7 @@ def test_a_force_out_of_scale_names_the_factor(short, candidates):
     assert "--scale force=3.33" in fault.advice
     assert fault.spoils == "values"
     assert "identifiable" not in {known.identifiability for known in learned.known.values()}
-    assert "weakly identifiable at best" in learned.known["m"].sentence
+    assert "weakly identifiable at best" in learned.known["F_c"].sentence
 
 
 def test_rejected_gains_change_nothing(short, candidates):
@@ -138,7 +138,7 @@ def test_rejected_gains_change_nothing(short, candidates):
     assert rejected.faults == without.faults == ()
     assert rejected.known == without.known
     assert rejected.parameters == without.parameters
-    assert without.known["m"].identifiability == "identifiable"
+    assert without.known["F_c"].identifiability == "identifiable"
 
 
 def test_a_delay_at_its_bound_is_a_fault(short, candidates):
