@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> None:
     for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
         if path and path.suffix.lower() != suffix:
             raise UsageError(f"{path}: expected a file name that ends in {suffix}")
-        if path and path.exists() and not options.force:
+        if path and path.is_file() and not path.is_symlink() and not options.force:
             raise UsageError(f"{path} exists; --force overwrites it, --out names another file")
     limits, length = _limits(options)
     table, stretches = plan(limits, options.show), arrange(limits, options.show)

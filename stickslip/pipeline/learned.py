@@ -400,7 +400,8 @@ def known_friction(estimation: Estimation) -> Known:
     does not rule out.
     """
     space, known = estimation.fit.space, estimation.known
-    largest = RESERVE * estimation.largest_friction
+    taken = (known[name].value for name in space.bounded)
+    largest = RESERVE * max(estimation.largest_friction, *taken, 0.0)
     ranges = {}
     for name in space.friction:
         one = known[name]

@@ -1,18 +1,27 @@
 """The benchmark that counts how often intervals hold the truth."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip.catalog.parameters import PAPER
+from stickslip.catalog.parameters import PAPER, friction_law
 from stickslip.identification.estimation import Identifiability
 from tests.interval_coverage import _rows, draw, drive
+from tests.random_drives import RandomDrive
 
 
 @pytest.mark.parametrize(("low", "high", "holds"), [(5.9, 6.1, True), (6.0, 6.1, False)])
 def test_an_interval_holds_the_truth_or_not(low, high, holds):
     known = {"F_c": Identifiability(0.5 * (low + high), 0.05, low, high, "identifiable", "")}
-    (row,) = _rows(PAPER, known)
+    estimation = SimpleNamespace(
+        recording=SimpleNamespace(position=np.linspace(0.0, 0.1, 100)),
+        known=known,
+        law=friction_law(),
+        friction_curve=None,
+    )
+    (row,) = _rows(RandomDrive(parameters=PAPER), estimation)
     assert row["holds"] is holds
     assert row["truth"] == PAPER["F_c"]
 

@@ -270,7 +270,8 @@ def _output_error(
         if criterion.unexplained(fitted.parameters) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
-            fitted = fit(criterion, begins)
+            fitted = select(variants(criterion, fit(criterion, begins)), 1.0).fit
+            criterion = criterion.over(fitted.space)
         criterion.whiten(fitted.parameters)
         selection = select(variants(criterion, fit(criterion, [fitted.q])))
         criterion = criterion.over(selection.fit.space)

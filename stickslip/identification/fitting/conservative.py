@@ -14,7 +14,11 @@ import numpy as np
 
 from stickslip.catalog.space import ParameterSpace, Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
+from stickslip.identification.fitting.identifiability import (
+    IDENTIFIABLE,
+    NOT_IDENTIFIABLE,
+    Identifiability,
+)
 from stickslip.models import LawParameter
 from stickslip.servo.measurement import smoothed
 
@@ -33,8 +37,8 @@ def conservative(
     """Return the same with the values that the compensator takes.
 
     A value that is not identifiable is moved to the end of its interval at which the force is the
-    weakest; static friction is then the Coulomb friction. In no case is static friction above the
-    largest one that the recording shows.
+    weakest; static friction is then the Coulomb friction. Unless it is identifiable, static friction
+    is not above the largest one that the recording shows.
 
     Parameters
     ----------
@@ -50,7 +54,7 @@ def conservative(
         one, least = known[name], taken[bound].value
         if one.identifiability == NOT_IDENTIFIABLE:
             value, what = least, bound
-        elif one.value > max(BEYOND * largest, least):
+        elif one.identifiability != IDENTIFIABLE and one.value > max(BEYOND * largest, least):
             value, what = max(largest, least), f"{max(largest, least):.4g}"
         else:
             value, what = max(one.value, least), ""

@@ -17,8 +17,8 @@ class Idle:
     def prepare(self):
         return self
 
-    def run(self, parameters, inputs):
-        del parameters, inputs
+    def run(self, parameters, inputs, *, until=None):
+        del parameters, inputs, until
         time.sleep(1e-3)
 
     def close(self):

