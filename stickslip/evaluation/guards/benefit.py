@@ -268,8 +268,8 @@ class Bench:
 
 def _mean(row: Tried, without: Array, compensated: Array) -> Tried:
     """Return a row for the root mean squares of runs (n,) that hardly differ."""
-    errors = (float(np.sqrt(np.mean(runs**2))) for runs in (without, compensated))
-    return replace(row, **dict(zip(("without", "compensated"), errors, strict=True)))
+    mean, with_it = (float(np.sqrt(np.mean(runs**2))) for runs in (without, compensated))
+    return replace(row, without=mean, compensated=with_it)
 
 
 class _Runs(ExitStack):

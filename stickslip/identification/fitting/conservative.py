@@ -37,8 +37,8 @@ def conservative(
     """Return the same with the values that the compensator takes.
 
     A value that is not identifiable is moved to the end of its interval at which the force is the
-    weakest; static friction is then the Coulomb friction. Unless it is identifiable, static friction
-    is not above the largest one that the recording shows.
+    weakest; static friction is then the Coulomb friction. Unless it is identifiable, static
+    friction is not above the largest one that the recording shows.
 
     Parameters
     ----------
