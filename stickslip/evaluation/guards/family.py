@@ -2,7 +2,8 @@
 
 One log supports many drives, and the drive changes after it. The family has the fitted friction,
 plausible values around it, the ends of the intervals of what is poorly identified, more and less
-friction, friction that differs by direction and position, and other friction laws.
+friction, friction that differs by direction and position, and other friction laws where the fitted
+one does not explain the log.
 """
 
 from __future__ import annotations

@@ -169,9 +169,9 @@ def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
             "The compensator was tried on a family of simulated drives that the log supports: the "
             "friction as fitted, plausible values around it, the ends of the intervals of what is "
             "poorly identified, half the friction and half as much again, friction that differs by "
-            "direction and position, and other friction laws. Commands are the paper’s trapezoid "
-            "at the log’s speed, a tenth and a hundredth of it, moves of a few presliding "
-            f"deflections, and short moves. {verdict}"
+            "direction and position, and, where its law does not explain the log, other laws. "
+            "Commands are the paper’s trapezoid at the log’s speed, a tenth and a hundredth of it, "
+            f"moves of a few presliding deflections, and short moves. {verdict}"
         ),
         table(
             ("Simulated drive", *commands),
