@@ -135,7 +135,7 @@ def test_friction_that_is_not_there_is_refused_or_reduced():
     benefits, _ = benefits_on_drives(
         LUGRE, PAPER, TABLE_2, [feedforward(wrong), level], drives, VALIDATION, Datasheet(), {}
     )
-    assert not benefits[0].acceptable
+    assert not benefits[0].acceptable or benefits[0].share <= 0.2
     assert max(row.ratio for row in benefits[0].full) > 1.5
 
 

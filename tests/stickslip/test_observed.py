@@ -16,6 +16,7 @@ from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loo
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}
+DAHL = {"F_c": 60.0, "sigma_0": 4e6}
 LAW = friction_law()
 
 
@@ -27,7 +28,7 @@ def observed() -> Observed:
     sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
     drives = [
         drive
-        for drive in family(LAW, FRICTION, command, Known())
+        for drive in family(LAW, FRICTION, command, Known(rivals={"dahl": DAHL}))
         if drive.name in ("friction as fitted", "friction x 0.5", "Dahl friction")
     ]
     assert len(drives) == 3
