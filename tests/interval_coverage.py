@@ -59,7 +59,7 @@ SIGMA_0 = (1e5, 1e6)  # [N/m], evenly in its logarithm
 EVEN = 3.0
 """Median half-widths up to which the axis of the picture is linear; beyond, logarithmic."""
 DAMPING = (0.3, 2.0)  # sigma_1 / (2 sqrt(sigma_0 m))
-JUDGED = 5
+SPEEDS = 5
 """Speeds of the friction curve that count, from the lowest to the highest."""
 
 
@@ -199,7 +199,7 @@ def _rows(drive: RandomDrive, estimation: Estimation) -> Iterator[dict[str, obje
     if curve is None:
         return
     yield _row("offset", "N", drive.offset(travel), curve.offset, truth["F_c"])
-    for k in np.linspace(0, len(curve.speed) - 1, JUDGED).round().astype(int):
+    for k in np.linspace(0, len(curve.speed) - 1, SPEEDS).round().astype(int):
         value, low, high = (float(one[k]) for one in (curve.value, curve.low, curve.high))
         true = float(drive.friction(curve.speed[k], travel))
         row = _row("F(v)", "N", true, Interval(value, float("nan"), low, high), true)
