@@ -16,7 +16,6 @@ MARGIN = 0.98
 """Ratio of two errors above which they are tied in any case."""
 GAIN = 0.7
 """Error, over that of Coulomb and viscous friction, at which no parameter need be identified."""
-NOTHING_MORE = "nothing more can be seen in this log, neither presliding nor a Stribeck curve"
 
 
 @dataclass(frozen=True)
