@@ -2,6 +2,7 @@
 
 Tests interrupt runs, but a process that xdist, nohup or a shell starts aside ignores signals.
 A busy machine may take any time for one example of Hypothesis, so examples have no deadline.
+Linear algebra has one thread, as in the commands; processes side by side wait for each other's.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+import scipy.linalg  # noqa: F401  (its library must be loaded to be limited)
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 HERE = Path(__file__).parent
 CASES = 1
@@ -21,6 +24,8 @@ for name in ("SIGINT", "SIGHUP"):
     if (number := getattr(signal, name, None)) and signal.getsignal(number) is signal.SIG_IGN:
         default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
         signal.signal(number, default)
+
+threadpool_limits(limits=1, user_api="blas")
 
 settings.register_profile("stickslip", deadline=None)
 settings.load_profile("stickslip")

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from stickslip.identification.estimation import CriterionName, Search
 from stickslip.logs import (
     Description,
@@ -42,6 +44,7 @@ def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple
     return reading, (*reading.findings, *check_units(reading), *checks)
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def learn(
     path: Path | str,
     description: Description | None = None,

@@ -16,7 +16,7 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from stickslip.evaluation.guards import Bench, Benefit, Variant
+from stickslip.evaluation.guards import Bench, Benefit, Tried, Variant
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import LIMIT, MASSES, DesignedObserver, design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -121,18 +121,23 @@ def try_observer(
     friction : as fitted, with the Coulomb friction ``F_c`` [N]
     mass : ends of the interval of the mass [kg]
     """
-    tried: list[tuple[float, DesignedObserver, Benefit]] = []
+    tried: list[tuple[Tried, DesignedObserver, Benefit]] = []
+    together = feedforward.acceptable
     try:
         for designed in _designs(bench, friction["F_c"], mass):
-            benefit = _tried(bench, feedforward, designed, with_both=feedforward.acceptable)
-            tried.append((max(row.ratio for row in benefit.rows), designed, benefit))
+            variant = _variant(feedforward, designed, together=together)
+            shared = variant.share(bench.law, feedforward.share)
+            if tried and bench.is_worse(shared, tried[-1][0]):
+                continue
+            benefit = _tried(bench, feedforward, variant)
+            tried.append((max(benefit.rows, key=lambda row: row.ratio), designed, benefit))
             if benefit.acceptable:
                 break
     except ControlError as error:
         return Observed(feedforward, reason=str(error))
-    _, best, wanted = min(tried, key=lambda one: one[0])
-    other = _tried(bench, feedforward, best, with_both=not feedforward.acceptable)
-    alone, both = (other, wanted) if feedforward.acceptable else (wanted, other)
+    _, best, wanted = min(tried, key=lambda one: one[0].ratio)
+    other = _tried(bench, feedforward, _variant(feedforward, best, together=not together))
+    alone, both = (other, wanted) if together else (wanted, other)
     return Observed(feedforward, best, "", alone, both)
 
 
@@ -159,20 +164,18 @@ def _designs(bench: Bench, F_c: float, mass: tuple[float, float]) -> Iterator[De
             yield replace(slowest, observer=observer, sensitivity=peak)
 
 
-def _tried(
-    bench: Bench, feedforward: Benefit, designed: DesignedObserver, *, with_both: bool
-) -> Benefit:
-    """Try an observer, alone or with the feedforward."""
+def _variant(feedforward: Benefit, designed: DesignedObserver, *, together: bool) -> Variant:
+    """Return an observer alone, or together with the feedforward at its whole force."""
     observer = Compensator("observer", "dob", designed.observer.parameters())
-    if with_both:
-        return _with_feedforward(bench, feedforward, observer)
-    return bench.benefits([Variant(OBSERVER, (observer,))])[0]
+    if together:
+        return Variant(BOTH, (*feedforward.variant.chain, observer))
+    return Variant(OBSERVER, (observer,))
 
 
-def _with_feedforward(bench: Bench, feedforward: Benefit, observer: Compensator) -> Benefit:
-    """Try both: the feedforward at its share where it is acceptable, else at any."""
-    whole = Variant(BOTH, (*feedforward.variant.chain, observer))
-    if not feedforward.acceptable:
-        return bench.benefits([whole])[0]
-    (benefit,) = bench.benefits([whole.share(bench.law, feedforward.share)], shares=(1.0,))
-    return replace(benefit, variant=whole, share=feedforward.share)
+def _tried(bench: Bench, feedforward: Benefit, variant: Variant) -> Benefit:
+    """Try a variant: with a feedforward at its share where that is acceptable, else at any."""
+    if not (variant.has_feedforward and feedforward.acceptable):
+        return bench.benefits([variant])[0]
+    shared = variant.share(bench.law, feedforward.share)
+    (benefit,) = bench.benefits([shared], shares=(1.0,))
+    return replace(benefit, variant=variant, share=feedforward.share)

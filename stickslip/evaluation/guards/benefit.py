@@ -227,6 +227,15 @@ class Bench:
         """Try each variant, with the largest acceptable one of the shares of its feedforward."""
         return tuple(self._benefit(variant, shares) for variant in variants)
 
+    def is_worse(self, variant: Variant, row: Tried) -> bool:
+        """Tell whether a variant is worse than none where another one's row was tried."""
+        cell = next(
+            cell for cell in self._cells() if (cell[0].name, cell[1].name) == (row.drive, row.command)
+        )
+        with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
+            row = replace(row, compensated=runs.error(*cell, variant))
+            return _repeated(row, cell, variant, runs, none).is_worse
+
     def _cells(self) -> Iterator[tuple[Drive, Command]]:
         for drive in self.drives:
             for command in self.commands:
@@ -246,10 +255,7 @@ class Bench:
 
             def checked(k: int, share: float) -> Tried:
                 row = full[k] if share == 1.0 else tried(k, share)
-                if not WORSE < row.ratio < REPEATED:
-                    return row
-                compensated = runs.errors(*cells[k][0], variant.share(self.law, share))
-                return _mean(row, none.errors(*cells[k][0], NONE), compensated)
+                return _repeated(row, cells[k][0], variant.share(self.law, share), runs, none)
 
             # Where the whole force harms most, a share fails first.
             order = sorted(range(len(cells)), key=lambda k: -full[k].ratio)
@@ -266,10 +272,15 @@ class Bench:
         return Benefit(1.0, full, full, unit, variant)
 
 
-def _mean(row: Tried, without: Array, compensated: Array) -> Tried:
-    """Return a row for the root mean squares of runs (n,) that hardly differ."""
-    mean, with_it = (float(np.sqrt(np.mean(runs**2))) for runs in (without, compensated))
-    return replace(row, without=mean, compensated=with_it)
+def _repeated(
+    row: Tried, cell: tuple[Drive, Command], variant: Variant, runs: _Runs, none: _Runs
+) -> Tried:
+    """Return a row; if its ratio is a little above the limit, with the mean of several runs."""
+    if not WORSE < row.ratio < REPEATED:
+        return row
+    errors = none.errors(*cell, NONE), runs.errors(*cell, variant)
+    without, compensated = (float(np.sqrt(np.mean(error**2))) for error in errors)
+    return replace(row, without=without, compensated=compensated)
 
 
 class _Runs(ExitStack):

@@ -89,9 +89,15 @@ class OutputError(Closing):
         """Estimate the whitening filter from the residual of these values."""
         self.whitening = predictor_error(self.raw(values)[self.used], ORDER)
 
-    def unexplained(self, values: Values) -> float:
-        """Return the standard deviation of the residual, over that of encoder steps and noise."""
-        return float(np.std(self.raw(values)[self.used])) / self.noise
+    def unexplained(self, values: Values, explained: Array) -> float:
+        """Return the standard deviation of the residual over that of what is explained.
+
+        Parameters
+        ----------
+        explained : (n,) residual [m] of these values' own recording, by encoder steps alone
+        """
+        expected = max(self.noise, float(np.std(explained[self.used])))
+        return float(np.std(self.raw(values)[self.used])) / expected
 
     def close(self) -> None:
         """Free the FMUs."""

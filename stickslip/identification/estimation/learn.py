@@ -32,9 +32,9 @@ from stickslip.identification.estimation.faults import (
     hidden,
 )
 from stickslip.identification.estimation.held_out import check_held_out
-from stickslip.identification.fitting.bootstrap import RUNS, Corrected, correct
+from stickslip.identification.fitting.bootstrap import RUNS, Corrected, Resimulation, correct
 from stickslip.identification.fitting.conservative import conservative, largest_friction
-from stickslip.identification.fitting.fit import BLOCKS, Fit, fit, plausible, value_errors
+from stickslip.identification.fitting.fit import BLOCKS, ROUGH, Fit, fit, plausible, value_errors
 from stickslip.identification.fitting.identifiability import (
     identifiability,
     of_sliding,
@@ -261,23 +261,28 @@ def _output_error(
         prior_mean=mean,
         prior_deviation=deviation,
     )
-    with OutputError(task.fmus, task.recording, gains, task.workers, space.law) as criterion:
-        criterion = criterion.over(space)
-        lag = LAG * task.recording.T_s
+    fmus, recording = task.fmus, task.recording
+    with (
+        OutputError(fmus, recording, gains, task.workers, space.law) as whole,
+        Resimulation(whole, fmus, recording, gains) as again,
+    ):
+        criterion = whole.over(space)
+        lag = LAG * recording.T_s
         begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
         criterion.whiten(space.decode(begins[0]))
-        fitted = fit(criterion, begins[:1])
-        if criterion.unexplained(fitted.parameters) > UNEXPLAINED:
+        fitted = fit(criterion, begins[:1], ROUGH)
+        explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(task.seed), 1)
+        if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
-            fitted = select(variants(criterion, fit(criterion, begins)), 1.0).fit
+            fitted = select(variants(criterion, fit(criterion, begins, ROUGH), ROUGH), 1.0).fit
             criterion = criterion.over(fitted.space)
         criterion.whiten(fitted.parameters)
-        selection = select(variants(criterion, fit(criterion, [fitted.q])))
+        selection = select(variants(criterion, fit(criterion, [fitted.q], ROUGH), ROUGH))
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])
-        corrected = correct(criterion, fitted, task.fmus, task.recording, gains, task.seed)
+        corrected = correct(criterion, fitted, again, task.seed)
         return corrected, selection.ambiguity
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.catalog.space import Values
+from stickslip.identification.criteria.closing import Closing
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.motion import position_noise
 from stickslip.identification.criteria.output_error import OutputError
@@ -28,7 +29,8 @@ from stickslip.logs import Recording
 from stickslip.servo.measurement import Array
 
 RUNS = 30
-ROUNDS = 3
+FEW = (10, 10)
+"""Bootstrap samples of the rounds before the last, which only bring the values near."""
 NUMERICS = 5e-6
 """Numerical error of a simulated loop, as share of the motion."""
 
@@ -69,27 +71,57 @@ class Corrected:
         return max(self.found / self.expected, self.unexplained)
 
 
-def correct(
-    criterion: OutputError,
-    fitted: Fit,
-    fmus: Path,
-    recording: Recording,
-    gains: Mapping[str, float],
-    seed: int,
-) -> Corrected:
+class Resimulation(Closing):
+    """Simulates a recording again with any values, encoder steps and noise included.
+
+    Parameters
+    ----------
+    criterion : gives the recorded commands' loop, and the number of parallel runs
+    """
+
+    def __init__(
+        self, criterion: OutputError, fmus: Path, recording: Recording, gains: Mapping[str, float]
+    ) -> None:
+        self.step = recording.encoder_step
+        self._smooth = criterion.loop
+        workers = self._smooth.workers
+        self._loop = KnownLoop(fmus, recording, gains, encoder=True, workers=workers)
+
+    def residuals(
+        self, values: Values, noise: float, rng: np.random.Generator, count: int
+    ) -> Array:
+        """Return the residuals (count, n) [m] that values leave of recordings of themselves."""
+        smooth = self._smooth.run(values)["candidate.x"]
+
+        def left(drawn: tuple[float, int]) -> Array:
+            offset, seed = drawn
+            further = {
+                "candidate.noise_x": noise,
+                "candidate.seed": seed,
+                "candidate.x": smooth[0] + offset,
+            }
+            return np.asarray(self._loop.run(values, further)["candidate.x_enc"] - offset - smooth)
+
+        drawn = [(self.step * rng.random(), int(rng.integers(2**31))) for _ in range(count)]
+        return np.array(self._loop.each(left, drawn))
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        self._loop.close()
+
+
+def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int) -> Corrected:
     """Subtract the bias of a whitened fit by a parametric bootstrap of the experiment."""
-    criterion, step = criterion.over(fitted.space), recording.encoder_step
+    criterion, step = criterion.over(fitted.space), again.step
     rng = np.random.default_rng(seed)
     noise = float(np.sqrt(max(fitted.variance - step**2 / 12.0, 1e-6 * fitted.variance)))
     at = fitted
-    workers = criterion.loop.workers
-    with KnownLoop(fmus, recording, gains, encoder=True, workers=workers) as loop:
-        for _ in range(ROUNDS):
-            raws = _resimulated(criterion, loop, at.parameters, step, noise, rng)
-            moves = np.array([at.shift(criterion.white(raw)) for raw in raws])
-            own = at.step() - moves.mean(axis=0)
-            q = criterion.space.inside(at.q + own)
-            at = linearised(criterion, q, fitted.variance)
+    for runs in (*FEW, RUNS):
+        raws = again.residuals(at.parameters, noise, rng, runs)
+        moves = np.array([at.shift(criterion.white(raw)) for raw in raws])
+        q = criterion.space.inside(at.q + at.step() - moves.mean(axis=0))
+        at = replace(at, q=q, residual=criterion.residual(criterion.space.decode(q)))
+    at = linearised(criterion, at.q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
     own = NUMERICS * float(np.std(criterion.position))
     expected = max(own, *(float(np.std(raw[criterion.used])) for raw in raws))
@@ -103,27 +135,3 @@ def correct(
     return Corrected(
         corrected, bias, mean, criterion.whitening, expected, found, noise, unexplained
     )
-
-
-def _resimulated(
-    criterion: OutputError,
-    loop: KnownLoop,
-    values: Values,
-    step: float,
-    noise: float,
-    rng: np.random.Generator,
-) -> Array:
-    """Return the residuals (RUNS, n) [m] of resimulated recordings."""
-    smooth = criterion.loop.run(values)["candidate.x"]
-
-    def left(drawn: tuple[float, int]) -> Array:
-        offset, seed = drawn
-        further = {
-            "candidate.noise_x": noise,
-            "candidate.seed": seed,
-            "candidate.x": smooth[0] + offset,
-        }
-        return np.asarray(loop.run(values, further)["candidate.x_enc"] - offset - smooth)
-
-    drawn = [(step * rng.random(), int(rng.integers(2**31))) for _ in range(RUNS)]
-    return np.array(loop.each(left, drawn))

@@ -17,6 +17,8 @@ BLOCKS = 100
 """Number of blocks of a recording whose sums of scores are taken to be independent."""
 ROUNDS = 30
 XTOL, FTOL = 1e-6, 1e-7
+ROUGH = 1e-4
+"""Relative change of the sum of squares at which a fit ends that another one continues."""
 SAME = 1e-4
 """Relative difference of mean squares below which two minima are the same."""
 TINY = 1e-200
@@ -116,15 +118,19 @@ def value_errors(space: ParameterSpace, q: Array, covariance: Array) -> dict[str
     return dict(zip(space.names, spread.tolist(), strict=True))
 
 
-def fit(criterion: Criterion, starts: Iterable[Array]) -> Fit:
+def fit(criterion: Criterion, starts: Iterable[Array], ftol: float = FTOL) -> Fit:
     """Minimise residual and prior residual from each start (k,); return the least minimum.
 
     The residual is counted in its own standard deviation, so that each prior weighs as one more
     measurement. When two starts have led to the same minimum, those that follow are left out.
+
+    Parameters
+    ----------
+    ftol : relative change of the sum of squares at which it ends
     """
     least: Fit | None = None
     for start in starts:
-        found = _fit(criterion, start)
+        found = _fit(criterion, start, ftol)
         if least and abs(found.noise - least.noise) < SAME * least.noise:
             return min(found, least, key=lambda one: one.noise)
         least = min(found, least or found, key=lambda one: one.noise)
@@ -133,7 +139,7 @@ def fit(criterion: Criterion, starts: Iterable[Array]) -> Fit:
     return least
 
 
-def _fit(criterion: Criterion, start: Array) -> Fit:
+def _fit(criterion: Criterion, start: Array, ftol: float) -> Fit:
     """Minimise from a start (k,); the residual's deviation follows the fit in two passes."""
     space = criterion.space
     q, free = space.inside(start), space.upper > space.lower
@@ -163,7 +169,7 @@ def _fit(criterion: Criterion, start: Array) -> Fit:
             x_scale="jac",
             max_nfev=ROUNDS,
             xtol=XTOL,
-            ftol=FTOL,
+            ftol=ftol,
         )
         q[free] = found.x
         q = space.inside(q)

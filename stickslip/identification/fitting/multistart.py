@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.catalog.space import Values
 from stickslip.identification.criteria.inverse_model import InverseModel
-from stickslip.identification.fitting.fit import BLOCKS, Criterion, Fit, fit
+from stickslip.identification.fitting.fit import BLOCKS, FTOL, Criterion, Fit, fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.servo.measurement import Array
@@ -57,7 +57,7 @@ def without_stribeck(criterion: Criterion, found: Fit) -> Fit:
     return flat if flat.noise < WORTH * found.noise else found
 
 
-def variants(criterion: Criterion, found: Fit) -> list[Fit]:
+def variants(criterion: Criterion, found: Fit, ftol: float = FTOL) -> list[Fit]:
     """Return a fit for each of the values to choose from, such as the exponents 1 and 2.
 
     The preferred one is the first. Where no Stribeck curve shows, ``found`` is the only one.
@@ -74,7 +74,7 @@ def variants(criterion: Criterion, found: Fit) -> list[Fit]:
             q = found.q.copy()
             if parameter.requires and "v_s" in space.names:
                 q[space.index("v_s")] += np.log(WIDER) * change
-            fits.append(fit(criterion.over(space.fixed(**{name: choice})), [q]))
+            fits.append(fit(criterion.over(space.fixed(**{name: choice})), [q], ftol))
         order = parameter.choices.index
         fits.sort(key=lambda one: order(one.space.constants[name]))
     return fits

@@ -4,7 +4,7 @@ from scipy.signal import lfilter
 
 from stickslip.identification.criteria.output_error import OutputError, predictor_error
 from stickslip.identification.estimation.learn import MODEL_ERROR
-from stickslip.identification.fitting.bootstrap import correct
+from stickslip.identification.fitting.bootstrap import Resimulation, correct
 from stickslip.identification.fitting.fit import linearised
 
 pytestmark = pytest.mark.slow
@@ -36,6 +36,7 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
         values = best.space.decode(q)
         variance = float(np.var(criterion.residual(values)))
         bad = linearised(criterion.over(best.space), q, variance)
-        told = correct(criterion, bad, candidates, learned.recording, learned.gains, 0)
+        with Resimulation(criterion, candidates, learned.recording, learned.gains) as again:
+            told = correct(criterion, bad, again, 0)
     assert told.found / told.expected < MODEL_ERROR
     assert (told.model_error > MODEL_ERROR) == (off > 0.0)
