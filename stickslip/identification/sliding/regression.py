@@ -67,22 +67,24 @@ def regress(
     scale = np.maximum(np.sqrt(np.mean(x**2, axis=0)), np.finfo(float).tiny)
     noise = np.full(classes.max() + 1, 1e-2 * np.var(y))
     count = np.bincount(classes, minlength=len(noise))
+    members = [classes == one for one in range(len(noise))]
+    products = np.array([x[rows].T @ x[rows] for rows in members])
+    moments = np.array([x[rows].T @ y[rows] for rows in members])
     deviations = dict.fromkeys(groups, 0.03)
     correlation = 3.0
     for pass_ in range(ROUNDS):
         prior = 1e-12 * scale**2 / np.mean(noise)
         for name, place in places.items():
             prior[place] = 1.0 / deviations[name] ** 2
-        weighted = x / (noise[classes] * correlation)[:, np.newaxis]
-        information = weighted.T @ x + np.diag(prior)
+        weights = 1.0 / (noise * correlation)
+        information = np.tensordot(weights, products, 1) + np.diag(prior)
         # Regressors differ by orders of magnitude; the inverse is taken of those of like size.
         size = np.sqrt(np.diag(information))
         covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True)
         covariance /= np.outer(size, size)
-        c = covariance @ (weighted.T @ y)
+        c = covariance @ (weights @ moments)
         rest = y - x @ c
-        leverage = correlation * np.einsum("ij,ij->i", weighted @ covariance, x)
-        used = np.bincount(classes, leverage, len(noise))
+        used = np.tensordot(products, covariance) / noise
         squares = np.bincount(classes, rest**2, len(noise))
         few = count - used <= FEW
         noise = np.where(few, np.mean(rest**2), squares / np.where(few, 1.0, count - used))
