@@ -230,7 +230,9 @@ class Bench:
     def is_worse(self, variant: Variant, row: Tried) -> bool:
         """Tell whether a variant is worse than none where another one's row was tried."""
         cell = next(
-            cell for cell in self._cells() if (cell[0].name, cell[1].name) == (row.drive, row.command)
+            cell
+            for cell in self._cells()
+            if (cell[0].name, cell[1].name) == (row.drive, row.command)
         )
         with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
             row = replace(row, compensated=runs.error(*cell, variant))

@@ -50,10 +50,13 @@ from stickslip.identification.fitting.multistart import (
 )
 from stickslip.identification.fitting.search import Search, search, solve_linear
 from stickslip.identification.fitting.start import Start, begin
+from stickslip.identification.sliding.friction_curve import VARYING
 from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
 """Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
+VARIES = 5e-3
+"""Force that no law has, as share of friction, with which the loop's intervals do not hold."""
 LAG = 0.2
 """Initial lag of the force behind its command, in samples."""
 F_0_DEVIATION = 0.01
@@ -198,6 +201,11 @@ def _not_explained(corrected: Corrected, start: Start) -> str:
             f"mass or friction of the simulated loop lie {apart:.2g} half-widths of its interval "
             "from what sliding motion shows"
         )
+    if start.curve is not None:
+        friction = float(np.median(start.curve.value))
+        for name, force in start.curve.varying.items():
+            if force > VARIES * friction:
+                return f"{VARYING[name]} by {force / friction:.2%} of friction"
     return ""
 
 

@@ -14,6 +14,7 @@ the differences between the four show what is not known and are a part of the in
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,6 +50,15 @@ SPAN = (0.03, 0.97)
 DEGREES = 40
 """Degrees of freedom of the variance within one regression."""
 FIXED = ("m", "b", "F_c", "F_0", "delay")
+VARYING = {
+    "ripple": "the force varies along the guide",
+    "guide": "friction varies along the guide",
+    "drift": "friction drifts",
+}
+"""Groups of regressors that no friction law has, for people."""
+CLEAR = 6.0
+"""Root mean square of such a force, in standard errors, from which it is certain; with a law alone
+it was 4 at most on 12 simulated drives, and 14 and above with ripple of 2 % of friction."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +88,7 @@ class FrictionCurve:
     viscous : slope of friction over speed, beside the Stribeck effect [N s/m]
     offset : constant force against the motor, with half the difference of friction forward and
         backward [N]
+    varying : root mean square [N] of the forces of ``VARYING`` that are certain
     """
 
     speed: Array
@@ -87,6 +98,7 @@ class FrictionCurve:
     mass: Interval
     viscous: Interval
     offset: Interval
+    varying: dict[str, float]
 
     def restored(self, scale: Scale) -> FrictionCurve:
         """Return the curve of a scaled recording in SI units."""
@@ -100,6 +112,7 @@ class FrictionCurve:
             mass=self.mass.scaled(1.0 / scale.of("m")),
             viscous=self.viscous.scaled(1.0 / scale.of("b")),
             offset=self.offset.scaled(force),
+            varying={name: one * force for name, one in self.varying.items()},
         )
 
 
@@ -134,7 +147,9 @@ def friction_curve(
     estimates = [one for one in found if one is not None]
     if len(estimates) < len(found):
         return None
-    values, variances = (np.array(column) for column in zip(*estimates, strict=True))
+    values, variances, forces, errors = (
+        np.array(column) for column in zip(*estimates, strict=True)
+    )
     value = values.mean(axis=0)
     within, between = variances.mean(axis=0), values.var(axis=0, ddof=1)
     error = np.sqrt(within + between)
@@ -146,7 +161,12 @@ def friction_curve(
         for i in range(3)
     )
     low, high = (value - width)[3:], (value + width)[3:]
-    return FrictionCurve(speeds, value[3:], low, high, mass, viscous, offset)
+    certain = np.all(forces > CLEAR * errors, axis=0)
+    forces = forces.mean(axis=0).tolist()
+    varying = {
+        name: force for name, force, sure in zip(VARYING, forces, certain, strict=True) if sure
+    }
+    return FrictionCurve(speeds, value[3:], low, high, mass, viscous, offset, varying)
 
 
 def _samples_per_row(position: Array, T_s: float, noise: float) -> int:
@@ -228,8 +248,11 @@ class _Rows:
         low, high = np.quantile(np.abs(self.v[used]), SPAN)
         return np.geomspace(low, high, SPEEDS)
 
-    def estimate(self, distance: float, speeds: Array) -> tuple[Array, Array] | None:
-        """Return m, b, F_0 and the friction at k speeds (3 + k,), and their variances."""
+    def estimate(self, distance: float, speeds: Array) -> tuple[Array, Array, Array, Array] | None:
+        """Return m, b, F_0 and the friction at k speeds (3 + k,), and their variances.
+
+        Beside them: root mean squares of the forces of ``VARYING``, and their standard errors.
+        """
         used = self.used(distance)
         if len(used) < LEAST:
             return None
@@ -260,7 +283,10 @@ class _Rows:
         groups = {name: size * group[used] for name, group in groups.items()}
         classes = 3 * _class(speed[used], 4) + _class(self.s[used], 3)
         found = regress(force, fixed, groups, classes)
-        return _quantities(found, size, knots, speeds, float(np.median(speed[used])))
+        return (
+            *_quantities(found, size, knots, speeds, float(np.median(speed[used]))),
+            *_varying(found, groups),
+        )
 
     def _low(self, columns: Array) -> Array:
         return smoothed(columns.T, self.T, self.cutoff).T
@@ -279,6 +305,17 @@ def _quantities(
     weights[3:, found.places["curve"]] = size * _hats(np.log(speeds), knots)
     variance = np.einsum("ij,jk,ik->i", weights, found.covariance, weights)
     return weights @ found.coefficients, variance
+
+
+def _varying(found: Regression, groups: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Return root mean squares (j,) of the forces of ``VARYING``, and their standard errors."""
+    forces, errors = [], []
+    for name in VARYING:
+        x, place = groups[name], found.places[name]
+        forces.append(float(np.std(x @ found.coefficients[place])))
+        covariance = found.covariance[place, place]
+        errors.append(float(np.sqrt(np.mean(np.einsum("ij,jk,ik->i", x, covariance, x)))))
+    return np.array(forces), np.array(errors)
 
 
 def _hats(z: Array, knots: Array) -> Array:
