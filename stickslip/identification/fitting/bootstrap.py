@@ -6,6 +6,9 @@ simulated with the fitted values, with the encoder's steps and the noise of the 
 steps move the values until the residual of the recording is like those of the bootstrap samples;
 the scatter of these steps is the covariance.
 
+The bootstrap's model is the law. Mass, viscous friction and offset have true values beside the law,
+so their standard errors are those from blocks of the residual where these are larger.
+
 Source
 ------
 Gourieroux, Monfort, Renault, J. Applied Econometrics 8 (1993) S85 (indirect inference).
@@ -123,6 +126,8 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
         at = replace(at, q=q, residual=criterion.residual(criterion.space.decode(q)))
     at = linearised(criterion, at.q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
+    wider = _wider(fitted, spread)
+    spread *= np.outer(wider, wider)
     own = NUMERICS * float(np.std(criterion.position))
     expected = max(own, *(float(np.std(raw[criterion.used])) for raw in raws))
     found = float(np.std(criterion.raw(at.parameters)[criterion.used]))
@@ -135,3 +140,10 @@ def correct(criterion: OutputError, fitted: Fit, again: Resimulation, seed: int)
     return Corrected(
         corrected, bias, mean, criterion.whitening, expected, found, noise, unexplained
     )
+
+
+def _wider(fitted: Fit, spread: Array) -> Array:
+    """Return factors (k,) of the bootstrap's standard errors of what is not the law's own."""
+    alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
+    wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
+    return np.where([name in fitted.space.law.parameters for name in fitted.space.names], 1.0, wider)
