@@ -55,6 +55,8 @@ from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
 """Residual of the loop, over encoder steps and noise, above which another minimum is looked for."""
+BASIN = 1e-2
+"""Relative change of the sum of squares at which the fit ends that only finds another minimum."""
 VARIES = 5e-3
 """Force that no law has, as share of friction, with which the loop's intervals do not hold."""
 LAG = 0.2
@@ -283,7 +285,7 @@ def _output_error(
         if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
-            fitted = select(variants(criterion, fit(criterion, begins, ROUGH), ROUGH), 1.0).fit
+            fitted = select(variants(criterion, fit(criterion, begins, BASIN), BASIN), 1.0).fit
             criterion = criterion.over(fitted.space)
         criterion.whiten(fitted.parameters)
         selection = select(variants(criterion, fit(criterion, [fitted.q], ROUGH), ROUGH))
