@@ -146,4 +146,6 @@ def _wider(fitted: Fit, spread: Array) -> Array:
     """Return factors (k,) of the bootstrap's standard errors of what is not the law's own."""
     alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
     wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
-    return np.where([name in fitted.space.law.parameters for name in fitted.space.names], 1.0, wider)
+    return np.where(
+        [name in fitted.space.law.parameters for name in fitted.space.names], 1.0, wider
+    )
