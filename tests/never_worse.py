@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 
 import stickslip as ss
+from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Column, Description
 from stickslip.pipeline.record_mode import gains_of
@@ -115,15 +116,20 @@ def main() -> None:
         if "own" in options.laws and OWN.get(drive.law, "lugre") not in laws:
             laws.append(OWN.get(drive.law, "lugre"))
         for law in laws:
-            learned = learn(drive, law, options.out / "log.csv")
+            try:
+                learned = learn(drive, law, options.out / "log.csv")
+            except StickslipError as error:
+                print(f"{name:24} {law:17} refused: {error}", flush=True)
+                rows.append({"drive": name, "law": law, "refused": str(error)})
+                continue
             share = learned.trial.benefit.share if learned.trial else math.nan
             fate = {"refused": learned.refusal} if learned.refusal else {"share": share}
             ratios = {} if learned.refusal else tried(drive, law, learned.compensator)
             rows.append({"drive": name, "law": law, **fate, **ratios})
-            pd.DataFrame(rows).to_csv(options.out / "never_worse.csv", index=False)
+            worst = max([worst, *ratios.values()])
             shown = " ".join(f"{what} {ratio:.2f}" for what, ratio in ratios.items())
             print(f"{name:24} {law:17} {fate} {shown}", flush=True)
-        worst = max([worst, *ratios.values()])
+    pd.DataFrame(rows).to_csv(options.out / "never_worse.csv", index=False)
     print(f"largest ratio {worst:.3f}, expected at most {WORSE:g}")
 
 

@@ -85,7 +85,8 @@ def implausible(reading: Reading) -> Iterator[Finding]:
     if recording.force is not None and "force" in reading.units:
         largest = float(np.quantile(np.abs(recording.force), 0.99))
         figures["force"] = largest, "N m" if rotary else "N"
-        if shown.inertial > SHOWN and shown.mass < 0.0 and shown.coulomb < 0.0:
+        work = float(recording.force[1:] @ np.diff(motion.x))
+        if shown.inertial > SHOWN and shown.mass < 0.0 and shown.coulomb < 0.0 and work < 0.0:
             yield _against_motion(reading, shown.mass, shown.coulomb)
         elif shown.inertial > SHOWN and shown.mass > 0.0:
             figures["mass"] = shown.mass, "kg m^2" if rotary else "kg"

@@ -1,8 +1,8 @@
 """What was learned of a drive, in every mode, and the stages that recordings and logs share.
 
-    recording -> ``learn_recording``: estimation -> loops -> ``try_compensator``, for a log
+    recording -> ``learn_recording``: estimation -> loops
 
-A reproduction validates the result on the drive instead of trying it in simulation.
+What a log gives is then tried in simulation; a reproduction validates it on the drive.
 """
 
 from __future__ import annotations
@@ -11,25 +11,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from stickslip import ga
-from stickslip.catalog.space import ParameterSpace
 from stickslip.cosim import Trapezoid
-from stickslip.evaluation.guards import (
-    Benefit,
-    Drive,
-    Known,
-    Variant,
-    bench_of,
-    best_of,
-    family,
-    feedforward,
-    findings_of,
-)
+from stickslip.evaluation.guards import Benefit, Drive
 from stickslip.evaluation.tracking import Tracking
-from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.estimation import (
     CriterionName,
     Estimation,
@@ -38,28 +25,15 @@ from stickslip.identification.estimation import (
     candidate_fmus,
 )
 from stickslip.identification.estimation import learn as estimate
-from stickslip.identification.fitting.conservative import bounded_by
-from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
-from stickslip.logs import Finding, Reading, Recording, implausible_mass
-from stickslip.models import Law
-from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice, Observed, try_observer
-from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.logs import Finding, Recording
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice, Observed
+from stickslip.servo.axis import ControlError
+from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.velocity_filter import Observer
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    VelocityLoop,
-    close_velocity_loop,
-    design_velocity_loop,
-)
+from stickslip.servo.velocity_loop import VelocityLoop
 
-RESERVE = 1.3
-"""Largest static friction on which a compensator is tried, over the largest in the log."""
-RULED_OUT = 5.0
-"""Ratio to the least force error among the laws above which values of a law are ruled out."""
-WIDE = 2.0
-"""Largest ratio to the value taken of one on which it is tried."""
 AUTO = "auto"
 """Name that stands for the law that a recording shows."""
 
@@ -325,134 +299,3 @@ def learn_recording(
     except ControlError as error:
         loops = error
     return LearnedFromRecording(estimation.compensator, loops, estimation, findings, seed)
-
-
-def try_compensator(
-    reading: Reading,
-    learned: LearnedFromRecording,
-    *,
-    with_observer: bool = True,
-    workers: int = 1,
-) -> LearnedFromRecording:
-    """Try a learned compensator at the log's own speed, where a loop can be closed.
-
-    Parameters
-    ----------
-    with_observer : whether a disturbance observer is designed and tried beside it
-    workers : number of runs in parallel
-    """
-    estimation = learned.estimation
-    mass = estimation.known.get("m")
-    question = implausible_mass(reading, mass.low, mass.high) if mass else None
-    if question and question.severity == "error":
-        learned = replace(learned, implausible=str(question))
-    if isinstance(learned.loops, ControlError):
-        return learned
-    loop = learned.loops.compensated
-    top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
-    scale = top / VALIDATION.height
-    command = replace(VALIDATION, height=top, slope=scale * VALIDATION.slope)
-    strongest = float(np.max(np.abs(estimation.figures.measured)))
-    sheet = Datasheet(
-        peak_force=reading.force_limit or 1e3 * strongest,
-        tau_i=loop.axis.tau_i,
-        encoder_step=reading.recording.encoder_step or 1e-6 * top,
-    )
-    law, rotary = estimation.law, reading.recording.motion == "rotary"
-    drives = family(law, learned.friction, command, known_friction(estimation))
-    errors = {
-        name: estimation.known[name].standard_error
-        for name in estimation.fit.space.friction
-        if estimation.known[name].identifiability != NOT_IDENTIFIABLE
-    }
-    own = learned.friction
-    with bench_of(law, loop, own, drives, command, sheet, rotary=rotary, workers=workers) as bench:
-        benefits = bench.benefits(feedforwards(law, learned.friction))
-        best = best_of(benefits)
-        found = findings_of(bench, learned.friction, best, best.share, errors)
-        observed = None
-        if with_observer:
-            m = estimation.known["m"]
-            observed = try_observer(bench, best, learned.friction, (m.low, m.high))
-    others = [benefit for benefit in benefits if benefit is not best]
-    if observed is not None:
-        others += [part for part in (observed.alone, observed.both) if part is not None]
-    trial = SimulatedTrial(
-        command, sheet, best, tuple(map(str, found)), drives, tuple(others), observed
-    )
-    return replace(learned, trial=trial)
-
-
-def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:
-    """Return what may be written: feedforward of the friction, and of its level alone."""
-    bounded = ParameterSpace.of(law).bounded
-    level = {**friction, **{name: friction[bound] for name, bound in bounded.items()}}
-    names = ", ".join(f"{name} = {bound}" for name, bound in bounded.items())
-    whole = feedforward(friction)
-    return (whole,) if level == friction else (whole, feedforward(level, f"feedforward, {names}"))
-
-
-def known_friction(estimation: Estimation) -> Known:
-    """Return what a log tells of friction besides the estimate, for ``family``.
-
-    Static friction is bounded by the largest friction in the log, with a reserve. Other laws are
-    those that were fitted to the log because its own does not explain all of it, and that the log
-    does not rule out.
-    """
-    space, known = estimation.fit.space, estimation.known
-    taken = (known[name].value for name in space.bounded)
-    largest = RESERVE * max(estimation.largest_friction, *taken, 0.0)
-    ranges = {}
-    for name in space.friction:
-        one = known[name]
-        if one.identifiability != IDENTIFIABLE:
-            low, high = max(one.low, one.value / WIDE), min(one.high, one.value * WIDE)
-            if name in space.bounded:
-                high = min(one.high, largest)
-            ranges[name] = (low, high)
-    values = (bounded_by(one, space, largest) for one in estimation.plausible)
-    plausible = tuple(map(_of_drive, values))
-    rivals = {}
-    least = min((prediction.force for prediction in estimation.predictions), default=0.0)
-    for prediction in estimation.predictions:
-        law = prediction.candidate.law
-        is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
-        if is_rival and prediction.force <= RULED_OUT * least:
-            bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
-            rivals[law.name] = _of_drive(bounded)
-    return Known(plausible, ranges, rivals)
-
-
-def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
-    """Return what a drive FMU takes of the values of an estimation."""
-    kept = {name: value for name, value in values.items() if name not in ("F_0", "delay")}
-    return {**kept, "b": max(kept["b"], 0.0)} if "b" in kept else kept
-
-
-def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
-    """Return the loop of the log's controller, or one like the paper's for the learned axis.
-
-    A controller that does not command the logged force is not that of the drive.
-
-    Raises
-    ------
-    ControlError
-        When the mass is not known, or no loop is stable.
-    """
-    known, controller = estimation.known, reading.controller
-    if "m" not in known:
-        raise ControlError("the mass is not known")
-    axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0)
-    T_s = estimation.recording.T_s
-    rejected = estimation.controller is not None and estimation.controller.error > AGREES
-    if controller.K_p and not (controller.P_x or controller.I_x or rejected):
-        gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
-        try:
-            loop = close_velocity_loop(axis, *gains)
-        except ControlError:
-            pass
-        else:
-            return Loops(loop, loop)
-    bandwidth = LOOP.bandwidth * LOOP.T_s / T_s
-    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, LOOP.phase_margin, T_s, T_s))
-    return Loops(loop, loop, known=False)

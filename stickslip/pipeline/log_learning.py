@@ -21,12 +21,8 @@ from stickslip.logs import (
     read_recording,
     samples_late,
 )
-from stickslip.pipeline.learned import (
-    LearnedFromRecording,
-    learn_recording,
-    loops_of_log,
-    try_compensator,
-)
+from stickslip.pipeline.compensator_trial import loops_of_log, try_compensator
+from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
 from stickslip.pipeline.observed import FEEDFORWARD, Choice
 from stickslip.pipeline.tracking import with_tracking
 
@@ -44,7 +40,6 @@ def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple
     return reading, (*reading.findings, *check_units(reading), *checks)
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")
 def learn(
     path: Path | str,
     description: Description | None = None,
@@ -74,30 +69,32 @@ def learn(
     IdentificationError
         When it does not show a drive that slides.
     """
-    on_stage("reading the log")
-    path = Path(path)
-    reading, findings = read_and_check(path, description or Description())
-    raise_errors(path, findings)
-    on_findings(findings)
-    recording = aligned(reading.recording, samples_late(reading.recording))
-    reading = replace(reading, recording=recording)
-    learned = learn_recording(
-        recording,
-        reading.controller.parameters(),
-        partial(loops_of_log, reading),
-        findings,
-        law=law,
-        criterion=criterion,
-        seed=seed,
-        seeds=seeds,
-        search=search,
-        on_stage=on_stage,
-    )
-    on_stage("trying the compensator")
-    learned = try_compensator(
-        reading,
-        replace(learned, asked=compensation),
-        with_observer=compensation != FEEDFORWARD,
-        workers=search.execution.workers if search else 1,
-    )
-    return with_tracking(reading, learned)
+    # Threads of linear algebra would wait for those of other work on the same cores.
+    with threadpool_limits(limits=1, user_api="blas"):
+        on_stage("reading the log")
+        path = Path(path)
+        reading, findings = read_and_check(path, description or Description())
+        raise_errors(path, findings)
+        on_findings(findings)
+        recording = aligned(reading.recording, samples_late(reading.recording))
+        reading = replace(reading, recording=recording)
+        learned = learn_recording(
+            recording,
+            reading.controller.parameters(),
+            partial(loops_of_log, reading),
+            findings,
+            law=law,
+            criterion=criterion,
+            seed=seed,
+            seeds=seeds,
+            search=search,
+            on_stage=on_stage,
+        )
+        on_stage("trying the compensator")
+        learned = try_compensator(
+            reading,
+            replace(learned, asked=compensation),
+            with_observer=compensation != FEEDFORWARD,
+            workers=search.execution.workers if search else 1,
+        )
+        return with_tracking(reading, learned)

@@ -105,10 +105,12 @@ def begin(model: InverseModel, recording: Recording) -> Start:
         raise IdentificationError(f"{recording.source}: the drive does not move")
     m, b, F_c, F_0, delay = _line(model, top)
     if F_c <= 0.0 or (m <= 0.0 and not model.measures_friction):
+        advice = "check signs and units of force and position (--scale force=-1 turns a sign)"
+        if float(model.force[model.used] @ v[model.used]) > 0.0:
+            advice = "log a faster motion that slides further and accelerates: stickslip plan"
         raise IdentificationError(
             f"{recording.source}: F = m a + b v + F_c sign(v) gives m = {m:.3g} kg and F_c = "
-            f"{F_c:.3g} N; expected both above 0: check signs and units of force and position "
-            "(--scale force=-1 turns a sign)"
+            f"{F_c:.3g} N; expected both above 0: {advice}"
         )
     travel = float(np.ptp(np.cumsum(v) * model.T_s))
     share = PRESLIDING[model.measures_friction]
