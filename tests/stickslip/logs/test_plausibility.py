@@ -115,3 +115,13 @@ def test_a_force_against_the_motion_is_an_error(check):
     assert "the force acts against the motion" in errors[0]
     assert "--scale force=-1*-1" in errors[0] or "--scale force=-1" in errors[0]
     assert check("--scale", "force=-1*-1")[:2] == (0, [])
+
+
+def test_a_force_that_does_work_on_the_motion_is_not_against_it(check_log):
+    """Bristles before the drive slides: their stiffness looks like a negative mass."""
+    t = np.arange(8000) * 5e-4
+    x, v, drag = 1e-5 * np.sin(10.0 * t), 1e-4 * np.cos(10.0 * t), 2e5
+    log = pd.DataFrame(
+        dict(zip(STATED, (t, x, 2e6 * x + drag * v - 5.0 * np.sign(v)), strict=True))
+    )
+    assert not any("against" in line for line in check_log(log)[1])
