@@ -6,16 +6,16 @@ feedforward leaves an error like that without it, or a larger one; a share of 0.
 force then leaves less, and hardly more on the fitted drive.
 
 Where a drive sticks and slips, errors of runs that hardly differ scatter by some per cent. A ratio
-above the limit is therefore the mean of several such runs.
+near the limit is therefore the mean of several such runs.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +27,6 @@ from stickslip.evaluation.guards.trial import axis_values
 from stickslip.identification.criteria.runs import Runs
 from stickslip.models import Law
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.measurement import Array
 from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -36,8 +35,8 @@ WORSE = 1.02
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.4, 0.3, 0.2, 0.1)
 LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
 """Levels of friction at which a run is repeated where it sticks and slips."""
-REPEATED = 1.25
-"""Ratio above which no repetition is needed."""
+CLOSE = (0.9, 1.25)
+"""Ratios between which a run is repeated: a single one may pass or fail by chance."""
 FEEDFORWARD = "compensator"
 """Model whose force a share reduces."""
 
@@ -236,7 +235,8 @@ class Bench:
         )
         with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
             row = replace(row, compensated=runs.error(*cell, variant))
-            return _repeated(row, cell, variant, runs, none).is_worse
+            means = partial(none.mean, *cell, NONE), partial(runs.mean, *cell, variant)
+            return _repeated(row, *means).is_worse
 
     def _cells(self) -> Iterator[tuple[Drive, Command]]:
         for drive in self.drives:
@@ -255,9 +255,15 @@ class Bench:
 
             full = tuple(runs.each(partial(tried, share=1.0), range(len(cells))))
 
+            @cache
+            def without(k: int) -> float:
+                return none.mean(*cells[k][0], NONE)
+
             def checked(k: int, share: float) -> Tried:
                 row = full[k] if share == 1.0 else tried(k, share)
-                return _repeated(row, cells[k][0], variant.share(self.law, share), runs, none)
+                shared = variant.share(self.law, share)
+                means = partial(without, k), partial(runs.mean, *cells[k][0], shared)
+                return _repeated(row, *means)
 
             # Where the whole force harms most, a share fails first.
             order = sorted(range(len(cells)), key=lambda k: -full[k].ratio)
@@ -274,15 +280,11 @@ class Bench:
         return Benefit(1.0, full, full, unit, variant)
 
 
-def _repeated(
-    row: Tried, cell: tuple[Drive, Command], variant: Variant, runs: _Runs, none: _Runs
-) -> Tried:
-    """Return a row; if its ratio is a little above the limit, with the mean of several runs."""
-    if not WORSE < row.ratio < REPEATED:
+def _repeated(row: Tried, without: Callable[[], float], compensated: Callable[[], float]) -> Tried:
+    """Return a row; if its ratio is close to the limit, with the means of several runs."""
+    if not CLOSE[0] < row.ratio < CLOSE[1]:
         return row
-    errors = none.errors(*cell, NONE), runs.errors(*cell, variant)
-    without, compensated = (float(np.sqrt(np.mean(error**2))) for error in errors)
-    return replace(row, without=without, compensated=compensated)
+    return replace(row, without=without(), compensated=compensated())
 
 
 class _Runs(ExitStack):
@@ -330,8 +332,10 @@ class _Runs(ExitStack):
         v = result["drive.v"][: len(command.v_cmd)]
         return float(np.sqrt(np.mean((v - command.v_cmd) ** 2)))
 
-    def errors(self, drive: Drive, command: Command, variant: Variant) -> Array:
-        """Return the errors (n,) [m/s] at the levels of friction of ``LEVELS``."""
-        law = friction_law(drive.law)
-        drives = (replace(drive, parameters=law.share(drive.parameters, level)) for level in LEVELS)
-        return np.array([self.error(one, command, variant) for one in drives])
+    def mean(self, drive: Drive, command: Command, variant: Variant) -> float:
+        """Return the root mean square of the errors [m/s] at the levels of friction ``LEVELS``."""
+        law, squares = friction_law(drive.law), 0.0
+        for level in LEVELS:
+            one = replace(drive, parameters=law.share(drive.parameters, level))
+            squares += self.error(one, command, variant) ** 2
+        return math.sqrt(squares / len(LEVELS))
