@@ -37,6 +37,9 @@ RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
+CAUTIOUS = 0.4
+"""Bandwidth of a loop that is not known, over that of the paper's: feedforward harms most in a weak
+loop."""
 WIDE = 2.0
 """Largest ratio to the value taken of one on which it is tried."""
 
@@ -144,7 +147,7 @@ def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
-    """Return the loop of the log's controller, or one like the paper's for the learned axis.
+    """Return the loop of the log's controller, or a slow one for the learned axis.
 
     A controller that does not command the logged force is not that of the drive.
 
@@ -167,6 +170,6 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
             pass
         else:
             return Loops(loop, loop)
-    bandwidth = LOOP.bandwidth * LOOP.T_s / T_s
+    bandwidth = CAUTIOUS * LOOP.bandwidth * LOOP.T_s / T_s
     loop = design_velocity_loop(axis, LoopSpecification(bandwidth, LOOP.phase_margin, T_s, T_s))
     return Loops(loop, loop, known=False)

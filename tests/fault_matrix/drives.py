@@ -11,6 +11,8 @@ from stickslip.pipeline.record_mode import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
+LEVELS = ("F_c", "F_s")
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -34,6 +36,10 @@ class Drive:
     def loop(self) -> VelocityLoop:
         """The loop in which it is recorded, and in which compensators are tried."""
         return design_velocity_loop(Datasheet().axis(self.mass, 0.0), COMMISSIONING)
+
+    def at(self, level: float) -> dict[str, float]:
+        """Return its levels of friction times a factor, for a run of its loop."""
+        return {f"drive.{name}": level * self.start[name] for name in LEVELS if name in self.start}
 
     def friction(self, v: np.ndarray) -> np.ndarray:
         """Return friction at speeds v > 0 [N], the mean over directions and positions."""

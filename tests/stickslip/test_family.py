@@ -24,7 +24,7 @@ from stickslip.evaluation.guards import (
     family,
     feedforward,
 )
-from stickslip.evaluation.guards.benefit import _mean
+from stickslip.evaluation.guards.benefit import _repeated
 from stickslip.evaluation.guards.family import deflection, travel
 from stickslip.models import law_names
 from stickslip.servo.axis import Axis
@@ -170,12 +170,16 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
         assert worst.drive in benefit.reason
 
 
-def test_repeated_runs_count_by_their_mean():
-    """Eight runs without and with compensation, whose ratio scatters around 1.05 or 1.01."""
-    row, ones, apart = Tried(0.04, "one", 1.0, 1.05), np.ones(8), np.array(4 * [-0.05, 0.05])
-    assert _mean(row, ones, 1.05 + apart).is_worse
-    assert not _mean(row, ones, 1.01 + apart).is_worse
-    assert _mean(row, ones, np.full(8, np.inf)).is_worse
+@pytest.mark.parametrize(("single", "mean"), [(1.05, 1.01), (0.99, 1.05), (1.01, np.inf)])
+def test_close_to_the_limit_the_mean_of_runs_counts(single, mean):
+    row = _repeated(Tried(0.04, "one", 1.0, single), lambda: 1.0, lambda: mean)
+    assert row.is_worse == (mean > 1.02)
+
+
+@pytest.mark.parametrize("single", [0.3, 1.3, np.inf])
+def test_far_from_the_limit_no_run_is_repeated(single):
+    row = Tried(0.04, "one", 1.0, single)
+    assert _repeated(row, pytest.fail, pytest.fail) is row
 
 
 def test_the_best_is_acceptable_and_has_the_smallest_errors():
