@@ -25,7 +25,7 @@ FRICTION_TOLERANCE = 0.05
 """Of the largest friction at the speeds visited."""
 WORSE = 1.02
 LEVELS = (0.99, 0.997, 1.003, 1.01)
-"""Levels of friction of the runs; where a drive sticks and slips, single ones scatter by per cents."""
+"""Levels of friction of the runs; single ones of a drive that sticks and slips scatter."""
 OUTCOMES = ("right", "flagged", "refused", "confident and wrong")
 
 
