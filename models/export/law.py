@@ -79,6 +79,7 @@ class Law:
     steady : the force at constant speed: ``coulomb``, F_c, or ``stribeck``, equation (4)
     is_passive : whether it never gives more energy than it was given, without viscous friction
     is_smooth : whether its equations are differential ones without events, which a solver can take
+    is_candidate : whether ``learn --law auto`` considers it; false unless law.toml says so
     parameters : by name, in the order of law.toml
     states, force : tables of law.toml; ``force`` tells what the force depends on
     """
@@ -89,6 +90,7 @@ class Law:
     steady: Steady
     is_passive: bool
     is_smooth: bool
+    is_candidate: bool
     parameters: Mapping[str, LawParameter]
     states: Mapping[str, Mapping[str, Any]]
     force: Mapping[str, Any]
@@ -152,6 +154,7 @@ def read_law(folder: Path) -> Law:
             steady=content["steady"],
             is_passive=content["passive"],
             is_smooth=content["smooth"],
+            is_candidate=content.get("candidate", False),
             parameters={name: _parameter(name, table) for name, table in tables.items()},
             states=content.get("states", {}),
             force=content["force"],

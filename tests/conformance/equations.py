@@ -28,6 +28,16 @@ def dahl(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]
     return {"der(F_d)": p["sigma_0"] * rest ** p["i"] * np.sign(np.real(r)) * v}, x["F_d"]
 
 
+def elasto_plastic(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:
+    s = 1.0 if np.real(v) >= 0 else -1.0
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((s * v / p["v_s"]) ** p["delta"]))
+    z, z_m, z_ba = s * x["z"], g / p["sigma_0"], p["z_ba"] * p["F_c"] / p["sigma_0"]
+    alpha = 0.5 + 0.5 * np.sin(np.pi * (z - (z_m + z_ba) / 2) / (z_m - z_ba))
+    alpha = 0.0 if np.real(z) <= z_ba else 1.0 if np.real(z - z_m) >= 0 else alpha
+    dz = v * (1.0 - alpha * z / z_m)
+    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
+
+
 def stage(law: Law, x: Values, p: Values) -> dict[str, complex]:
     rates, F_f = law(x["v"], x, p)
     dv = (x["u"] - p["b"] * x["v"] - F_f) / p["m"]
@@ -45,6 +55,8 @@ OF: dict[str, Callable[[Values, Values], dict[str, complex]]] = {
     "compensator": functools.partial(compensator, lugre),
     "stage+dahl": functools.partial(stage, dahl),
     "compensator+dahl": functools.partial(compensator, dahl),
+    "stage+elasto_plastic": functools.partial(stage, elasto_plastic),
+    "compensator+elasto_plastic": functools.partial(compensator, elasto_plastic),
 }
 
 

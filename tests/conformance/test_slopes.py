@@ -97,7 +97,7 @@ def test_declared_dependencies_are_the_places_of_the_matrix(solved):
     """None is missing; one of kind constant or fixed is the same everywhere."""
     fmu = solved.fmu
     at = []
-    for point in fmu.points(40):
+    for point in fmu.points(100):
         moved(solved, point)
         at.append(matrix(solved))
     structure = fmu.description.outputs + fmu.description.derivatives

@@ -132,6 +132,37 @@ def dahl(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_f": np.array(F_d), "F_mean": np.array(F_mean)}
 
 
+def elasto_plastic(p: Parameters) -> Columns:
+    """Follow the same velocity: scipy's DOP853 from the break-away deflection on."""
+    t, v = through_zero()
+    z, F_mean, F_f = 0.0, [0.0], [p["sigma_1"] * v[0]]
+
+    def rate(speed: float, z: float) -> float:
+        g, s = stribeck(speed, p), np.sign(speed)
+        slack = p["z_ba"] * p["F_c"] / p["sigma_0"]
+        share = np.clip((s * z - slack) / (g / p["sigma_0"] - slack), 0.0, 1.0)
+        return speed * (1.0 - np.sin(np.pi / 2 * share) ** 2 * p["sigma_0"] * s * z / g)
+
+    for speed in v[:-1]:
+        s = np.sign(speed)
+        slack = p["z_ba"] * p["F_c"] / p["sigma_0"]
+        elastic = min(STEP, max(0.0, (slack - s * z) / abs(speed)))
+        area = elastic * (z + speed * elastic / 2)
+        begin = z + speed * elastic
+
+        def motion(_: float, y: np.ndarray, speed: float = speed) -> list[float]:
+            return [rate(speed, y[0] * Z_UNIT) / Z_UNIT, y[0]]
+
+        left = STEP - elastic
+        tight = {"rtol": 1e-13, "atol": 1e-13}
+        end = solve_ivp(motion, (0.0, left), [begin / Z_UNIT, 0.0], "DOP853", **tight).y[:, -1]
+        area += end[1] * Z_UNIT
+        way, z = end[0] * Z_UNIT - z, end[0] * Z_UNIT
+        F_mean.append((p["sigma_0"] * area + p["sigma_1"] * way) / STEP)
+        F_f.append(p["sigma_0"] * z + p["sigma_1"] * rate(speed, z))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
 def gms(p: Parameters) -> Columns:
     """Follow the same velocity, all elements at once: stick until the limit, then decay."""
     t, v = through_zero()
@@ -270,6 +301,7 @@ def main(folder: Path) -> None:
         drive,
         lugre,
         dahl,
+        elasto_plastic,
         gms,
         coulomb_stribeck,
         velocity_controller,
