@@ -27,7 +27,8 @@ _WHEN = {
     False: "Go h [s] ahead, h > 0",
     True: "Take a sample, once in each period T_s",
 }
-_ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")  # with another form for 32 bits
+# with another form for 32 bits
+_ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"
 _WORDS = re.compile(rf"/\*.*?\*/|{_NUMBER}|\bdouble\b", re.DOTALL)
 
