@@ -27,8 +27,8 @@ _SECTIONS: dict[str, Role] = {
 ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
 """Signals of a loop: reference velocity, encoder position, velocity that the controller estimates,
 motor force, force of the compensator before this one in a chain."""
-AXIS = {"T_s", "m", "b", "tau_i"}
-"""Sample period of the loop; mass, viscous friction and current-loop lag of its axis."""
+AXIS = {"T_s", "tau_f", "m", "b", "tau_i"}
+"""Sample period and low-pass of the loop; mass, viscous friction, current-loop lag of its axis."""
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),

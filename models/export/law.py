@@ -118,8 +118,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
         raise DescriptionError(f"{path}: {error}") from None
-    if "include" in content:
-        for section, shared in read_toml(MODELS / content["include"]).items():
+    if included := content.pop("include", None):
+        for section, shared in read_toml(MODELS / included).items():
             own = content.get(section, {})
             content[section] = {name: table for name, table in shared.items() if name not in own}
             content[section] |= {name: shared.get(name, {}) | table for name, table in own.items()}

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 
 from stickslip import models
@@ -224,8 +224,9 @@ def velocity_controller(p: Parameters) -> Columns:
     return {"time": t, **inputs, "u": np.array(u), "v_est": np.array(v_est)}
 
 
-def velocity_filter(p: Parameters) -> Columns:
-    """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
+def lagging_motion() -> Columns:
+    """Return a motion under a lagging force, of which known friction takes a part late."""
+    p = start_values("velocity_filter")
     t = np.arange(201) * STEP
     u = 40.0 * np.sin(2 * np.pi * 14.0 * t) + np.where(t > 0.05, 8.0, 0.0)
     F_ff = 6.0 * np.sign(np.sin(2 * np.pi * 14.0 * t - 0.4))
@@ -240,24 +241,86 @@ def velocity_filter(p: Parameters) -> Columns:
         state.append(move @ [*state[-1][:4], force, known])
     x, _, F_m, F_known, *_ = np.transpose(state)
     x_enc = np.rint(x / 4e-7) * 4e-7
-    # Between samples the net force is what lags on from one sample's to the next: solve for the
-    # command that leads there, then predict with the same exponential.
-    gain = np.array([p["L_x"], p["L_v"], p["L_d"]])
+    return {"time": t, "x_enc": x_enc, "F_m": F_m, "F_in": F_ff, "N": F_m - F_known}
+
+
+def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.ndarray]:
+    """Return a function: sample and estimate (x, v, d) at the one before -> prediction.
+
+    Between samples the net force N is what lags on from one sample's to the next: solve for the
+    command that leads there, then predict with the same exponential.
+    """
     rates = np.zeros((5, 5))  # x, v, d, N, u
     rates[0, 1] = 1.0
     rates[1, 1:4] = np.array([-p["b"], 1.0, 1.0]) / p["m"]
     rates[3, 3:] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
     move = expm(rates * STEP)
-    N = F_m - F_known
     held = (N[1:] - move[3, 3] * N[:-1]) / move[3, 4]
+
+    def ahead(k: int, estimate: np.ndarray) -> np.ndarray:
+        begin = [*estimate, N[k - 1], held[k - 1]] if k else [*estimate, 0.0, 0.0]
+        return (move @ begin)[:3]
+
+    return ahead
+
+
+def velocity_filter(p: Parameters) -> Columns:
+    """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
+    given = lagging_motion()
+    ahead, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
     estimate = [np.zeros(3)]
-    for k, position in enumerate(x_enc[:-1]):
-        begin = [*estimate[-1], N[k - 1], held[k - 1]] if k else np.zeros(5)
-        ahead = (move @ begin)[:3]
-        estimate.append(ahead + gain * (position - ahead[0]))
+    for k, position in enumerate(given["x_enc"][:-1]):
+        x, *others = ahead(k, estimate[-1])
+        estimate.append([x, *others] + gain * (position - x))
     _, v_hat, d_hat = np.transpose(estimate)
-    inputs = {"x_enc": x_enc, "F_m": F_m, "F_ff": F_ff}
-    return {"time": t, **inputs, "v_hat": v_hat, "d_hat": d_hat}
+    given["F_ff"] = given.pop("F_in")
+    return {**given, "v_hat": v_hat, "d_hat": d_hat}
+
+
+def coulomb_observer(p: Parameters) -> Columns:
+    """Observe the same, with a reference velocity that reverses and creeps."""
+    given = lagging_motion()
+    ahead, v_r = predictor(p, given.pop("N")), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    now, a, s, F, a_hat, v_last = np.zeros(3), 0.0, 0.0, [0.0], [0.0], v_r[0]
+    for k, position in enumerate(given["x_enc"][:-1]):
+        x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
+        r = position - x
+        now = np.array([x + p["L_x"] * r, v + p["L_v"] * r, 0.0])
+        a = max(0.0, a - s * p["L_d"] * r)
+        s = np.clip((v_r[k] + v_last) / 2 / p["v_t"], -1.0, 1.0)
+        early = (v_r[k] + v_last) / 2 + p["lead"] * (v_r[k] - v_last) / STEP
+        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        a_hat.append(a)
+        v_last = v_r[k]
+    return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
+
+
+def momentum_observer(p: Parameters) -> Columns:
+    """Observe the same by the change of momentum; the force is weighted by quadrature."""
+    given = lagging_motion()
+    N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    fade = np.exp(-STEP / p["tau_i"])
+    weight = 1.0 - np.exp(-STEP / p["tau_f"])
+    before, v, force, a, F, a_hat = 0.0, 0.0, 0.0, 0.0, [0.0], [0.0]
+    for k in range(200):
+        ends = N[max(k - 1, 0)], N[k]
+        held = (ends[1] - fade * ends[0]) / (1.0 - fade)
+
+        def net(s: float, held: float = held, first: float = ends[0]) -> float:
+            return float(held + (first - held) * np.exp(-s * STEP / p["tau_i"]))
+
+        mean = before + quad(lambda s, net=net: (1.0 - s) * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+        before = quad(lambda s, net=net: s * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+        force += weight * (mean - force)
+        after = v + weight * ((x[k] - x[max(k - 1, 0)]) / STEP - v)
+        residual = force - p["b"] * (v + after) / 2 - p["m"] * (after - v) / STEP
+        s = np.clip((v + after) / 2 / p["v_t"], -1.0, 1.0)
+        a = max(0.0, a + (1.0 - np.exp(-p["w_q"] * STEP)) * s * (residual - a * s))
+        v, last = after, v_r[max(k - 1, 0)]
+        early = (v_r[k] + last) / 2 + p["lead"] * (v_r[k] - last) / STEP
+        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        a_hat.append(a)
+    return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
 
 def static_feedforward(p: Parameters) -> Columns:
@@ -308,6 +371,8 @@ def main(folder: Path) -> None:
         velocity_filter,
         static_feedforward,
         dob,
+        coulomb_observer,
+        momentum_observer,
         nominal_loop,
     ):
         name = calculate.__name__

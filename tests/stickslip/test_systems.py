@@ -44,7 +44,13 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
 
 @pytest.mark.parametrize(
     ("models_", "share"),
-    [(["static_feedforward"], 0.6), (["dob"], 0.8), (["static_feedforward", "dob"], 0.6)],
+    [
+        (["static_feedforward"], 0.6),
+        (["dob"], 0.8),
+        (["coulomb_observer"], 0.6),
+        (["momentum_observer"], 0.8),
+        (["static_feedforward", "dob"], 0.6),
+    ],
 )
 def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
     """The chain's force is the sum of its parts, and the drive follows better than without."""
@@ -57,10 +63,11 @@ def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
         np.testing.assert_array_equal(result["dob.F"], before - result["dob.d_hat"])
 
 
-def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop):
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
+def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop, model):
     """Bit for bit; in a chain it passes the force before it on one sample late."""
     without = run(build_loop(fmus, loop, []))
-    beside = run(build_loop(fmus, loop, [Compensator("dob", "dob", {"share": 0.0})]))
+    beside = run(build_loop(fmus, loop, [Compensator("observer", model, {"share": 0.0})]))
     for name in without.names:
         assert without[name].tobytes() == beside[name].tobytes()
 
