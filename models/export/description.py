@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
-from stickslip.models.export.law import Law, merge, read_toml, require_known
+from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
 from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
@@ -100,7 +100,8 @@ class Model:
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
     ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
     polylines on a tile of 100 by 100. ``law`` is the friction law that it
-    contains, ``ports`` how a compensator is connected.
+    contains, ``ports`` how a compensator is connected, ``sources`` the C of the law whose equations
+    it uses without containing it.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Model:
     icon: tuple[tuple[float, ...], ...] = ()
     law: Law | None = None
     ports: Ports | None = None
+    sources: tuple[Path, ...] = ()
 
     @property
     def is_continuous(self) -> bool:
@@ -159,6 +161,11 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
     content.setdefault("parameters", {})
     if law is not None:
         merge(content, law)
+    sources: list[Path] = []
+    if used := content.pop("equations", None):
+        equations = read_law(MODELS / "laws" / used)
+        content["parameters"] |= equations.tables
+        sources = [path for path in equations.folder.glob("*.[ch]") if path.stem == used]
     try:
         variables = [Variable("time", "time", "Simulation time", unit="s")]
         fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
@@ -194,6 +201,7 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
             folder=folder,
             law=law,
             ports=_ports(content.get("loop"), law),
+            sources=tuple(sources),
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None

@@ -342,6 +342,32 @@ def dob(p: Parameters) -> Columns:
     return {**table, "F_in": known, "F": last - p["share"] * table["d_hat"]}
 
 
+def lugre_observer(p: Parameters) -> Columns:
+    """Follow an encoder that lags behind a reference, with (2) and its correction by Radau."""
+    t, v_r = through_zero()
+    x_enc = np.rint(np.cumsum(np.concatenate([[0.0], v_r[:-2], [0.0]])) * STEP / 4e-7) * 4e-7
+    F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    weight = 1.0 - np.exp(-STEP / p["tau_f"])
+    v, z, F, z_hat = 0.0, 0.0, [0.0], [0.0]
+    for k in range(400):
+        v += weight * ((x_enc[k] - x_enc[max(k - 1, 0)]) / STEP - v)
+        error = v - v_r[max(k - 1, 0)]
+
+        def held(share: float, z: float = z, v: float = v, e: float = error) -> np.ndarray:
+            def rates(_: float, y: np.ndarray) -> list[float]:
+                return [(bristle_rate(v, y[0] * Z_UNIT, p) - share * p["k_e"] * e) / Z_UNIT, y[0]]
+
+            start, span = [z / Z_UNIT, 0.0], (0.0, STEP)
+            return solve_ivp(rates, span, start, "Radau", rtol=1e-11, atol=1e-14).y[:, -1] * Z_UNIT
+
+        end, area = held(1.0)
+        force = (p["sigma_0"] * area + p["sigma_1"] * (held(p["share_1"])[0] - z)) / STEP
+        z = np.clip(end, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
+        F.append(F_in[k] + force)
+        z_hat.append(z)
+    return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
+
+
 def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
@@ -373,6 +399,7 @@ def main(folder: Path) -> None:
         dob,
         coulomb_observer,
         momentum_observer,
+        lugre_observer,
         nominal_loop,
     ):
         name = calculate.__name__

@@ -49,6 +49,7 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
         (["dob"], 0.8),
         (["coulomb_observer"], 0.6),
         (["momentum_observer"], 0.8),
+        (["lugre_observer"], 0.4),
         (["static_feedforward", "dob"], 0.6),
     ],
 )
@@ -70,6 +71,18 @@ def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop, model)
     beside = run(build_loop(fmus, loop, [Compensator("observer", model, {"share": 0.0})]))
     for name in without.names:
         assert without[name].tobytes() == beside[name].tobytes()
+
+
+def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
+    """A LuGre observer whose friction is 20 % low, where the encoder does not disturb it."""
+    low = {"F_c": 0.8 * PAPER["F_c"], "F_s": 0.8 * PAPER["F_s"]}
+    exact = {"drive.encoder": False, "drive.dac": False}
+
+    def left(k_e: float) -> float:
+        observer = Compensator("o", "lugre_observer", {**low, "k_e": k_e})
+        return error(run(build_loop(fmus, loop, [observer]), **exact))
+
+    assert left(1.0) < 0.95 * left(0.5) < 0.95 * 0.98 * left(0.0)
 
 
 def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):

@@ -45,10 +45,16 @@ double lugre_force(double v, double z, const LuGre *p) {
 }
 
 double lugre_step(double h, double v, double *z, const LuGre *p) {
+    return lugre_observed(h, v, 0.0, 0.0, z, p);
+}
+
+double lugre_observed(double h, double v, double injected, double damped, double *z,
+                      const LuGre *p) {
     const double a = forgetting_rate(v, p);
-    const double dz = v - a * *z;
+    const double dz = v - injected - a * *z;
     const double way = h * elementary_phi(a * h) * dz;
+    const double felt = h * elementary_phi(a * h) * (v - damped * injected - a * *z);
     const double mean_z = *z + h * elementary_phi2(a * h) * dz;
     *z += way;
-    return p->sigma_0 * mean_z + p->sigma_1 * way / h;
+    return p->sigma_0 * mean_z + p->sigma_1 * felt / h;
 }

@@ -37,4 +37,9 @@ double lugre_force(double v, double z, const LuGre *p);
  * Returns the mean of (3) over the step [N]; *z [m] is the deflection before and after. */
 double lugre_step(double h, double v, double *z, const LuGre *p);
 
+/* The same with `injected` [m/s] subtracted from (2), as an observer's correction is; the damping
+ * sigma_1 dz/dt feels the share `damped` [1] of it. */
+double lugre_observed(double h, double v, double injected, double damped, double *z,
+                      const LuGre *p);
+
 #endif
