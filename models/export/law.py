@@ -202,8 +202,19 @@ def merge(content: dict[str, Any], law: Law) -> None:
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
     force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
     a state of the model has no derivative, the law's have none either.
+
+    Raises
+    ------
+    DescriptionError
+        When a name of the law is one of the model's.
     """
     own = content.setdefault("states", {})
+    roles = ("inputs", "states", "memory", "outputs", "parameters")
+    taken = {name for role in roles for name in content.get(role, {})}
+    if twice := sorted(taken & {*law.states, *law.tables}):
+        raise DescriptionError(
+            f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
+        )
     states = {name: dict(table) for name, table in law.states.items()}
     integrated = law.is_smooth and all("derivative" in table for table in own.values())
     if not integrated:

@@ -119,7 +119,8 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
     for v in fmu.model.variables:
         if v.role in ("input", "state", "parameter") and v.type == "real":
             small = 1e-4 if v.unit == "m" else 0.3
-            chosen[v.name] = v.start or small * (v.nominal or 1.0)
+            # No two are equal, so that the shares of elements matter.
+            chosen[v.name] = v.start or small * (1 + 0.01 * len(chosen)) * (v.nominal or 1.0)
         if v.role == "state" and v.maximum is not None:  # a mode: every second one is on
             chosen[v.name] = v.maximum * (len(chosen) % 2)
     if "z_ba" in chosen:  # a deflection between break-away and full slip

@@ -163,6 +163,33 @@ def elasto_plastic(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
+def leuven(p: Parameters) -> Columns:
+    """Follow the same velocity (n_h = 1): exponentials from one switch of an element on."""
+    t, v = through_zero()
+    kappa = np.array([p[f"kappa[{i}]"] for i in range(1, 5)])
+    k = p["sigma_0"] * kappa / kappa.sum()
+    limit = np.append([p[f"W[{i}]"] for i in range(1, 4)] / k[:3], np.inf)
+    q, F_mean, F_f = np.zeros(4), [0.0], [p["sigma_1"] * v[0]]
+    for speed in v[:-1]:
+        g, s, left, area, begin = stribeck(speed, p), np.sign(speed), STEP, 0.0, q[3]
+        while left > 0.0:
+            rate = speed * (1.0 - s * (k @ q) / g)
+            ahead = limit - np.sign(rate) * q
+            free = ahead > 0.0
+            a = k @ free * abs(speed) / g
+            reach = a * np.where(free, ahead, np.inf) / abs(rate)
+            h = min(left, -np.log1p(-min(reach)) / a) if min(reach) < 1.0 else left
+            dz = -np.expm1(-a * h) / a * rate
+            area += h * (k @ q) + (k @ free) * (h * rate - dz) / a
+            q = np.where(free, q + dz, q)
+            if h < left:
+                q[np.argmin(reach)] = np.sign(rate) * limit[np.argmin(reach)]
+            left -= h
+        F_mean.append((area + p["sigma_1"] * (q[3] - begin)) / STEP)
+        F_f.append(k @ q + p["sigma_1"] * speed * (1.0 - s * (k @ q) / g))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
 def gms(p: Parameters) -> Columns:
     """Follow the same velocity, all elements at once: stick until the limit, then decay."""
     t, v = through_zero()
@@ -391,6 +418,7 @@ def main(folder: Path) -> None:
         lugre,
         dahl,
         elasto_plastic,
+        leuven,
         gms,
         coulomb_stribeck,
         velocity_controller,
