@@ -33,7 +33,7 @@ def test_minor_loops_close_in_z(follow):
     np.testing.assert_allclose(long[400:], short[200:], atol=1e-6)
     x = np.append(0.0, np.cumsum(LOOPS) * H)[:101]
     virgin = 0.4 * SIGMA_0 * x
-    for kappa, W in ((0.25, 1.0), (0.2, 2.0), (0.15, 3.0)):
+    for kappa, W in ((0.25, 0.3), (0.2, 0.7), (0.15, 1.0)):
         virgin += np.minimum(kappa * SIGMA_0 * x, W)
     np.testing.assert_allclose(long[:101], virgin, atol=1e-6)
 
