@@ -24,9 +24,9 @@ _SECTIONS: dict[str, Role] = {
     "memory": "memory",
     "parameters": "parameter",
 }
-ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
+ROLES = {"v_ref", "x_enc", "v_est", "u", "F_motor", "F_added"}
 """Signals of a loop: reference velocity, encoder position, velocity that the controller estimates,
-motor force, force of the compensator before this one in a chain."""
+the controller's force command, motor force, force of the compensator before this one in a chain."""
 AXIS = {"T_s", "tau_f", "m", "b", "tau_i"}
 """Sample period and low-pass of the loop; mass, viscous friction, current-loop lag of its axis."""
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")

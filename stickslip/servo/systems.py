@@ -18,7 +18,12 @@ NOMINAL_ORDER = 8
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 
 
-_MEASURED = {"x_enc": "drive.x_enc", "F_motor": "drive.F_m", "v_est": "controller.v_est"}
+_MEASURED = {
+    "x_enc": "drive.x_enc",
+    "F_motor": "drive.F_m",
+    "v_est": "controller.v_est",
+    "u": "controller.u",
+}
 
 
 @dataclass(frozen=True)

@@ -395,6 +395,39 @@ def lugre_observer(p: Parameters) -> Columns:
     return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
 
 
+def learning_signals(p: Parameters) -> Columns:
+    """Return a reference through zero and a controller that gives what it needs, and 5 N more."""
+    t, v_r = through_zero()
+    F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    u = 5.0 * np.sign(v_r) + p["m"] * np.gradient(v_r, STEP)
+    return {"time": t, "v_r": v_r, "u": u, "F_in": F_in}
+
+
+def lffc(p: Parameters) -> Columns:
+    """Learn with hats by linear interpolation of unit vectors over the knots."""
+    given = learning_signals(p)
+    knots = np.append(0.0, np.geomspace(p["first"], p["last"], 13))
+    v_r, w, F = given["v_r"], np.zeros((2, 14)), [0.0]
+    v_last, u_r, q, row, old = v_r[0], 0.0, 0.0, None, []
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        if row != int(v < 0.0):
+            row, q = int(v < 0.0), 0.0
+        mu = np.zeros((2, 14))
+        middle = q + abs(v) * STEP / 2
+        mu[row] = [np.interp(middle, knots, unit) for unit in np.eye(14)]
+        q += abs(v) * STEP
+        F.append(given["F_in"][k] + (mu * w).sum())
+        old.append(mu)
+        if k >= p["D"]:
+            before = old[k - int(p["D"])]
+            w += p["gamma"] * error * before / (before**2).sum()
+    return {**given, "F": np.array(F)}
+
+
 def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
@@ -428,6 +461,7 @@ def main(folder: Path) -> None:
         coulomb_observer,
         momentum_observer,
         lugre_observer,
+        lffc,
         nominal_loop,
     ):
         name = calculate.__name__

@@ -50,6 +50,7 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
         (["coulomb_observer"], 0.6),
         (["momentum_observer"], 0.8),
         (["lugre_observer"], 0.4),
+        (["lffc"], 0.9),
         (["static_feedforward", "dob"], 0.6),
     ],
 )
@@ -93,6 +94,33 @@ def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
     assert np.abs(observed["dob.d_hat"]).max() < 0.02
     assert np.abs(observed["dob.d_hat"][200:]).max() < 1e-3
     np.testing.assert_allclose(observed["drive.v"], without["drive.v"], atol=0.02 / loop.K_p)
+
+
+def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
+    """Learn in the loop over a sine of 0.5 Hz; return what is learned, as start values."""
+    slow = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=seconds)
+    system = build_loop(fmus, loop, [Compensator("learner", model, values)])
+    record = tuple(f"learner.{name}" for name in names)
+    with system.prepare(step=5e-4, stop=seconds, record=record) as simulation:
+        result = simulation.run(parameters=drive, inputs={"v_cmd": slow})
+    return {start: float(result[f"learner.{name}"][-1]) for name, start in names.items()}
+
+
+SPLINES = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in (1, 2) for j in range(1, 15)}
+
+
+def test_splines_learn_the_friction_of_the_drive(fmus, loop):
+    """Beyond presliding the weights are F_c; with the rate 0 they are a function of the command."""
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    found = learned(fmus, loop, "lffc", SPLINES, {"gamma": 0.01, "D": 12}, **coulomb)
+    beyond = [found[f"w_0[{i},{j}]"] for i in (1, 2) for j in (12, 13, 14)]
+    np.testing.assert_allclose(beyond, np.repeat([1.0, -1.0], 3) * PAPER["F_c"], rtol=0.05)
+    frozen = [Compensator("learner", "lffc", {**found, "gamma": 0.0})]
+    compensated, other = (
+        run(build_loop(fmus, loop, frozen), **{"drive.F_c": F_c}) for F_c in (PAPER["F_c"], 3.0)
+    )
+    assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
+    assert compensated["learner.F"].tobytes() == other["learner.F"].tobytes()
 
 
 def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):

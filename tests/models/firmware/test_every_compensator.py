@@ -45,7 +45,7 @@ def signals(names: list[str]) -> dict[str, np.ndarray]:
     v = np.where(t < 0.01, 0.0, 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t))
     x = np.round(np.cumsum(v) * STEP / 4e-7) * 4e-7
     F = 8.0 * np.tanh(v / 1e-3) + 3.0 * np.gradient(v, STEP)
-    found = {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3)}
+    found = {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
     return {name: found[name] for name in names}
 
 
