@@ -168,7 +168,7 @@ def leuven(p: Parameters) -> Columns:
     t, v = through_zero()
     kappa = np.array([p[f"kappa[{i}]"] for i in range(1, 5)])
     k = p["sigma_0"] * kappa / kappa.sum()
-    limit = np.append([p[f"W[{i}]"] for i in range(1, 4)] / k[:3], np.inf)
+    limit = np.append([p[f"W[{i}]"] * p["F_c"] for i in range(1, 4)] / k[:3], np.inf)
     q, F_mean, F_f = np.zeros(4), [0.0], [p["sigma_1"] * v[0]]
     for speed in v[:-1]:
         g, s, left, area, begin = stribeck(speed, p), np.sign(speed), STEP, 0.0, q[3]

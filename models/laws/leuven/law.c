@@ -25,7 +25,7 @@ static Contact contact_at(double v, const Law *p) {
         shares += p->kappa[i];
     for (size_t i = 0; i < ELEMENTS; i++) {
         c.k[i] = p->sigma_0 * p->kappa[i] / shares;
-        c.limit[i] = i + 1 == ELEMENTS ? 1e30 : c.k[i] > 0.0 ? p->W[i] / c.k[i] : 0.0;
+        c.limit[i] = i + 1 == ELEMENTS ? 1e30 : c.k[i] > 0.0 ? p->W[i] * p->F_c / c.k[i] : 0.0;
     }
     return c;
 }
@@ -114,7 +114,5 @@ Law law_scaled(const Law *p, double factor) {
     Law scaled = *p;
     scaled.F_s *= factor;
     scaled.F_c *= factor;
-    for (size_t i = 0; i + 1 < ELEMENTS; i++)
-        scaled.W[i] *= factor;
     return scaled;
 }

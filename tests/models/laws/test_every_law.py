@@ -9,7 +9,7 @@ from stickslip import cosim, models
 
 SPECIFIED = {  # parameters of the values below that are not the start values
     "leuven": {"kappa[1]": 0.612839, "kappa[2]": 0.0, "kappa[3]": 0.0, "kappa[4]": 0.387161}
-    | {"W[1]": 3.0}
+    | {"W[1]": 3.0 / 5.999}
 }
 LAWS = [models.load_law(name) for name in models.law_names()]
 H = 5e-4  # s

@@ -10,7 +10,13 @@ H = 5e-4  # s
 F_S, F_C, V_S, SIGMA_0, SIGMA_1 = 8.999, 5.999, 5.5697e-4, 3.9162e5, 4424.8
 M, B = 5.557, 6.6135  # kg, N s/m
 ONE = {f"kappa[{k}]": float(k == 4) for k in range(1, 5)}
-TWO = {"kappa[1]": 0.612839, "kappa[2]": 0.0, "kappa[3]": 0.0, "kappa[4]": 0.387161, "W[1]": 3.0}
+TWO = {
+    "kappa[1]": 0.612839,
+    "kappa[2]": 0.0,
+    "kappa[3]": 0.0,
+    "kappa[4]": 0.387161,
+    "W[1]": 3.0 / F_C,
+}
 LOOPS = np.repeat([40e-6, -40e-6, 15e-6, -15e-6, -40e-6], 100) / (100 * H)
 
 
@@ -26,15 +32,17 @@ def test_one_element_is_lugre(follow, push):
 
 def test_minor_loops_close_in_z(follow):
     """With friction out of reach z is the position: 0, 40, 0, 15, 0, -40 um wipes 15 um out."""
-    far = {"F_s": 1e9, "F_c": 1e9, "sigma_1": 0.0}
+    far = {"F_s": 1e9, "F_c": 1e9, "sigma_1": 0.0} | {
+        f"W[{k}]": W * F_C / 1e9 for k, W in enumerate((0.05, 0.12, 0.17), 1)
+    }
     long = follow("leuven", H, LOOPS, **far)["F_f"]
     short = follow("leuven", H, LOOPS[[*range(200), *range(400, 500)]], **far)["F_f"]
     assert long[400] == pytest.approx(long[200], abs=1e-6)
     np.testing.assert_allclose(long[400:], short[200:], atol=1e-6)
     x = np.append(0.0, np.cumsum(LOOPS) * H)[:101]
     virgin = 0.4 * SIGMA_0 * x
-    for kappa, W in ((0.25, 0.3), (0.2, 0.7), (0.15, 1.0)):
-        virgin += np.minimum(kappa * SIGMA_0 * x, W)
+    for kappa, W in ((0.25, 0.05), (0.2, 0.12), (0.15, 0.17)):
+        virgin += np.minimum(kappa * SIGMA_0 * x, W * F_C)
     np.testing.assert_allclose(long[:101], virgin, atol=1e-6)
 
 
