@@ -164,7 +164,8 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
     sources: list[Path] = []
     if used := content.pop("equations", None):
         equations = read_law(MODELS / "laws" / used)
-        content["parameters"] |= equations.tables
+        own = content["parameters"]
+        own |= {name: table | own.get(name, {}) for name, table in equations.tables.items()}
         sources = [path for path in equations.folder.glob("*.[ch]") if path.stem == used]
     try:
         variables = [Variable("time", "time", "Simulation time", unit="s")]

@@ -10,7 +10,7 @@ Parameters are the start values of model.toml. Inputs hold from one row to the n
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +45,7 @@ def start_values(name: str) -> Parameters:
     return {v.name: v.start for v in model_of(name).variables if v.role == "parameter"}
 
 
-def stribeck(v: np.ndarray | float, p: Parameters) -> np.ndarray:
+def stribeck(v: np.ndarray | float, p: Mapping[str, complex]) -> np.ndarray:
     """Return g(v) [N], equation (4)."""
     return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((abs(v) / p["v_s"]) ** p["delta"]))
 
@@ -428,6 +428,43 @@ def lffc(p: Parameters) -> Columns:
     return {**given, "F": np.array(F)}
 
 
+def lugre_network(p: Parameters) -> Columns:
+    """Learn LuGre parameters by the gradient, with its derivatives from complex steps."""
+    given, names = learning_signals(p), ("F_c", "sigma_0", "sigma_1", "F_s", "v_s")
+    theta = {name: p[name] for name in names}
+    tiny, z, z_by = 1e-30, 0.0, np.zeros(5)
+    v_r, v_last, u_r, F, old = given["v_r"], given["v_r"][0], 0.0, [0.0], []
+
+    def held(v: float, z: complex, theta: Mapping[str, complex]) -> tuple[complex, complex]:
+        """Return the mean force and the deflection at the end, at v != 0."""
+        own = {**theta, "delta": p["delta"]}
+        end = np.sign(v) * stribeck(v, own) / own["sigma_0"]
+        y = own["sigma_0"] * abs(v) / stribeck(v, own) * STEP
+        way = -(end - z) * np.expm1(-y)
+        return own["sigma_0"] * (end - way / y) + own["sigma_1"] * way / STEP, z + way
+
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        by = np.zeros(5)
+        for i, name in enumerate(names):
+            moved = {**theta, name: theta[name] * (1.0 + 1j * tiny)}
+            force, end = held(v, z + 1j * tiny * z_by[i], moved)
+            by[i], z_by[i] = force.imag / tiny, end.imag / tiny
+        force, z = held(v, z, theta)
+        F.append(given["F_in"][k] + force)
+        old.append(by)
+        if k >= p["D"]:
+            gradient = old[k - int(p["D"])]
+            factor = p["gamma"] * error * gradient / ((gradient**2).sum() + 0.01)
+            for name, change in zip(names, np.clip(factor, -0.02, 0.02), strict=True):
+                theta[name] *= np.exp(change)
+            theta["F_s"] = max(theta["F_s"], theta["F_c"])
+    return {**given, "F": np.array(F)}
+
+
 def nominal_loop(p: Parameters) -> Columns:
     """Follow a step and a sine."""
     t = np.arange(101) * STEP
@@ -462,6 +499,7 @@ def main(folder: Path) -> None:
         momentum_observer,
         lugre_observer,
         lffc,
+        lugre_network,
         nominal_loop,
     ):
         name = calculate.__name__

@@ -51,6 +51,7 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
         (["momentum_observer"], 0.8),
         (["lugre_observer"], 0.4),
         (["lffc"], 0.9),
+        (["lugre_network"], 0.4),
         (["static_feedforward", "dob"], 0.6),
     ],
 )
@@ -121,6 +122,28 @@ def test_splines_learn_the_friction_of_the_drive(fmus, loop):
     )
     assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
     assert compensated["learner.F"].tobytes() == other["learner.F"].tobytes()
+
+
+THETA = {
+    f"theta[{i}]": name for i, name in enumerate(("F_c", "sigma_0", "sigma_1", "F_s", "v_s"), 1)
+}
+
+
+def test_the_gradient_learns_the_parameters_of_the_drive(fmus, loop):
+    """From half of each; sigma_0 is visible for some micrometres after each reversal."""
+    half = {name: 0.5 * PAPER[name] for name in ("F_c", "F_s", "sigma_0", "sigma_1")}
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    values = {**half, "gamma": 0.01, "D": 12}
+    found = learned(fmus, loop, "lugre_network", THETA, values, **coulomb)
+    assert found["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+    assert found["sigma_0"] > 1.02 * half["sigma_0"]
+    before, after = (
+        error(
+            run(build_loop(fmus, loop, [Compensator("learner", "lugre_network", one)]), **coulomb)
+        )
+        for one in ({**half, "gamma": 0.0}, {**found, "gamma": 0.0})
+    )
+    assert after < 0.6 * before
 
 
 def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):
