@@ -33,6 +33,7 @@ TOLERANCE = {
     "momentum_observer": {"F": 1e-8, "a_hat": 1e-8},
     "lffc": {"F": 1e-9},
     "lugre_network": {"F": 1e-9},
+    "rbf": {"F": 1e-9},
     "lugre_observer": {"F": 1e-8, "z_hat": 1e-14},
 }
 

@@ -428,6 +428,36 @@ def lffc(p: Parameters) -> Columns:
     return {**given, "F": np.array(F)}
 
 
+def rbf(p: Parameters) -> Columns:
+    """Learn with Gaussian functions whose shares are an outer product."""
+    given = learning_signals(p)
+    v_r, w, F, old = given["v_r"], np.zeros((11, 8)), [0.0], []
+    v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
+
+    def shares(place: float, n: int) -> np.ndarray:
+        centres = np.linspace(-1.0, 1.0, n)
+        share = np.exp(-(((place - centres) / (p["width"] * 2.0 / (n - 1))) ** 2) / 2)
+        return share / share.sum()
+
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        if np.sign(v) != direction:
+            direction, q = np.sign(v), 0.0
+        middle, q = q + abs(v) * STEP / 2, q + abs(v) * STEP
+        speed = np.log1p(abs(v) / p["v_0"]) / np.log1p(p["v_max"] / p["v_0"])
+        way = (middle - p["q_0"]) / (middle + p["q_0"])
+        mu = np.outer(shares(direction * min(speed, 1.0), 11), shares(direction * way, 8))
+        F.append(given["F_in"][k] + (mu * w).sum())
+        old.append(mu)
+        if k >= p["D"]:
+            before = old[k - int(p["D"])]
+            w += p["gamma"] * error * before / (before**2).sum()
+    return {**given, "F": np.array(F)}
+
+
 def lugre_network(p: Parameters) -> Columns:
     """Learn LuGre parameters by the gradient, with its derivatives from complex steps."""
     given, names = learning_signals(p), ("F_c", "sigma_0", "sigma_1", "F_s", "v_s")
@@ -499,6 +529,7 @@ def main(folder: Path) -> None:
         momentum_observer,
         lugre_observer,
         lffc,
+        rbf,
         lugre_network,
         nominal_loop,
     ):

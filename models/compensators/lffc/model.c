@@ -1,4 +1,5 @@
 #include "numerics/feedback_learning.h"
+#include "numerics/since_reversal.h"
 
 enum { KNOTS = 14 };
 
@@ -33,20 +34,13 @@ static void learn(Memory *w, double error, const Parameters *p) {
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     double error;
     const double v = begin_sample(w, u, p, &error);
-    const double direction = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : w->direction;
-    if (direction != w->direction)
-        w->q = 0.0;
-    w->direction = direction;
-    const double way = v * direction * p->T_s; /* [m] */
-    const double place = place_of(w->q + 0.5 * way, p);
-    w->q += way;
-
-    const double *row = w->w[direction > 0.0 ? 0 : 1];
+    const double place = place_of(since_reversal(w, v, p), p);
+    const double *row = w->w[w->direction > 0.0 ? 0 : 1];
     const int i = (int)place < KNOTS - 1 ? (int)place : KNOTS - 2;
     const double force = row[i] + (place - (double)i) * (row[i + 1] - row[i]);
-    w->F_held = u->F_in + (direction != 0.0 ? force : 0.0);
+    w->F_held = u->F_in + (w->direction != 0.0 ? force : 0.0);
 
-    w->row[(int)w->at] = direction;
+    w->row[(int)w->at] = w->direction;
     w->knot[(int)w->at] = place;
     learn(w, error, p); /* after the force, which does not depend on u of this sample */
 }
