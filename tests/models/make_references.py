@@ -313,7 +313,7 @@ def coulomb_observer(p: Parameters) -> Columns:
         x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
         r = position - x
         now = np.array([x + p["L_x"] * r, v + p["L_v"] * r, 0.0])
-        a = max(0.0, a - s * p["L_d"] * r)
+        a -= s * p["L_d"] * r
         s = np.clip((v_r[k] + v_last) / 2 / p["v_t"], -1.0, 1.0)
         early = (v_r[k] + v_last) / 2 + p["lead"] * (v_r[k] - v_last) / STEP
         F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
@@ -342,7 +342,7 @@ def momentum_observer(p: Parameters) -> Columns:
         after = v + weight * ((x[k] - x[max(k - 1, 0)]) / STEP - v)
         residual = force - p["b"] * (v + after) / 2 - p["m"] * (after - v) / STEP
         s = np.clip((v + after) / 2 / p["v_t"], -1.0, 1.0)
-        a = max(0.0, a + (1.0 - np.exp(-p["w_q"] * STEP)) * s * (residual - a * s))
+        a += (1.0 - np.exp(-p["w_q"] * STEP)) * s * (residual - a * s)
         v, last = after, v_r[max(k - 1, 0)]
         early = (v_r[k] + last) / 2 + p["lead"] * (v_r[k] - last) / STEP
         F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))

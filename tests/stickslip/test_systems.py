@@ -76,6 +76,15 @@ def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop, model)
         assert without[name].tobytes() == beside[name].tobytes()
 
 
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
+def test_an_observer_takes_back_what_a_feedforward_gives_too_much(fmus, loop, model):
+    """Friction is half of what the feedforward knows: a negative amplitude corrects it."""
+    half = {f"drive.{name}": 0.5 * PAPER[name] for name in ("F_c", "F_s")}
+    chain = [Compensator("static", "static_feedforward"), Compensator("observer", model)]
+    alone, both = (error(run(build_loop(fmus, loop, chain[:n]), **half)) for n in (1, 2))
+    assert both < 0.7 * alone
+
+
 def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
     """A LuGre observer whose friction is 20 % low, where the encoder does not disturb it."""
     low = {"F_c": 0.8 * PAPER["F_c"], "F_s": 0.8 * PAPER["F_s"]}

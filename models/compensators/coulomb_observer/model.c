@@ -4,8 +4,7 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     const double expected = -w->a * w->s; /* disturbing force in the period that ends [N] */
     w->d = expected;
     axis_sample(w, u->x_enc, u->F_m, u->F_in, p);
-    const double a = w->a - w->s * (w->d - expected);
-    w->a = a > 0.0 ? a : 0.0;
+    w->a -= w->s * (w->d - expected);
 
     const double slope = (u->v_r - w->v_last) / p->T_s; /* [m/s2] */
     const double v = 0.5 * (w->v_last + u->v_r);

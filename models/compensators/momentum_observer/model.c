@@ -27,8 +27,6 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
             rate *= speed > 1e-300 ? elementary_exp((p->mu - 1.0) * elementary_log(speed)) : 0.0;
     }
     w->a += (1.0 - elementary_exp(-rate * p->T_s)) * s * (friction - w->a * s);
-    if (p->coulomb != 0.0 && w->a < 0.0)
-        w->a = 0.0;
 
     const double slope = (u->v_r - w->v_last) / p->T_s; /* [m/s2] */
     const double early = 0.5 * (w->v_last + u->v_r) + p->lead * slope;
