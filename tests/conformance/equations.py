@@ -18,7 +18,8 @@ def lugre(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex
     speed = v if np.real(v) >= 0 else -v
     g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((speed / p["v_s"]) ** p["delta"]))
     dz = v - p["sigma_0"] * speed / g * x["z"]
-    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
+    fading = np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0
+    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * fading * dz
 
 
 def dahl(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:

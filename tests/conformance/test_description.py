@@ -125,6 +125,8 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
             chosen[v.name] = v.maximum * (len(chosen) % 2)
     if "z_ba" in chosen:  # a deflection between break-away and full slip
         chosen["z"] = 1.3e-5
+    if "v_d" in chosen:  # and a damping that fades there
+        chosen["v_d"] = 0.3
     chosen |= fmu.settings()
     if "encoder_step" in chosen:
         chosen["encoder_step"] = 1e-12  # below the noise

@@ -20,8 +20,8 @@ static double phi2_slope(double y) {
  * constant v. */
 static double stepped(Memory *w, double v, const Parameters *p, double *by) {
     const double *t = w->theta;
-    const LuGre c = {t[3], t[0], 1.0 / t[4], t[1], t[2], p->delta};
-    const LuGre shape = {1.0, 0.0, c.per_v_s, c.sigma_0, c.sigma_1, c.delta};
+    const LuGre c = {t[3], t[0], 1.0 / t[4], t[1], t[2], p->delta, p->v_d};
+    const LuGre shape = {1.0, 0.0, c.per_v_s, c.sigma_0, c.sigma_1, c.delta, c.v_d};
     const double speed = v < 0.0 ? -v : v, h = p->T_s, z = w->z;
     double slope; /* |v| dg / d|v| [N] */
     const double g = lugre_g(v, &c, &slope), faded = lugre_g(v, &shape, NULL);
@@ -33,15 +33,15 @@ static double stepped(Memory *w, double v, const Parameters *p, double *by) {
     const double mean_z = z * phi + v * h * phi2;
     const double mean_z_by_a = h * (z * phi_slope(y) + v * h * phi2_slope(y));
     const double end_by_a = h * (v * h * phi_slope(y) - z * (1.0 - y * phi));
-    const double force = lugre_step(h, v, &w->z, &c);
+    const double force = lugre_step(h, v, &w->z, &c), sigma_1 = lugre_damping(v, &c, NULL);
     for (int i = 0; i < LEARNED; i++) {
         const double end_by = w->z_by[i] * (1.0 - y * phi) + end_by_a * a_by[i];
         const double mean_by = w->z_by[i] * phi + mean_z_by_a * a_by[i];
-        by[i] = c.sigma_0 * mean_by + c.sigma_1 * (end_by - w->z_by[i]) / h;
+        by[i] = c.sigma_0 * mean_by + sigma_1 * (end_by - w->z_by[i]) / h;
         w->z_by[i] = end_by;
     }
     by[1] += c.sigma_0 * mean_z;
-    by[2] += c.sigma_1 * (w->z - z) / h;
+    by[2] += sigma_1 * (w->z - z) / h;
     return force;
 }
 

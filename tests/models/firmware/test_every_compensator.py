@@ -31,6 +31,7 @@ OTHERS = {
 CASES = {**FEEDFORWARDS, "observer": OBSERVER, **OTHERS}
 STARTS = {
     "dahl": {"i": 0.7},
+    "lugre": {"v_d": 5e-3, "lead": 1e-4},
     "gms": {"F_s": 9.5, "C": 800.0, "delta": 2.0},
     "coulomb_stribeck": {"F_s": 9.5, "delta": 0.7, "b": 3.0, "lead": 1e-4, "hold": 0.0},
     "coulomb_observer": {"k_a": 0.2, "a_0": 3.0, "measured": 1.0},
@@ -149,7 +150,7 @@ def test_c_in_float_is_near(exported, case):
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
 
 
-@pytest.mark.parametrize("case", ["coulomb_stribeck", "observer"])
+@pytest.mark.parametrize("case", ["coulomb_stribeck", "lugre", "observer"])
 def test_structured_text_agrees_with_the_fmu(exported, case):
     folder = exported(case)
     model, expected = of_fmu(folder, case)
