@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stickslip.models.errors import DescriptionError, StartValueError
-from stickslip.models.export.law import Law, merge, read_toml, require_known
+from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
 from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
 
 Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
@@ -24,11 +24,11 @@ _SECTIONS: dict[str, Role] = {
     "memory": "memory",
     "parameters": "parameter",
 }
-ROLES = {"v_ref", "x_enc", "v_est", "F_motor", "F_added"}
+ROLES = {"v_ref", "x_enc", "v_est", "u", "F_motor", "F_added"}
 """Signals of a loop: reference velocity, encoder position, velocity that the controller estimates,
-motor force, force of the compensator before this one in a chain."""
-AXIS = {"T_s", "m", "b", "tau_i"}
-"""Sample period of the loop; mass, viscous friction and current-loop lag of its axis."""
+the controller's force command, motor force, force of the compensator before this one in a chain."""
+AXIS = {"T_s", "tau_f", "m", "b", "tau_i"}
+"""Sample period and low-pass of the loop; mass, viscous friction, current-loop lag of its axis."""
 _TYPES: tuple[Type, ...] = ("real", "integer", "boolean")
 _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
@@ -100,7 +100,8 @@ class Model:
     ``fields`` are the members of the C structs by role: name and size, ``()`` for a scalar.
     ``sampled`` says that it does nothing between the samples it takes. ``icon`` is drawn of
     polylines on a tile of 100 by 100. ``law`` is the friction law that it
-    contains, ``ports`` how a compensator is connected.
+    contains, ``ports`` how a compensator is connected, ``sources`` the C of the law whose equations
+    it uses without containing it.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Model:
     icon: tuple[tuple[float, ...], ...] = ()
     law: Law | None = None
     ports: Ports | None = None
+    sources: tuple[Path, ...] = ()
 
     @property
     def is_continuous(self) -> bool:
@@ -159,6 +161,12 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
     content.setdefault("parameters", {})
     if law is not None:
         merge(content, law)
+    sources: list[Path] = []
+    if used := content.pop("equations", None):
+        equations = read_law(MODELS / "laws" / used)
+        own = content["parameters"]
+        own |= {name: table | own.get(name, {}) for name, table in equations.tables.items()}
+        sources = [path for path in equations.folder.glob("*.[ch]") if path.stem == used]
     try:
         variables = [Variable("time", "time", "Simulation time", unit="s")]
         fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
@@ -194,6 +202,7 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
             folder=folder,
             law=law,
             ports=_ports(content.get("loop"), law),
+            sources=tuple(sources),
         )
     except KeyError as missing:
         raise DescriptionError(f"{folder.name}/model.toml: key {missing} is missing") from None

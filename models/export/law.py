@@ -79,6 +79,7 @@ class Law:
     steady : the force at constant speed: ``coulomb``, F_c, or ``stribeck``, equation (4)
     is_passive : whether it never gives more energy than it was given, without viscous friction
     is_smooth : whether its equations are differential ones without events, which a solver can take
+    is_candidate : whether ``learn --law auto`` considers it; false unless law.toml says so
     parameters : by name, in the order of law.toml
     states, force : tables of law.toml; ``force`` tells what the force depends on
     """
@@ -89,6 +90,7 @@ class Law:
     steady: Steady
     is_passive: bool
     is_smooth: bool
+    is_candidate: bool
     parameters: Mapping[str, LawParameter]
     states: Mapping[str, Mapping[str, Any]]
     force: Mapping[str, Any]
@@ -116,8 +118,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
         raise DescriptionError(f"{path}: {error}") from None
-    if "include" in content:
-        for section, shared in read_toml(MODELS / content["include"]).items():
+    if included := content.pop("include", None):
+        for section, shared in read_toml(MODELS / included).items():
             own = content.get(section, {})
             content[section] = {name: table for name, table in shared.items() if name not in own}
             content[section] |= {name: shared.get(name, {}) | table for name, table in own.items()}
@@ -152,6 +154,7 @@ def read_law(folder: Path) -> Law:
             steady=content["steady"],
             is_passive=content["passive"],
             is_smooth=content["smooth"],
+            is_candidate=content.get("candidate", False),
             parameters={name: _parameter(name, table) for name, table in tables.items()},
             states=content.get("states", {}),
             force=content["force"],
@@ -199,8 +202,19 @@ def merge(content: dict[str, Any], law: Law) -> None:
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
     force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
     a state of the model has no derivative, the law's have none either.
+
+    Raises
+    ------
+    DescriptionError
+        When a name of the law is one of the model's.
     """
     own = content.setdefault("states", {})
+    roles = ("inputs", "states", "memory", "outputs", "parameters")
+    taken = {name for role in roles for name in content.get(role, {})}
+    if twice := sorted(taken & {*law.states, *law.tables}):
+        raise DescriptionError(
+            f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
+        )
     states = {name: dict(table) for name, table in law.states.items()}
     integrated = law.is_smooth and all("derivative" in table for table in own.values())
     if not integrated:

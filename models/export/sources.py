@@ -46,7 +46,7 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
 
 def shared_files(model: Model) -> list[Path]:
     """Return the C files that a model has from other rooms: numerics, its law and its motion."""
-    files = [*(MODELS / "numerics").glob("*.[ch]")]
+    files = [*(MODELS / "numerics").glob("*.[ch]"), *model.sources]
     if model.law is not None:
         files += [*(MODELS / "laws").glob("*.h"), *model.law.folder.glob("*.[ch]")]
         if model.folder.parent.name == "plants":

@@ -27,7 +27,8 @@ _WHEN = {
     False: "Go h [s] ahead, h > 0",
     True: "Take a sample, once in each period T_s",
 }
-_ELEMENTARY = ("elementary_exp", "elementary_log")  # with another form for 32 bits
+# with another form for 32 bits
+_ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin")
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"
 _WORDS = re.compile(rf"/\*.*?\*/|{_NUMBER}|\bdouble\b", re.DOTALL)
 
@@ -150,10 +151,12 @@ def _stepped(model: Model, parts: str) -> str:
     """Return the statements that go one step ahead and tell whether the memory is finite."""
     if not model.sampled:
         return f"    const bool finite = model_step(R(0.0), h, {parts});\n"
-    memory = " + ".join(f"c->memory.{field}" for field, _ in model.fields["memory"])
     return (
         "    sample(&c->memory, &c->inputs, &c->parameters);\n"
-        f"    const real sum = {memory};\n"
+        "    const real *all = (const real *)&c->memory;\n"
+        "    real sum = R(0.0);\n"
+        "    for (size_t i = 0; i < sizeof c->memory / sizeof *all; i++)\n"
+        "        sum += all[i];\n"
         "    const bool finite = sum - sum == R(0.0);\n"
     )
 

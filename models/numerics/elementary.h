@@ -24,6 +24,9 @@ static inline double nearest(double x) {
     return (x + shift) - shift;
 }
 
+/* x, limited to -1 .. 1 */
+static inline double clipped(double x) { return x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x; }
+
 /* e^r for |r| <= ln(2) / 2: Taylor to r^13, summed in pairs. */
 static inline double exp_reduced(double r) {
     const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;

@@ -28,7 +28,8 @@ class ParameterSpace:
     ----------
     law : the friction law
     parameters : the estimated parameters, in the order of their coordinates
-    constants : the values of further parameters, by name, in SI units
+    constants : the values of further parameters, by name, in SI units; those that start at 0 are
+        switched off and left out
     units : (k,) units of linear coordinates in SI; not used for logarithms
     prior_mean : (k,) expected coordinates before the recording is seen
     prior_deviation : (k,) their standard deviations; infinite without a prior
@@ -52,7 +53,7 @@ class ParameterSpace:
         constants = {
             name: parameter.start[0]
             for name, parameter in law.parameters.items()
-            if name not in names and len(parameter.start) == 1
+            if name not in names and len(parameter.start) == 1 and parameter.start[0] != 0.0
         }
         k = len(parameters)
         infinite = np.full(k, np.inf)

@@ -18,7 +18,12 @@ NOMINAL_ORDER = 8
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
 
 
-_MEASURED = {"x_enc": "drive.x_enc", "F_motor": "drive.F_m", "v_est": "controller.v_est"}
+_MEASURED = {
+    "x_enc": "drive.x_enc",
+    "F_motor": "drive.F_m",
+    "v_est": "controller.v_est",
+    "u": "controller.u",
+}
 
 
 @dataclass(frozen=True)
@@ -163,7 +168,8 @@ def _add_feedforward(
 ) -> tuple[str | None, list[str]]:
     """Add nominal loop and compensators; return the last force and the reference inputs."""
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
-    axis = {"T_s": loop.T_s, "m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
+    axis = {"T_s": loop.T_s, "tau_f": loop.tau_f}
+    axis |= {"m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
     force, referenced = None, []
     for compensator in compensators:
         ports, name = _ports(compensator), compensator.name

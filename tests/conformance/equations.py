@@ -18,7 +18,8 @@ def lugre(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex
     speed = v if np.real(v) >= 0 else -v
     g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((speed / p["v_s"]) ** p["delta"]))
     dz = v - p["sigma_0"] * speed / g * x["z"]
-    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
+    fading = np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0
+    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * fading * dz
 
 
 def dahl(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:
@@ -26,6 +27,16 @@ def dahl(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]
     r = 1.0 - s * x["F_d"] / p["F_c"]
     rest = r if np.real(r) >= 0 else -r
     return {"der(F_d)": p["sigma_0"] * rest ** p["i"] * np.sign(np.real(r)) * v}, x["F_d"]
+
+
+def elasto_plastic(v: complex, x: Values, p: Values) -> tuple[dict[str, complex], complex]:
+    s = 1.0 if np.real(v) >= 0 else -1.0
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((s * v / p["v_s"]) ** p["delta"]))
+    z, z_m, z_ba = s * x["z"], g / p["sigma_0"], p["z_ba"] * p["F_c"] / p["sigma_0"]
+    alpha = 0.5 + 0.5 * np.sin(np.pi * (z - (z_m + z_ba) / 2) / (z_m - z_ba))
+    alpha = 0.0 if np.real(z) <= z_ba else 1.0 if np.real(z - z_m) >= 0 else alpha
+    dz = v * (1.0 - alpha * z / z_m)
+    return {"der(z)": dz}, p["sigma_0"] * x["z"] + p["sigma_1"] * dz
 
 
 def stage(law: Law, x: Values, p: Values) -> dict[str, complex]:
@@ -45,6 +56,8 @@ OF: dict[str, Callable[[Values, Values], dict[str, complex]]] = {
     "compensator": functools.partial(compensator, lugre),
     "stage+dahl": functools.partial(stage, dahl),
     "compensator+dahl": functools.partial(compensator, dahl),
+    "stage+elasto_plastic": functools.partial(stage, elasto_plastic),
+    "compensator+elasto_plastic": functools.partial(compensator, elasto_plastic),
 }
 
 

@@ -29,6 +29,12 @@ TOLERANCE = {
     "nominal_loop": {"v_r": 1e-15},
     "static_feedforward": {"F": 1e-12},
     "dob": {"F": 1e-8, "d_hat": 1e-8},
+    "coulomb_observer": {"F": 1e-8, "a_hat": 1e-8},
+    "momentum_observer": {"F": 1e-8, "a_hat": 1e-8},
+    "lffc": {"F": 1e-9},
+    "lugre_network": {"F": 1e-9},
+    "rbf": {"F": 1e-9},
+    "lugre_observer": {"F": 1e-8, "z_hat": 1e-14},
 }
 
 

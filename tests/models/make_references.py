@@ -10,12 +10,12 @@ Parameters are the start values of model.toml. Inputs hold from one row to the n
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 
 from stickslip import models
@@ -45,7 +45,7 @@ def start_values(name: str) -> Parameters:
     return {v.name: v.start for v in model_of(name).variables if v.role == "parameter"}
 
 
-def stribeck(v: np.ndarray | float, p: Parameters) -> np.ndarray:
+def stribeck(v: np.ndarray | float, p: Mapping[str, complex]) -> np.ndarray:
     """Return g(v) [N], equation (4)."""
     return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((abs(v) / p["v_s"]) ** p["delta"]))
 
@@ -132,6 +132,64 @@ def dahl(p: Parameters) -> Columns:
     return {"time": t, "v": v, "F_f": np.array(F_d), "F_mean": np.array(F_mean)}
 
 
+def elasto_plastic(p: Parameters) -> Columns:
+    """Follow the same velocity: scipy's DOP853 from the break-away deflection on."""
+    t, v = through_zero()
+    z, F_mean, F_f = 0.0, [0.0], [p["sigma_1"] * v[0]]
+
+    def rate(speed: float, z: float) -> float:
+        g, s = stribeck(speed, p), np.sign(speed)
+        slack = p["z_ba"] * p["F_c"] / p["sigma_0"]
+        share = np.clip((s * z - slack) / (g / p["sigma_0"] - slack), 0.0, 1.0)
+        return speed * (1.0 - np.sin(np.pi / 2 * share) ** 2 * p["sigma_0"] * s * z / g)
+
+    for speed in v[:-1]:
+        s = np.sign(speed)
+        slack = p["z_ba"] * p["F_c"] / p["sigma_0"]
+        elastic = min(STEP, max(0.0, (slack - s * z) / abs(speed)))
+        area = elastic * (z + speed * elastic / 2)
+        begin = z + speed * elastic
+
+        def motion(_: float, y: np.ndarray, speed: float = speed) -> list[float]:
+            return [rate(speed, y[0] * Z_UNIT) / Z_UNIT, y[0]]
+
+        left = STEP - elastic
+        tight = {"rtol": 1e-13, "atol": 1e-13}
+        end = solve_ivp(motion, (0.0, left), [begin / Z_UNIT, 0.0], "DOP853", **tight).y[:, -1]
+        area += end[1] * Z_UNIT
+        way, z = end[0] * Z_UNIT - z, end[0] * Z_UNIT
+        F_mean.append((p["sigma_0"] * area + p["sigma_1"] * way) / STEP)
+        F_f.append(p["sigma_0"] * z + p["sigma_1"] * rate(speed, z))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
+def leuven(p: Parameters) -> Columns:
+    """Follow the same velocity (n_h = 1): exponentials from one switch of an element on."""
+    t, v = through_zero()
+    kappa = np.array([p[f"kappa[{i}]"] for i in range(1, 5)])
+    k = p["sigma_0"] * kappa / kappa.sum()
+    limit = np.append([p[f"W[{i}]"] * p["F_c"] for i in range(1, 4)] / k[:3], np.inf)
+    q, F_mean, F_f = np.zeros(4), [0.0], [p["sigma_1"] * v[0]]
+    for speed in v[:-1]:
+        g, s, left, area, begin = stribeck(speed, p), np.sign(speed), STEP, 0.0, q[3]
+        while left > 0.0:
+            rate = speed * (1.0 - s * (k @ q) / g)
+            ahead = limit - np.sign(rate) * q
+            free = ahead > 0.0
+            a = k @ free * abs(speed) / g
+            reach = a * np.where(free, ahead, np.inf) / abs(rate)
+            h = min(left, -np.log1p(-min(reach)) / a) if min(reach) < 1.0 else left
+            dz = -np.expm1(-a * h) / a * rate
+            area += h * (k @ q) + (k @ free) * (h * rate - dz) / a
+            q = np.where(free, q + dz, q)
+            if h < left:
+                q[np.argmin(reach)] = np.sign(rate) * limit[np.argmin(reach)]
+            left -= h
+        F_mean.append((area + p["sigma_1"] * (q[3] - begin)) / STEP)
+        F_f.append(k @ q + p["sigma_1"] * speed * (1.0 - s * (k @ q) / g))
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
+
+
 def gms(p: Parameters) -> Columns:
     """Follow the same velocity, all elements at once: stick until the limit, then decay."""
     t, v = through_zero()
@@ -193,8 +251,9 @@ def velocity_controller(p: Parameters) -> Columns:
     return {"time": t, **inputs, "u": np.array(u), "v_est": np.array(v_est)}
 
 
-def velocity_filter(p: Parameters) -> Columns:
-    """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
+def lagging_motion() -> Columns:
+    """Return a motion under a lagging force, of which known friction takes a part late."""
+    p = start_values("velocity_filter")
     t = np.arange(201) * STEP
     u = 40.0 * np.sin(2 * np.pi * 14.0 * t) + np.where(t > 0.05, 8.0, 0.0)
     F_ff = 6.0 * np.sign(np.sin(2 * np.pi * 14.0 * t - 0.4))
@@ -209,24 +268,86 @@ def velocity_filter(p: Parameters) -> Columns:
         state.append(move @ [*state[-1][:4], force, known])
     x, _, F_m, F_known, *_ = np.transpose(state)
     x_enc = np.rint(x / 4e-7) * 4e-7
-    # Between samples the net force is what lags on from one sample's to the next: solve for the
-    # command that leads there, then predict with the same exponential.
-    gain = np.array([p["L_x"], p["L_v"], p["L_d"]])
+    return {"time": t, "x_enc": x_enc, "F_m": F_m, "F_in": F_ff, "N": F_m - F_known}
+
+
+def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.ndarray]:
+    """Return a function: sample and estimate (x, v, d) at the one before -> prediction.
+
+    Between samples the net force N is what lags on from one sample's to the next: solve for the
+    command that leads there, then predict with the same exponential.
+    """
     rates = np.zeros((5, 5))  # x, v, d, N, u
     rates[0, 1] = 1.0
     rates[1, 1:4] = np.array([-p["b"], 1.0, 1.0]) / p["m"]
     rates[3, 3:] = -1.0 / p["tau_i"], 1.0 / p["tau_i"]
     move = expm(rates * STEP)
-    N = F_m - F_known
     held = (N[1:] - move[3, 3] * N[:-1]) / move[3, 4]
+
+    def ahead(k: int, estimate: np.ndarray) -> np.ndarray:
+        begin = [*estimate, N[k - 1], held[k - 1]] if k else [*estimate, 0.0, 0.0]
+        return (move @ begin)[:3]
+
+    return ahead
+
+
+def velocity_filter(p: Parameters) -> Columns:
+    """Estimate a motion under a lagging force; friction is known but for a tenth of it."""
+    given = lagging_motion()
+    ahead, gain = predictor(p, given.pop("N")), np.array([p["L_x"], p["L_v"], p["L_d"]])
     estimate = [np.zeros(3)]
-    for k, position in enumerate(x_enc[:-1]):
-        begin = [*estimate[-1], N[k - 1], held[k - 1]] if k else np.zeros(5)
-        ahead = (move @ begin)[:3]
-        estimate.append(ahead + gain * (position - ahead[0]))
+    for k, position in enumerate(given["x_enc"][:-1]):
+        x, *others = ahead(k, estimate[-1])
+        estimate.append([x, *others] + gain * (position - x))
     _, v_hat, d_hat = np.transpose(estimate)
-    inputs = {"x_enc": x_enc, "F_m": F_m, "F_ff": F_ff}
-    return {"time": t, **inputs, "v_hat": v_hat, "d_hat": d_hat}
+    given["F_ff"] = given.pop("F_in")
+    return {**given, "v_hat": v_hat, "d_hat": d_hat}
+
+
+def coulomb_observer(p: Parameters) -> Columns:
+    """Observe the same, with a reference velocity that reverses and creeps."""
+    given = lagging_motion()
+    ahead, v_r = predictor(p, given.pop("N")), 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    now, a, s, F, a_hat, v_last = np.zeros(3), 0.0, 0.0, [0.0], [0.0], v_r[0]
+    for k, position in enumerate(given["x_enc"][:-1]):
+        x, v, _ = ahead(k, np.array([now[0], now[1], -a * s]))
+        r = position - x
+        now = np.array([x + p["L_x"] * r, v + p["L_v"] * r, 0.0])
+        a -= s * p["L_d"] * r
+        s = np.clip((v_r[k] + v_last) / 2 / p["v_t"], -1.0, 1.0)
+        early = (v_r[k] + v_last) / 2 + p["lead"] * (v_r[k] - v_last) / STEP
+        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        a_hat.append(a)
+        v_last = v_r[k]
+    return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
+
+
+def momentum_observer(p: Parameters) -> Columns:
+    """Observe the same by the change of momentum; the force is weighted by quadrature."""
+    given = lagging_motion()
+    N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    fade = np.exp(-STEP / p["tau_i"])
+    weight = 1.0 - np.exp(-STEP / p["tau_f"])
+    before, v, force, a, F, a_hat = 0.0, 0.0, 0.0, 0.0, [0.0], [0.0]
+    for k in range(200):
+        ends = N[max(k - 1, 0)], N[k]
+        held = (ends[1] - fade * ends[0]) / (1.0 - fade)
+
+        def net(s: float, held: float = held, first: float = ends[0]) -> float:
+            return float(held + (first - held) * np.exp(-s * STEP / p["tau_i"]))
+
+        mean = before + quad(lambda s, net=net: (1.0 - s) * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+        before = quad(lambda s, net=net: s * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+        force += weight * (mean - force)
+        after = v + weight * ((x[k] - x[max(k - 1, 0)]) / STEP - v)
+        residual = force - p["b"] * (v + after) / 2 - p["m"] * (after - v) / STEP
+        s = np.clip((v + after) / 2 / p["v_t"], -1.0, 1.0)
+        a += (1.0 - np.exp(-p["w_q"] * STEP)) * s * (residual - a * s)
+        v, last = after, v_r[max(k - 1, 0)]
+        early = (v_r[k] + last) / 2 + p["lead"] * (v_r[k] - last) / STEP
+        F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
+        a_hat.append(a)
+    return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
 
 def static_feedforward(p: Parameters) -> Columns:
@@ -246,6 +367,132 @@ def dob(p: Parameters) -> Columns:
     table.pop("v_hat")
     last = np.append(0.0, known[:-1])
     return {**table, "F_in": known, "F": last - p["share"] * table["d_hat"]}
+
+
+def lugre_observer(p: Parameters) -> Columns:
+    """Follow an encoder that lags behind a reference, with (2) and its correction by Radau."""
+    t, v_r = through_zero()
+    x_enc = np.rint(np.cumsum(np.concatenate([[0.0], v_r[:-2], [0.0]])) * STEP / 4e-7) * 4e-7
+    F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    weight = 1.0 - np.exp(-STEP / p["tau_f"])
+    v, z, F, z_hat = 0.0, 0.0, [0.0], [0.0]
+    for k in range(400):
+        v += weight * ((x_enc[k] - x_enc[max(k - 1, 0)]) / STEP - v)
+        error = v - v_r[max(k - 1, 0)]
+
+        def held(share: float, z: float = z, v: float = v, e: float = error) -> np.ndarray:
+            def rates(_: float, y: np.ndarray) -> list[float]:
+                return [(bristle_rate(v, y[0] * Z_UNIT, p) - share * p["k_e"] * e) / Z_UNIT, y[0]]
+
+            start, span = [z / Z_UNIT, 0.0], (0.0, STEP)
+            return solve_ivp(rates, span, start, "Radau", rtol=1e-11, atol=1e-14).y[:, -1] * Z_UNIT
+
+        end, area = held(1.0)
+        force = (p["sigma_0"] * area + p["sigma_1"] * (held(p["share_1"])[0] - z)) / STEP
+        z = np.clip(end, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
+        F.append(F_in[k] + force)
+        z_hat.append(z)
+    return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
+
+
+def learning_signals(p: Parameters) -> Columns:
+    """Return a reference through zero and a controller that gives what it needs, and 5 N more."""
+    t, v_r = through_zero()
+    F_in = 2.0 * np.cos(2 * np.pi * 3.0 * t)
+    u = 5.0 * np.sign(v_r) + p["m"] * np.gradient(v_r, STEP)
+    return {"time": t, "v_r": v_r, "u": u, "F_in": F_in}
+
+
+def lffc(p: Parameters) -> Columns:
+    """Learn with hats by linear interpolation of unit vectors over the knots."""
+    given = learning_signals(p)
+    knots = np.append(0.0, np.geomspace(p["first"], p["last"], 13))
+    v_r, w, F = given["v_r"], np.zeros((2, 14)), [0.0]
+    v_last, u_r, q, row, old = v_r[0], 0.0, 0.0, None, []
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        if row != int(v < 0.0):
+            row, q = int(v < 0.0), 0.0
+        mu = np.zeros((2, 14))
+        middle = q + abs(v) * STEP / 2
+        mu[row] = [np.interp(middle, knots, unit) for unit in np.eye(14)]
+        q += abs(v) * STEP
+        F.append(given["F_in"][k] + (mu * w).sum())
+        old.append(mu)
+        if k >= p["D"]:
+            before = old[k - int(p["D"])]
+            w += p["gamma"] * error * before / (before**2).sum()
+    return {**given, "F": np.array(F)}
+
+
+def rbf(p: Parameters) -> Columns:
+    """Learn with Gaussian functions whose shares are an outer product."""
+    given = learning_signals(p)
+    v_r, w, F, old = given["v_r"], np.zeros((11, 8)), [0.0], []
+    v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
+
+    def shares(place: float, n: int) -> np.ndarray:
+        centres = np.linspace(-1.0, 1.0, n)
+        share = np.exp(-(((place - centres) / (p["width"] * 2.0 / (n - 1))) ** 2) / 2)
+        return share / share.sum()
+
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        if np.sign(v) != direction:
+            direction, q = np.sign(v), 0.0
+        middle, q = q + abs(v) * STEP / 2, q + abs(v) * STEP
+        speed = np.log1p(abs(v) / p["v_0"]) / np.log1p(p["v_max"] / p["v_0"])
+        way = (middle - p["q_0"]) / (middle + p["q_0"])
+        mu = np.outer(shares(direction * min(speed, 1.0), 11), shares(direction * way, 8))
+        F.append(given["F_in"][k] + (mu * w).sum())
+        old.append(mu)
+        if k >= p["D"]:
+            before = old[k - int(p["D"])]
+            w += p["gamma"] * error * before / (before**2).sum()
+    return {**given, "F": np.array(F)}
+
+
+def lugre_network(p: Parameters) -> Columns:
+    """Learn LuGre parameters by the gradient, with its derivatives from complex steps."""
+    given, names = learning_signals(p), ("F_c", "sigma_0", "sigma_1", "F_s", "v_s")
+    theta = {name: p[name] for name in names}
+    tiny, z, z_by = 1e-30, 0.0, np.zeros(5)
+    v_r, v_last, u_r, F, old = given["v_r"], given["v_r"][0], 0.0, [0.0], []
+
+    def held(v: float, z: complex, theta: Mapping[str, complex]) -> tuple[complex, complex]:
+        """Return the mean force and the deflection at the end, at v != 0."""
+        own = {**theta, "delta": p["delta"]}
+        end = np.sign(v) * stribeck(v, own) / own["sigma_0"]
+        y = own["sigma_0"] * abs(v) / stribeck(v, own) * STEP
+        way = -(end - z) * np.expm1(-y)
+        return own["sigma_0"] * (end - way / y) + own["sigma_1"] * way / STEP, z + way
+
+    for k in range(400):
+        error = given["u"][k] - F[-1] - u_r
+        slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
+        v_last, u_r = v_r[k], p["m"] * slope + p["b"] * mean
+        v = mean + p["lead"] * slope
+        by = np.zeros(5)
+        for i, name in enumerate(names):
+            moved = {**theta, name: theta[name] * (1.0 + 1j * tiny)}
+            force, end = held(v, z + 1j * tiny * z_by[i], moved)
+            by[i], z_by[i] = force.imag / tiny, end.imag / tiny
+        force, z = held(v, z, theta)
+        F.append(given["F_in"][k] + force)
+        old.append(by)
+        if k >= p["D"]:
+            gradient = old[k - int(p["D"])]
+            factor = p["gamma"] * error * gradient / ((gradient**2).sum() + 0.01)
+            for name, change in zip(names, np.clip(factor, -0.02, 0.02), strict=True):
+                theta[name] *= np.exp(change)
+            theta["F_s"] = max(theta["F_s"], theta["F_c"])
+    return {**given, "F": np.array(F)}
 
 
 def nominal_loop(p: Parameters) -> Columns:
@@ -270,12 +517,20 @@ def main(folder: Path) -> None:
         drive,
         lugre,
         dahl,
+        elasto_plastic,
+        leuven,
         gms,
         coulomb_stribeck,
         velocity_controller,
         velocity_filter,
         static_feedforward,
         dob,
+        coulomb_observer,
+        momentum_observer,
+        lugre_observer,
+        lffc,
+        rbf,
+        lugre_network,
         nominal_loop,
     ):
         name = calculate.__name__

@@ -39,7 +39,7 @@ double probe_first_sample(double t, double T_s) { return first_sample(t, T_s); }
 
 /* p: F_s, F_c, v_s, sigma_0, sigma_1, delta */
 static LuGre contact_of(const double p[6]) {
-    return (LuGre){p[0], p[1], 1.0 / p[2], p[3], p[4], p[5]};
+    return (LuGre){p[0], p[1], 1.0 / p[2], p[3], p[4], p[5], 0.0};
 }
 
 EXPORT double probe_lugre(double h, double v, double *z, const double p[6]);

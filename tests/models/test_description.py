@@ -37,3 +37,12 @@ def test_what_is_wrong_is_named(tmp_path, file, old, new, message):
     (folder / file.name).write_text(text.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(models.DescriptionError, match=message):
         read_law(folder) if file == DAHL else read_model(folder)
+
+
+def test_a_law_has_no_name_of_the_model(tmp_path):
+    folder = tmp_path / "room"
+    folder.mkdir()
+    law = DAHL.read_text(encoding="utf-8").replace("[parameters.i]", "[parameters.lead]")
+    (folder / "law.toml").write_text(law, encoding="utf-8")
+    with pytest.raises(models.DescriptionError, match="lead is a variable of the model as well"):
+        read_model(models.load_model("compensator").folder, read_law(folder))

@@ -12,7 +12,10 @@ import pytest
 from stickslip import models
 from stickslip.models.export.reference import reference_file
 
-CALCULATED = ("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob")
+CALCULATED = (
+    *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),
+    *("coulomb_observer", "momentum_observer", "lugre_observer", "lffc", "rbf", "lugre_network"),
+)
 
 
 # Those of stage and drive take seconds; tests/conformance holds them against the models.

@@ -44,7 +44,17 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
 
 @pytest.mark.parametrize(
     ("models_", "share"),
-    [(["static_feedforward"], 0.6), (["dob"], 0.8), (["static_feedforward", "dob"], 0.6)],
+    [
+        (["static_feedforward"], 0.6),
+        (["dob"], 0.8),
+        (["coulomb_observer"], 0.6),
+        (["momentum_observer"], 0.8),
+        (["lugre_observer"], 0.4),
+        (["lffc"], 0.9),
+        (["rbf"], 0.95),
+        (["lugre_network"], 0.4),
+        (["static_feedforward", "dob"], 0.6),
+    ],
 )
 def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
     """The chain's force is the sum of its parts, and the drive follows better than without."""
@@ -57,12 +67,34 @@ def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
         np.testing.assert_array_equal(result["dob.F"], before - result["dob.d_hat"])
 
 
-def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop):
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
+def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop, model):
     """Bit for bit; in a chain it passes the force before it on one sample late."""
     without = run(build_loop(fmus, loop, []))
-    beside = run(build_loop(fmus, loop, [Compensator("dob", "dob", {"share": 0.0})]))
+    beside = run(build_loop(fmus, loop, [Compensator("observer", model, {"share": 0.0})]))
     for name in without.names:
         assert without[name].tobytes() == beside[name].tobytes()
+
+
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
+def test_an_observer_takes_back_what_a_feedforward_gives_too_much(fmus, loop, model):
+    """Friction is half of what the feedforward knows: a negative amplitude corrects it."""
+    half = {f"drive.{name}": 0.5 * PAPER[name] for name in ("F_c", "F_s")}
+    chain = [Compensator("static", "static_feedforward"), Compensator("observer", model)]
+    alone, both = (error(run(build_loop(fmus, loop, chain[:n]), **half)) for n in (1, 2))
+    assert both < 0.7 * alone
+
+
+def test_a_correction_reduces_what_wrong_bristles_leave(fmus, loop):
+    """A LuGre observer whose friction is 20 % low, where the encoder does not disturb it."""
+    low = {"F_c": 0.8 * PAPER["F_c"], "F_s": 0.8 * PAPER["F_s"]}
+    exact = {"drive.encoder": False, "drive.dac": False}
+
+    def left(k_e: float) -> float:
+        observer = Compensator("o", "lugre_observer", {**low, "k_e": k_e})
+        return error(run(build_loop(fmus, loop, [observer]), **exact))
+
+    assert left(1.0) < 0.95 * left(0.5) < 0.95 * 0.98 * left(0.0)
 
 
 def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
@@ -73,6 +105,59 @@ def test_an_observer_of_an_axis_without_friction_finds_nothing(fmus, loop):
     assert np.abs(observed["dob.d_hat"]).max() < 0.02
     assert np.abs(observed["dob.d_hat"][200:]).max() < 1e-3
     np.testing.assert_allclose(observed["drive.v"], without["drive.v"], atol=0.02 / loop.K_p)
+
+
+def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
+    """Learn in the loop over a sine of 0.5 Hz; return what is learned, as start values."""
+    slow = cosim.SineSweep(frequency=(0.5, 0.5), amplitude=(0.02, 0.02), duration=seconds)
+    system = build_loop(fmus, loop, [Compensator("learner", model, values)])
+    record = tuple(f"learner.{name}" for name in names)
+    with system.prepare(step=5e-4, stop=seconds, record=record) as simulation:
+        result = simulation.run(parameters=drive, inputs={"v_cmd": slow})
+    return {start: float(result[f"learner.{name}"][-1]) for name, start in names.items()}
+
+
+SPLINES = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in (1, 2) for j in range(1, 15)}
+GRID = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 12) for j in range(1, 9)}
+
+
+@pytest.mark.parametrize(("model", "names"), [("lffc", SPLINES), ("rbf", GRID)])
+def test_weights_learn_the_friction_of_the_drive(fmus, loop, model, names):
+    """In sliding the force is F_c; with the rate 0 it is a function of the command alone."""
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    found = learned(fmus, loop, model, names, {"gamma": 0.01, "D": 12}, **coulomb)
+    frozen = [Compensator("learner", model, {**found, "gamma": 0.0})]
+    compensated, other = (
+        run(build_loop(fmus, loop, frozen), **{"drive.F_c": F_c}) for F_c in (PAPER["F_c"], 3.0)
+    )
+    v_r, F = compensated["nominal.v_r"], compensated["learner.F"]
+    sliding = np.abs(v_r) > 0.005
+    sliding[:500] = False
+    np.testing.assert_allclose(F[sliding], PAPER["F_c"] * np.sign(v_r[sliding]), rtol=0.1)
+    assert error(compensated) < 0.6 * error(run(build_loop(fmus, loop, [])))
+    assert F.tobytes() == other["learner.F"].tobytes()
+
+
+THETA = {
+    f"theta[{i}]": name for i, name in enumerate(("F_c", "sigma_0", "sigma_1", "F_s", "v_s"), 1)
+}
+
+
+def test_the_gradient_learns_the_parameters_of_the_drive(fmus, loop):
+    """From half of each; sigma_0 is visible for some micrometres after each reversal."""
+    half = {name: 0.5 * PAPER[name] for name in ("F_c", "F_s", "sigma_0", "sigma_1")}
+    coulomb = {"drive.F_s": PAPER["F_c"]}
+    values = {**half, "gamma": 0.01, "D": 12}
+    found = learned(fmus, loop, "lugre_network", THETA, values, **coulomb)
+    assert found["F_c"] == pytest.approx(PAPER["F_c"], rel=0.02)
+    assert found["sigma_0"] > 1.02 * half["sigma_0"]
+    before, after = (
+        error(
+            run(build_loop(fmus, loop, [Compensator("learner", "lugre_network", one)]), **coulomb)
+        )
+        for one in ({**half, "gamma": 0.0}, {**found, "gamma": 0.0})
+    )
+    assert after < 0.6 * before
 
 
 def test_a_compensator_that_cannot_pass_a_force_on_comes_first(fmus, loop):

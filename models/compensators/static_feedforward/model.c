@@ -1,6 +1,6 @@
 #include "model.h"
 
-static double clipped(double x) { return x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x; }
+#include "numerics/elementary.h"
 
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     *w = (Memory){.v_last = u->v};

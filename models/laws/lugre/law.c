@@ -27,6 +27,8 @@ void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {
 void law_jacobian(double v, const LawState *s, const Law *p, LawJacobian *J) {
     const LuGre contact = LUGRE_OF(p);
     lugre_slopes(v, s->z, &contact, &J->z.v, &J->z.z);
-    J->F.v = p->sigma_1 * J->z.v;
-    J->F.z = p->sigma_0 + p->sigma_1 * J->z.z;
+    double slope;
+    const double damping = lugre_damping(v, &contact, &slope);
+    J->F.v = damping * J->z.v + slope * lugre_dz(v, s->z, &contact);
+    J->F.z = p->sigma_0 + damping * J->z.z;
 }

@@ -40,15 +40,29 @@ void lugre_slopes(double v, double z, const LuGre *p, double *by_v, double *by_z
     *by_z = -forgetting_rate(v, p);
 }
 
+double lugre_damping(double v, const LuGre *p, double *slope) {
+    const double ratio = p->v_d > 0.0 ? v / p->v_d : 0.0;
+    const double damping = p->v_d > 0.0 ? p->sigma_1 * elementary_exp(-ratio * ratio) : p->sigma_1;
+    if (slope != NULL)
+        *slope = p->v_d > 0.0 ? -2.0 * ratio / p->v_d * damping : 0.0;
+    return damping;
+}
+
 double lugre_force(double v, double z, const LuGre *p) {
-    return p->sigma_0 * z + p->sigma_1 * lugre_dz(v, z, p);
+    return p->sigma_0 * z + lugre_damping(v, p, NULL) * lugre_dz(v, z, p);
 }
 
 double lugre_step(double h, double v, double *z, const LuGre *p) {
+    return lugre_observed(h, v, 0.0, 0.0, z, p);
+}
+
+double lugre_observed(double h, double v, double injected, double damped, double *z,
+                      const LuGre *p) {
     const double a = forgetting_rate(v, p);
-    const double dz = v - a * *z;
+    const double dz = v - injected - a * *z;
     const double way = h * elementary_phi(a * h) * dz;
+    const double felt = h * elementary_phi(a * h) * (v - damped * injected - a * *z);
     const double mean_z = *z + h * elementary_phi2(a * h) * dz;
     *z += way;
-    return p->sigma_0 * mean_z + p->sigma_1 * way / h;
+    return p->sigma_0 * mean_z + lugre_damping(v, p, NULL) * felt / h;
 }

@@ -41,14 +41,16 @@ static Rate rate(double v, double z, double u, double scale, const Mass *s, cons
     const double per_reach = p->sigma_0 / g; /* [1/m] */
     const double forgetting = per_reach * absolute(v);
     const double dz = v - forgetting * z;
+    double fading;
+    const double sigma_1 = lugre_damping(v, p, &fading);
     if (jacobian) {
         const double sign = v < 0.0 ? -1.0 : 1.0;
         jacobian->zv = 1.0 - per_reach * z * sign * (1.0 - scale * slope / g);
         jacobian->zz = -forgetting;
-        jacobian->vv = -(s->b + p->sigma_1 * jacobian->zv) * s->per_m;
-        jacobian->vz = -(p->sigma_0 + p->sigma_1 * jacobian->zz) * s->per_m;
+        jacobian->vv = -(s->b + sigma_1 * jacobian->zv + fading * dz) * s->per_m;
+        jacobian->vz = -(p->sigma_0 + sigma_1 * jacobian->zz) * s->per_m;
     }
-    return (Rate){(u - s->b * v - p->sigma_0 * z - p->sigma_1 * dz) * s->per_m, dz};
+    return (Rate){(u - s->b * v - p->sigma_0 * z - sigma_1 * dz) * s->per_m, dz};
 }
 
 /* (c I - J)^-1 */

@@ -34,10 +34,11 @@ class Candidate:
 
 
 def candidates() -> tuple[Candidate, ...]:
-    """Return Coulomb and viscous friction alone, then each law of the catalogue, LuGre first.
+    """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
 
     Coulomb-viscous is the level case of a law that has a static curve and no presliding.
     """
-    laws = [friction_law(name) for name in dict.fromkeys(("lugre", *models.law_names()))]
+    every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
+    laws = [law for law in every if law.is_candidate]
     static = [law for law in laws if not presliding(law) and ParameterSpace.of(law).bounded]
     return (*(Candidate(law, is_level=True) for law in static[:1]), *map(Candidate, laws))

@@ -87,7 +87,7 @@ def _another_law(found: Prediction, others: Sequence[Prediction]) -> Iterator[Ca
     """Yield the law that would be chosen, if it predicts better than the one found."""
     if not others:
         return
-    order = candidates().index
+    order = [*candidates(), found.candidate].index
     ordered = sorted((found, *others), key=lambda one: order(one.candidate))
     best = choose(ordered).chosen if ordered[0].candidate.is_level else min(ordered, key=_force)
     if best is not found and is_better(best, found):

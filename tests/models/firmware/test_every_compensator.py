@@ -23,11 +23,19 @@ STEP, N = 5e-4, 1500  # s
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-ffreestanding")
 FEEDFORWARDS = {law: ("compensator", law, "compensator") for law in models.law_names()}
 OBSERVER = ("dob", None, "observer")
-CASES = {**FEEDFORWARDS, "observer": OBSERVER, "static": ("static_feedforward", None, None)}
+OTHERS = {
+    name: (name, None, None)
+    for name in models.model_names()
+    if models.load_model(name).ports and name not in ("compensator", "dob")
+}
+CASES = {**FEEDFORWARDS, "observer": OBSERVER, **OTHERS}
 STARTS = {
     "dahl": {"i": 0.7},
+    "lugre": {"v_d": 5e-3, "lead": 1e-4},
     "gms": {"F_s": 9.5, "C": 800.0, "delta": 2.0},
     "coulomb_stribeck": {"F_s": 9.5, "delta": 0.7, "b": 3.0, "lead": 1e-4, "hold": 0.0},
+    "coulomb_observer": {"k_a": 0.2, "a_0": 3.0, "measured": 1.0},
+    "momentum_observer": {"mu": 1.5, "a_0": 3.0, "share": 0.8},
     "observer": {"m": 2.0, "b": 30.0, "tau_i": 4e-4, "L_v": 300.0, "share": 0.8},
 }
 
@@ -38,7 +46,7 @@ def signals(names: list[str]) -> dict[str, np.ndarray]:
     v = np.where(t < 0.01, 0.0, 0.04 * np.sin(40 * t) * np.cos(3 * t) + 2e-4 * np.sin(7 * t))
     x = np.round(np.cumsum(v) * STEP / 4e-7) * 4e-7
     F = 8.0 * np.tanh(v / 1e-3) + 3.0 * np.gradient(v, STEP)
-    found = {"v": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3)}
+    found = {"v": v, "v_r": v, "x_enc": x, "F_m": F, "F_in": 5.0 * np.tanh(v / 2e-3), "u": 2.0 * F}
     return {name: found[name] for name in names}
 
 
@@ -142,7 +150,7 @@ def test_c_in_float_is_near(exported, case):
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
 
 
-@pytest.mark.parametrize("case", ["coulomb_stribeck", "observer"])
+@pytest.mark.parametrize("case", ["coulomb_stribeck", "lugre", "observer"])
 def test_structured_text_agrees_with_the_fmu(exported, case):
     folder = exported(case)
     model, expected = of_fmu(folder, case)

@@ -24,7 +24,7 @@ from stickslip.servo.velocity_loop import design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}
-FRICTION = {name: VALUES[name] for name in friction_law().parameters}
+FRICTION = {name: VALUES[name] for name in friction_law().parameters if name in VALUES}
 T = np.arange(4001) * LOOP.T_s
 COMMAND = Trapezoid(0.04, 0.4, 0.3, 0.1).sample(T)
 STEP = 1e-9

@@ -30,7 +30,7 @@ FINDINGS = (
     Finding("warning", "F_s & v_s hardly show", "3 %", "stickslip plan --show F_s v_s"),
 )
 KINDS = ("loop", "rotary", "friction", "dahl")
-VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0}
+VALUES = {**PAPER, "F_0": 0.3, "delay": 1e-4, "delta": 2.0, "i": 1.0, "v_d": 0.0}
 
 
 def identifiability(name, level="identifiable"):

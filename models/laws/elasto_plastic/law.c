@@ -1,0 +1,153 @@
+#include "laws/law.h"
+
+#include "laws/stribeck.h"
+#include "numerics/elementary.h"
+
+/* At constant v the share of steady friction r = s sigma_0 z / g(v) [1], s = sgn(v), follows
+ *
+ *   dr/dy = 1 - alpha r,    alpha = 0                                        r <= rho
+ *                                   (1 - cos(pi (r - rho) / (1 - rho))) / 2  rho < r < 1
+ *                                   1                                        r >= 1
+ *
+ * along the displacement y = sigma_0 |v| t / g(v) [1]; rho [1] is the break-away deflection.
+ */
+
+enum { ORDER = 12 }; /* of the Taylor series between rho and 1 */
+
+static const double PI = 3.141592653589793;
+static const double LOCAL = 1e-14; /* error of r allowed in one series */
+static const double CLOSE = 1e-8;  /* (1 - r) / (1 - rho) at which 1 - alpha is lost in rounding */
+
+static double absolute(double a) { return a < 0.0 ? -a : a; }
+
+static double g(double v, const Law *p) {
+    return stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta);
+}
+
+/* The break-away deflection as a share of steady friction G [N]. */
+static double break_away(double G, const Law *p) { return p->z_ba * p->F_c / G; }
+
+/* alpha(r); *slope receives its derivative. */
+static double slipping(double r, double rho, double *slope) {
+    const double angle = PI * (r - rho) / (1.0 - rho);
+    *slope = r <= rho || r >= 1.0 ? 0.0 : 0.5 * PI / (1.0 - rho) * elementary_sin(angle);
+    if (r <= rho || r >= 1.0)
+        return r <= rho ? 0.0 : 1.0;
+    const double root = elementary_sin(0.5 * angle);
+    return root * root;
+}
+
+/* Go the displacement y <= 1 or less from a share *r between rho and 1 by a Taylor series. Returns
+ * the displacement; *area grows by the integral of r over it. */
+static double transition(double y, double rho, double *r, double *area) {
+    const double scale = PI / (1.0 - rho);
+    const double angle = scale * (*r - rho);
+    double share[ORDER + 1] = {*r}; /* coefficients of r, of sin and cos of the angle */
+    double sine[ORDER + 1] = {elementary_sin(angle)};
+    double cosine[ORDER + 1] = {elementary_sin(angle + 0.5 * PI)};
+    double power = 1.0, last = 1.0, earlier = 1.0; /* from rho = 0 two of three terms are 0 */
+    int order = 0;
+    while (order < ORDER) {
+        double elastic = 0.0, d_sine = 0.0, d_cosine = 0.0; /* elastic: of cos r */
+        for (int j = 0; j <= order; j++)
+            elastic += cosine[order - j] * share[j];
+        share[order + 1] =
+            ((order == 0 ? 1.0 : 0.0) - 0.5 * (share[order] - elastic)) / (double)(order + 1);
+        order++;
+        for (int j = 1; j <= order; j++) {
+            d_sine += (double)j * scale * share[j] * cosine[order - j];
+            d_cosine -= (double)j * scale * share[j] * sine[order - j];
+        }
+        sine[order] = d_sine / (double)order;
+        cosine[order] = d_cosine / (double)order;
+        power *= y;
+        const double term = absolute(share[order]) * power;
+        if (term + last + earlier < LOCAL)
+            break;
+        earlier = last;
+        last = term;
+    }
+    double step = y;
+    if (order == ORDER) {
+        const double size = absolute(share[order]) + scale * absolute(share[order - 1]) +
+                            scale * scale * absolute(share[order - 2]);
+        step = elementary_exp(elementary_log(LOCAL / size) / (double)ORDER);
+        step = step < y ? step : y;
+    }
+    double end = 0.0, mean = 0.0;
+    for (int n = order; n >= 0; n--) {
+        end = end * step + share[n];
+        mean = mean * step + share[n] / (double)(n + 1);
+    }
+    *area += step * mean;
+    *r = end;
+    return step;
+}
+
+/* Go the displacement y [1] from the share *r; returns the integral of r over it. */
+static double travel(double y, double rho, double *r) {
+    double area = 0.0;
+    if (*r < rho) {
+        const double elastic = rho - *r < y ? rho - *r : y;
+        area = elastic * (*r + 0.5 * elastic);
+        *r += elastic;
+        y -= elastic;
+    }
+    while (y > 0.0 && 1.0 - *r > CLOSE * (1.0 - rho))
+        y -= transition(y < 1.0 ? y : 1.0, rho, r, &area);
+    if (y > 0.0) {
+        const double mean = elementary_phi(y);
+        area += y * (1.0 + (*r - 1.0) * mean);
+        *r -= (*r - 1.0) * y * mean;
+    }
+    return area;
+}
+
+/* dz/dt [m/s] */
+static double stretching(double v, double z, const Law *p) {
+    const double G = g(v, p), r = (v < 0.0 ? -z : z) * p->sigma_0 / G;
+    double slope;
+    return v * (1.0 - slipping(r, break_away(G, p), &slope) * r);
+}
+
+double law_force(double v, const LawState *s, const Law *p) {
+    return p->sigma_0 * s->z + p->sigma_1 * stretching(v, s->z, p);
+}
+
+double law_step(double h, double v, LawState *s, const Law *p) {
+    if (v == 0.0)
+        return p->sigma_0 * s->z;
+    const double G = g(v, p), reach = (v < 0.0 ? -G : G) / p->sigma_0; /* [m] */
+    const double y = v * h / reach, before = s->z / reach;
+    double r = before;
+    const double mean = travel(y, break_away(G, p), &r) / y;
+    s->z = reach * r;
+    return reach * (p->sigma_0 * mean + p->sigma_1 * (r - before) / h);
+}
+
+Law law_scaled(const Law *p, double factor) {
+    Law scaled = *p;
+    scaled.F_s *= factor;
+    scaled.F_c *= factor;
+    return scaled;
+}
+
+void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {
+    rate->z = stretching(v, s->z, p);
+}
+
+void law_jacobian(double v, const LawState *s, const Law *p, LawJacobian *J) {
+    const double G = g(v, p), rho = break_away(G, p), per_reach = p->sigma_0 / G;
+    const double steepness = stribeck_slope(v, p->F_s, p->F_c, p->v_s, p->delta) / G;
+    const double sign = v != 0.0 ? (v < 0.0 ? -1.0 : 1.0) : (s->z < 0.0 ? -1.0 : 1.0);
+    const double r = sign * s->z * per_reach;
+    double slope;
+    const double alpha = slipping(r, rho, &slope);
+    const double by_g = -slope * (r - rho) / (1.0 - rho); /* g dalpha/dg */
+    const double by_v = 1.0 - alpha * r + steepness * r * (alpha - by_g);
+    /* At rest the side of the deflection slips, and the other one is elastic. */
+    J->z.v = v != 0.0 ? by_v : 0.5 * (by_v + 1.0);
+    J->z.z = -(alpha + slope * r) * per_reach * absolute(v);
+    J->F.v = p->sigma_1 * J->z.v;
+    J->F.z = p->sigma_0 + p->sigma_1 * J->z.z;
+}

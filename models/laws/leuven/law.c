@@ -1,0 +1,118 @@
+#include "laws/law.h"
+
+#include <stddef.h>
+
+#include "laws/stribeck.h"
+#include "numerics/elementary.h"
+
+enum { ELEMENTS = sizeof((Law *)NULL)->kappa / sizeof(double) };
+
+enum { SUB_STEPS = 16 }; /* where n_h is not 1 */
+
+static double absolute(double a) { return a < 0.0 ? -a : a; }
+
+/* What holds over a step. */
+typedef struct {
+    double G;               /* [N]   steady friction */
+    double k[ELEMENTS];     /* [N/m] stiffness of each element */
+    double limit[ELEMENTS]; /* [m]   deflection at which it slips; the last one never does */
+} Contact;
+
+static Contact contact_at(double v, const Law *p) {
+    Contact c = {.G = stribeck_curve(v, p->F_s, p->F_c, p->v_s, p->delta)};
+    double shares = 0.0;
+    for (size_t i = 0; i < ELEMENTS; i++)
+        shares += p->kappa[i];
+    for (size_t i = 0; i < ELEMENTS; i++) {
+        c.k[i] = p->sigma_0 * p->kappa[i] / shares;
+        c.limit[i] = i + 1 == ELEMENTS ? 1e30 : c.k[i] > 0.0 ? p->W[i] * p->F_c / c.k[i] : 0.0;
+    }
+    return c;
+}
+
+/* Force of the elements [N]. */
+static double hysteresis(const LawState *s, const Contact *c) {
+    double force = 0.0;
+    for (size_t i = 0; i < ELEMENTS; i++)
+        force += c->k[i] * s->q[i];
+    return force;
+}
+
+/* r^n for r >= 0; 0^0 = 1 */
+static double power(double r, double n) {
+    return n == 1.0 ? r : n == 0.0 ? 1.0 : r > 0.0 ? elementary_exp(n * elementary_log(r)) : 0.0;
+}
+
+/* dz/dt [m/s] at the share r [1] of steady friction in the direction of v. */
+static double stretching(double v, double r, const Law *p) {
+    return v * (1.0 - (r < 0.0 ? -power(-r, p->n_h) : power(r, p->n_h)));
+}
+
+/* Go up to h [s], until an element starts to slip, with the rate of z linear in z. Returns the time
+ * gone; *impulse [N s] grows by the integral of the elements' force and *way [m] by that of dz/dt.
+ */
+static double piece(double h, double v, const Contact *c, LawState *s, const Law *p,
+                    double *impulse, double *way) {
+    const double force = hysteresis(s, c), r = (v < 0.0 ? -force : force) / c->G;
+    const double rate = stretching(v, r, p), sign = rate < 0.0 ? -1.0 : 1.0;
+    double k = 0.0; /* [N/m] of the elements that do not slip */
+    for (size_t i = 0; i < ELEMENTS; i++)
+        k += sign * s->q[i] < c->limit[i] ? c->k[i] : 0.0;
+    const double per_reach = k * absolute(v) / c->G; /* [1/s] */
+    double near = absolute(r); /* below 1 the slope of r^n has no bound at 0 */
+    if (p->n_h < 1.0 && near < per_reach * h)
+        near = per_reach * h < 1.0 ? per_reach * h : 1.0;
+    const double fade = per_reach * p->n_h * power(near, p->n_h - 1.0); /* [1/s] */
+    double t = h;
+    size_t first = ELEMENTS;
+    for (size_t i = 0; i + 1 < ELEMENTS; i++) {
+        const double left = c->limit[i] - sign * s->q[i];
+        const double y = left * fade / absolute(rate); /* of the way that z would go for ever */
+        if (left <= 0.0 || rate == 0.0 || y >= 1.0)
+            continue;
+        const double reached =
+            y < 1e-8 ? left / absolute(rate) * (1.0 + 0.5 * y) : -elementary_log(1.0 - y) / fade;
+        if (reached < t) {
+            t = reached;
+            first = i;
+        }
+    }
+    const double dz = t * elementary_phi(fade * t) * rate;
+    for (size_t i = 0; i < ELEMENTS; i++)
+        if (sign * s->q[i] < c->limit[i])
+            s->q[i] += dz;
+    if (first < ELEMENTS)
+        s->q[first] = sign * c->limit[first];
+    *impulse += t * (force + k * t * elementary_phi2(fade * t) * rate);
+    *way += dz;
+    return t;
+}
+
+double law_force(double v, const LawState *s, const Law *p) {
+    const Contact c = contact_at(v, p);
+    const double force = hysteresis(s, &c);
+    return force + p->sigma_1 * stretching(v, (v < 0.0 ? -force : force) / c.G, p);
+}
+
+double law_step(double h, double v, LawState *s, const Law *p) {
+    const Contact c = contact_at(v, p);
+    for (size_t i = 0; i < ELEMENTS; i++) { /* limits may have changed */
+        const double q = c.limit[i];
+        s->q[i] = s->q[i] > q ? q : s->q[i] < -q ? -q : s->q[i];
+    }
+    if (v == 0.0)
+        return hysteresis(s, &c);
+    const int count = p->n_h == 1.0 ? 1 : SUB_STEPS;
+    double impulse = 0.0, way = 0.0;
+    for (int k = 0; k < count; k++)
+        for (double left = h / (double)count; left > 0.0;)
+            left -= piece(left, v, &c, s, p, &impulse, &way);
+    return (impulse + p->sigma_1 * way) / h;
+}
+
+Law law_scaled(const Law *p, double factor) {
+    Law scaled = *p;
+    scaled.F_s *= factor;
+    scaled.F_c *= factor;
+    return scaled;
+}

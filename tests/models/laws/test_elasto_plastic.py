@@ -1,0 +1,100 @@
+"""The elasto-plastic law: elastic below break-away, against solvers, and the limits of the law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+H = 5e-4  # s
+P = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4424.8}
+M, B = 5.557, 6.6135  # kg, N s/m
+
+
+def stretching(v: float, z: float, p: dict[str, float], z_ba: float) -> float:
+    """Return dz/dt [m/s] from the published equations, in which alpha is a sine."""
+    g = p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-abs(v) / p["v_s"])
+    z_m, z_e = g / p["sigma_0"], z_ba * p["F_c"] / p["sigma_0"]
+    if z * v <= 0.0 or abs(z) <= z_e:
+        return v
+    wave = 0.5 * np.sin(np.pi * (abs(z) - (z_m + z_e) / 2) / (z_m - z_e)) + 0.5
+    return float(v - (wave if abs(z) < z_m else 1.0) * abs(v) * z / z_m)
+
+
+@pytest.mark.parametrize("z_ba", [0.0, 0.05, 0.7, 0.95])
+@pytest.mark.parametrize("v", [1e-6, 3e-4, -0.02, 1.0])
+def test_a_constant_speed_against_a_solver(follow, z_ba, v):
+    """From a deflection against the motion, over paths far below and far above break-away."""
+    start, steps = -np.sign(v) * 10e-6, 12
+    found = follow("elasto_plastic", H, np.full(steps, v), z_ba=z_ba, z=start)
+    exact = solve_ivp(
+        lambda _, y: [1e6 * stretching(v, 1e-6 * y[0], P, z_ba)],
+        (0.0, steps * H),
+        [1e6 * start],
+        "LSODA",
+        t_eval=np.arange(steps + 1) * H,
+        rtol=1e-11,
+        atol=1e-11,
+        max_step=1e-6 / abs(v),
+    )
+    rates = [stretching(v, 1e-6 * z, P, z_ba) for z in exact.y[0]]
+    force = P["sigma_0"] * 1e-6 * exact.y[0] + P["sigma_1"] * np.array(rates)
+    np.testing.assert_allclose(found["F_f"][1:], force[1:], rtol=1e-8, atol=1e-8)
+
+
+def test_below_break_away_it_is_a_spring_without_loss(follow):
+    """|z| < z_ba F_c / sigma_0 = 10.7 um."""
+    v = 1e-3 * np.cos(2 * np.pi * 20.0 * np.arange(1000) * H)
+    x = np.append(0.0, np.cumsum(v) * H)
+    assert 6e-6 < np.ptp(x) / 2 < 10e-6
+    found = follow("elasto_plastic", H, v, sigma_1=0.0)
+    np.testing.assert_allclose(found["F_f"], P["sigma_0"] * x, atol=1e-12)
+
+
+@pytest.mark.parametrize(("z_ba", "moves"), [(0.7, False), (0.1, True)])
+def test_a_load_that_oscillates_moves_it_only_beyond_break_away(push, z_ba, moves):
+    """2.4 + 1.6 sin(2 pi 5 t) N, at which LuGre drifts by 25.56 um/s: 4 N is below 0.7 F_c."""
+    t = np.arange(16000) * H
+    u = 2.4 + 1.6 * np.sin(2 * np.pi * 5.0 * t)
+    x = push("elasto_plastic", H, u, z_ba=z_ba)["x"]
+    drift = (x[16000] - x[8000]) / 4.0
+    assert (drift > 1e-6) if moves else abs(drift) < 1e-12
+
+
+def test_break_away_near_the_limit_is_an_elastic_spring_that_slips(follow):
+    """z_ba -> 1 without Stribeck effect is Dahl's law with i = 0."""
+    v = 0.002 * np.sin(np.arange(600) * 0.05)
+    level = {"F_s": P["F_c"], "sigma_1": 0.0, "z_ba": 0.99}
+    found = follow("elasto_plastic", H, v, **level)
+    spring = follow("dahl", H, v, i=0.0)
+    np.testing.assert_allclose(found["F_mean"], spring["F_mean"], atol=0.02)
+
+
+def test_a_pushed_mass_against_radau(push):
+    """Break-away, sliding and reversal; the step is that of 10 midpoint sub-steps."""
+    u = np.repeat([5.0, 12.0, -3.0, -14.0, 2.0], 40)
+    found = push("elasto_plastic", H, u)
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        v, z = 1e-3 * y[1], 1e-6 * y[2]
+        dz = stretching(v, z, P, 0.7)
+        force = u[min(int(t / H), len(u) - 1)]
+        a = (force - B * v - P["sigma_0"] * z - P["sigma_1"] * dz) / M
+        return [v * 1e6, a * 1e3, dz * 1e6]
+
+    y = np.zeros(3)  # um, mm/s, um
+    for k in range(0, len(u), 40):
+        span = (k * H, (k + 40) * H - 1e-12)
+        y = solve_ivp(motion, span, y, "Radau", rtol=1e-9, atol=1e-9, max_step=H).y[:, -1]
+        assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=3e-3)
+        assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.03)
+    assert found["v"].max() > 0.015
+    assert found["v"].min() < -0.015
+
+
+def test_a_stiff_contact_is_static_friction(push):
+    """sigma_0 -> infinity without Stribeck effect is Coulomb friction."""
+    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
+    event = push("coulomb_stribeck", H, u, F_s=P["F_c"])
+    stiff = push("elasto_plastic", H, u, F_s=P["F_c"], sigma_0=1e9, sigma_1=0.0)
+    np.testing.assert_allclose(stiff["x"], event["x"], atol=5e-5)

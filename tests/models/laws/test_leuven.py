@@ -1,0 +1,108 @@
+"""The Leuven law: LuGre as its limit, loops that close in z, and other exponents."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+H = 5e-4  # s
+F_S, F_C, V_S, SIGMA_0, SIGMA_1 = 8.999, 5.999, 5.5697e-4, 3.9162e5, 4424.8
+M, B = 5.557, 6.6135  # kg, N s/m
+ONE = {f"kappa[{k}]": float(k == 4) for k in range(1, 5)}
+TWO = {
+    "kappa[1]": 0.612839,
+    "kappa[2]": 0.0,
+    "kappa[3]": 0.0,
+    "kappa[4]": 0.387161,
+    "W[1]": 3.0 / F_C,
+}
+LOOPS = np.repeat([40e-6, -40e-6, 15e-6, -15e-6, -40e-6], 100) / (100 * H)
+
+
+def test_one_element_is_lugre(follow, push):
+    v = 0.01 * np.sin(np.arange(800) * 0.05) * np.cos(np.arange(800) * 0.003)
+    found, lugre = follow("leuven", H, v, **ONE), follow("lugre", H, v)
+    np.testing.assert_allclose(found["F_mean"], lugre["F_mean"], atol=1e-11)
+    np.testing.assert_allclose(found["F_f"], lugre["F_f"], atol=1e-11)
+    u = 12.0 * np.sin(2 * np.pi * 3.0 * np.arange(1000) * H)
+    found, lugre = push("leuven", H, u, **ONE), push("lugre", H, u)
+    np.testing.assert_allclose(found["v"], lugre["v"], atol=1e-6)  # 10 midpoint sub-steps
+
+
+def test_minor_loops_close_in_z(follow):
+    """With friction out of reach z is the position: 0, 40, 0, 15, 0, -40 um wipes 15 um out."""
+    far = {"F_s": 1e9, "F_c": 1e9, "sigma_1": 0.0} | {
+        f"W[{k}]": W * F_C / 1e9 for k, W in enumerate((0.05, 0.12, 0.17), 1)
+    }
+    long = follow("leuven", H, LOOPS, **far)["F_f"]
+    short = follow("leuven", H, LOOPS[[*range(200), *range(400, 500)]], **far)["F_f"]
+    assert long[400] == pytest.approx(long[200], abs=1e-6)
+    np.testing.assert_allclose(long[400:], short[200:], atol=1e-6)
+    x = np.append(0.0, np.cumsum(LOOPS) * H)[:101]
+    virgin = 0.4 * SIGMA_0 * x
+    for kappa, W in ((0.25, 0.05), (0.2, 0.12), (0.15, 0.17)):
+        virgin += np.minimum(kappa * SIGMA_0 * x, W * F_C)
+    np.testing.assert_allclose(long[:101], virgin, atol=1e-6)
+
+
+def test_minor_loops_do_not_close_in_the_position(follow):
+    """The bristles slip as well, which is why generalised Maxwell-slip followed."""
+    force = follow("leuven", H, LOOPS, sigma_1=0.0)["F_f"]
+    assert abs(force[400] - force[200]) > 0.3
+
+
+@pytest.mark.parametrize("v", [1e-5, -3e-4, 0.02])
+def test_steady_friction_is_reached_whatever_the_elements(follow, v):
+    g = np.sign(v) * (F_C + (F_S - F_C) * np.exp(-abs(v) / V_S))
+    for exponent in (0.5, 1.0, 3.0):
+        found = follow("leuven", 1e-5 / abs(v), np.full(400, v), n_h=exponent)
+        assert found["F_mean"][-1] == pytest.approx(g, rel=1e-5)
+
+
+def stretching(v: float, q: np.ndarray, n: float) -> tuple[float, float]:
+    """Return dz/dt [m/s] and the force of two elements [N], by the published equation."""
+    force = SIGMA_0 * float(np.dot([0.612839, 0.387161], q))
+    g = F_C + (F_S - F_C) * np.exp(-abs(v) / V_S)
+    return v * (1.0 - np.sign(force * v) * abs(force / g) ** n), force
+
+
+@pytest.mark.parametrize(("n", "near"), [(0.5, 0.03), (1.0, 1e-9), (2.0, 2e-3), (3.0, 5e-3)])
+def test_any_exponent_against_a_solver(follow, n, near):
+    """Start against the motion, let the first element slip, turn; steps of 2 um."""
+    v = 4e-3 * np.array([1.0] * 10 + [-1.0] * 14)
+    found = follow("leuven", H, v, n_h=n, **TWO, **{"q[1]": -5e-6, "q[4]": -5e-6})
+    q, reach, expected = np.array([-5.0, -5.0]), 3.0 / (0.612839 * SIGMA_0) * 1e6, []
+
+    for speed in v:
+
+        def motion(_: float, q: np.ndarray, speed: float = speed) -> list[float]:
+            rate, _ = stretching(speed, 1e-6 * np.clip(q, [-reach, -np.inf], [reach, np.inf]), n)
+            slips = abs(q[0]) >= reach and q[0] * rate > 0.0
+            return [0.0 if slips else 1e6 * rate, 1e6 * rate]
+
+        tight = {"rtol": 1e-10, "atol": 1e-10, "max_step": H / 50}
+        q = solve_ivp(motion, (0.0, H), q, "RK45", **tight).y[:, -1]
+        q[0] = np.clip(q[0], -reach, reach)
+        rate, force = stretching(speed, 1e-6 * q, n)
+        expected.append(force + SIGMA_1 * rate)
+    np.testing.assert_allclose(found["F_f"][1:], expected, atol=near)
+
+
+def test_a_pushed_mass_against_radau(push):
+    """One element, n = 2: break-away, sliding and reversal, by 10 midpoint sub-steps."""
+    u = np.repeat([5.0, 12.0, -3.0, -14.0], 40)
+    found = push("leuven", H, u, n_h=2.0, **ONE)
+    y = np.zeros(3)  # um, mm/s, um
+    for k in range(0, len(u), 40):
+
+        def motion(_: float, y: np.ndarray, force: float = u[k]) -> list[float]:
+            v, z = 1e-3 * y[1], 1e-6 * y[2]
+            dz, elements = stretching(v, np.array([z, z]), 2.0)
+            a = (force - B * v - elements - SIGMA_1 * dz) / M
+            return [v * 1e6, a * 1e3, dz * 1e6]
+
+        y = solve_ivp(motion, (0.0, 40 * H), y, "Radau", rtol=1e-8, atol=1e-9).y[:, -1]
+        assert 1e3 * found["v"][k + 40] == pytest.approx(y[1], abs=5e-3)
+        assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.05)
+    assert np.ptp(found["v"]) > 0.03
