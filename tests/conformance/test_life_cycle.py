@@ -56,31 +56,36 @@ def test_a_saved_state_keeps_parameters_and_phase(fmu, slave, identical):
 
 RESUME = """
 import importlib.util, pathlib, sys
-conftest, path, version, target, state = sys.argv[1:]
-spec = importlib.util.spec_from_file_location("conformance", conftest)
+spec = importlib.util.spec_from_file_location("conformance", sys.argv[1])
 module = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(module)
-slave = module.Slave(module.Fmu(pathlib.Path(path), int(version), target))
-slave.api.setFMUState(slave.api.deserializeFMUState(bytes.fromhex(state)))
-print(slave.run(30, 60).tobytes().hex())
+for line in sys.stdin:
+    path, version, target, state = line.rstrip("\\n").split("\\t")
+    slave = module.Slave(module.Fmu(pathlib.Path(path), int(version), target))
+    slave.api.setFMUState(slave.api.deserializeFMUState(bytes.fromhex(state)))
+    print(slave.run(30, 60).tobytes().hex(), flush=True)
 """
+"""Starting takes two seconds, so one other process goes on with the states of all FMUs."""
+
+
+@pytest.fixture(scope="module")
+def other_process():
+    command = [sys.executable, "-c", RESUME, Path(__file__).with_name("conftest.py")]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, **pipes) as process:
+        yield process
+        process.stdin.close()
 
 
 @pytest.mark.slow
-def test_a_serialised_state_goes_on_in_another_process(fmu, slave):
+def test_a_serialised_state_goes_on_in_another_process(fmu, slave, other_process):
     instance = slave(fmu).initialize(fmu.settings())
     instance.run(0, 30)
     state = instance.api.getFMUState()
     stored = instance.api.serializeFMUState(state).hex()
     instance.api.freeFMUState(state)
-    conftest = Path(__file__).with_name("conftest.py")
-    resumed = subprocess.run(
-        [sys.executable, "-c", RESUME, conftest, fmu.path, str(fmu.version), fmu.target, stored],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert resumed.stdout.strip() == instance.run(30, 60).tobytes().hex()
+    print(fmu.path, fmu.version, fmu.target, stored, sep="\t", file=other_process.stdin, flush=True)
+    assert other_process.stdout.readline().strip() == instance.run(30, 60).tobytes().hex()
 
 
 def test_bytes_of_another_build_are_no_state(fmu, slave, build):
