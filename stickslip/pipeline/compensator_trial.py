@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.guards import (
@@ -18,15 +19,17 @@ from stickslip.evaluation.guards import (
     findings_of,
 )
 from stickslip.identification.controller.controller_check import AGREES
+from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
-from stickslip.logs import Reading, implausible_mass
+from stickslip.logs import Reading, Recording, implausible_mass
 from stickslip.models import Law
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, SimulatedTrial
 from stickslip.pipeline.observed import try_observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.measurement import smoothed
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     close_velocity_loop,
@@ -37,9 +40,11 @@ RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
-CAUTIOUS = 0.4
-"""Bandwidth of a loop that is not known, over that of the paper's: feedforward harms most in a weak
-loop."""
+SLOW = 50.0
+"""Cut-off [Hz] behind which velocity error and force show the controller's gains, or a part of the
+sampling rate."""
+SHOWN = 0.9
+"""Share of the force that gains must explain to be taken."""
 WIDE = 2.0
 """Largest ratio to the value taken of one on which it is tried."""
 
@@ -147,7 +152,7 @@ def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
-    """Return the loop of the log's controller, or a slow one for the learned axis.
+    """Return the loop of the log's controller, the one that it looks like, or one like the paper's.
 
     A controller that does not command the logged force is not that of the drive.
 
@@ -170,6 +175,32 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
             pass
         else:
             return Loops(loop, loop)
-    bandwidth = CAUTIOUS * LOOP.bandwidth * LOOP.T_s / T_s
+    if shown := _shown_gains(reading.recording):
+        try:
+            loop = close_velocity_loop(axis, T_s, T_s, *shown)
+        except ControlError:
+            pass
+        else:
+            return Loops(loop, loop, known=False)
+    bandwidth = LOOP.bandwidth * LOOP.T_s / T_s
     loop = design_velocity_loop(axis, LoopSpecification(bandwidth, LOOP.phase_margin, T_s, T_s))
     return Loops(loop, loop, known=False)
+
+
+def _shown_gains(recording: Recording) -> tuple[float, float] | None:
+    """Return K_p and K_i of the PI controller that a recording looks like, None for no such one."""
+    v_cmd, force, T_s = recording.velocity_command, recording.force, recording.T_s
+    if v_cmd is None or force is None:
+        return None
+    x = position_of(recording)
+    keep = np.exp(-1.0)  # the controller's low-pass of the velocity, of one sample period
+    v = lfilter([1.0 - keep], [1.0, -keep], np.diff(x, prepend=x[0]) / T_s)
+    error = v_cmd - v
+    signals = (error, np.cumsum(error) * T_s, np.ones_like(error), force)
+    *regressors, output = (smoothed(one, T_s, min(SLOW, 0.05 / T_s)) for one in signals)
+    regressors = np.column_stack(regressors)
+    gains, *_ = np.linalg.lstsq(regressors, output, rcond=None)
+    rest = output - regressors @ gains
+    K_p, K_i, *_ = gains.tolist()
+    shown = K_p > 0.0 and K_i >= 0.0 and np.var(rest) < (1.0 - SHOWN) * np.var(output)
+    return (K_p, K_i) if shown else None

@@ -234,8 +234,9 @@ class LearnedFromRecording(Learned):
         loop = self.designed.compensated
         if not self.designed.known:
             guesses.append(
-                "no velocity loop of the log is known, so the compensator is tried in one designed "
-                f"for the learned mass, K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
+                "no velocity loop of the log is known, so the compensator is tried in the one that "
+                "the log shows, or one designed for the learned mass if it shows none: "
+                f"K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
             )
         return (*guesses, *self.trial.warnings)
 

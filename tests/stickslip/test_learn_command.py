@@ -121,7 +121,7 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     assert {len(line.split("->")) for line in table[2:5]} == {6}
     first = document["tracking_error"][0]
     assert f"{1e3 * first['without']:.3g} -> {1e3 * first['with']:.3g}" in table[2]
-    assert "tried in one designed for the learned mass" in error
+    assert "one designed for the learned mass if it shows none" in error
     report = (folder / "report.html").read_text(encoding="utf-8")
     opening = report.index("Tracking without and with the compensator")
     assert report.index("<h1>") < opening < report.index("Learned parameters")
