@@ -175,7 +175,7 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
             pass
         else:
             return Loops(loop, loop)
-    if shown := _shown_gains(reading.recording):
+    if shown := shown_gains(reading.recording):
         try:
             loop = close_velocity_loop(axis, T_s, T_s, *shown)
         except ControlError:
@@ -187,7 +187,7 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     return Loops(loop, loop, known=False)
 
 
-def _shown_gains(recording: Recording) -> tuple[float, float] | None:
+def shown_gains(recording: Recording) -> tuple[float, float] | None:
     """Return K_p and K_i of the PI controller that a recording looks like, None for no such one."""
     v_cmd, force, T_s = recording.velocity_command, recording.force, recording.T_s
     if v_cmd is None or force is None:
@@ -197,8 +197,8 @@ def _shown_gains(recording: Recording) -> tuple[float, float] | None:
     v = lfilter([1.0 - keep], [1.0, -keep], np.diff(x, prepend=x[0]) / T_s)
     error = v_cmd - v
     signals = (error, np.cumsum(error) * T_s, np.ones_like(error), force)
-    *regressors, output = (smoothed(one, T_s, min(SLOW, 0.05 / T_s)) for one in signals)
-    regressors = np.column_stack(regressors)
+    *columns, output = (smoothed(one, T_s, min(SLOW, 0.05 / T_s)) for one in signals)
+    regressors = np.column_stack(columns)
     gains, *_ = np.linalg.lstsq(regressors, output, rcond=None)
     rest = output - regressors @ gains
     K_p, K_i, *_ = gains.tolist()

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -6,6 +8,7 @@ from stickslip.identification.criteria.output_error import OutputError, predicto
 from stickslip.identification.estimation.learn import MODEL_ERROR
 from stickslip.identification.fitting.bootstrap import Resimulation, correct
 from stickslip.identification.fitting.fit import linearised
+from stickslip.pipeline.compensator_trial import shown_gains
 
 pytestmark = pytest.mark.slow
 
@@ -40,3 +43,13 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
             told = correct(criterion, bad, again, 0)
     assert told.found / told.expected < MODEL_ERROR
     assert (told.model_error > MODEL_ERROR) == (off > 0.0)
+
+
+def test_a_recording_shows_the_gains_of_its_controller(recorded):
+    learned = recorded.learned.estimation
+    K_p, K_i = shown_gains(learned.recording)
+    assert K_p == pytest.approx(learned.gains["K_p"], rel=0.1)
+    assert K_i == pytest.approx(learned.gains["K_i"], rel=0.1)
+    noise = np.random.default_rng(0).normal(size=len(learned.recording.t))
+    assert shown_gains(replace(learned.recording, force=noise)) is None
+    assert shown_gains(replace(learned.recording, velocity_command=None)) is None
