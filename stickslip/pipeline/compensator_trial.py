@@ -40,6 +40,9 @@ RESERVE = 1.3
 """Largest static friction on which a compensator is tried, over the largest in the log."""
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
+CAUTIOUS = (0.4, 60.0)
+"""Bandwidth, over that of the paper's loop, and phase margin [degrees] of a velocity loop whose
+command and force do not show its gains: feedforward harms most in a slow loop."""
 SLOW = 50.0
 """Cut-off [Hz] behind which velocity error and force show the controller's gains, or a part of the
 sampling rate."""
@@ -152,9 +155,10 @@ def _of_drive(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
-    """Return the loop of the log's controller, the one that it looks like, or one like the paper's.
+    """Return the loop of the log's controller, the one that the log shows, or one like the paper's.
 
-    A controller that does not command the logged force is not that of the drive.
+    A controller that does not command the logged force is not that of the drive. Where a velocity
+    loop shows no gains, the one like the paper's is slower.
 
     Raises
     ------
@@ -182,8 +186,11 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
             pass
         else:
             return Loops(loop, loop, known=False)
-    bandwidth = LOOP.bandwidth * LOOP.T_s / T_s
-    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, LOOP.phase_margin, T_s, T_s))
+    slower, margin = 1.0, LOOP.phase_margin
+    if reading.recording.velocity_command is not None:
+        slower, margin = CAUTIOUS
+    bandwidth = slower * LOOP.bandwidth * LOOP.T_s / T_s
+    loop = design_velocity_loop(axis, LoopSpecification(bandwidth, margin, T_s, T_s))
     return Loops(loop, loop, known=False)
 
 

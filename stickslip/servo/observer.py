@@ -172,7 +172,10 @@ class _Search:
         self, best: _Candidate, place: Weights | None, weights: Weights
     ) -> tuple[_Candidate, Weights | None]:
         """Return the better of a candidate and one with these weights, and its weights."""
-        found = self.tried(self._designed(*weights))
+        try:
+            found = self.tried(self._designed(*weights))
+        except np.linalg.LinAlgError:  # the axis is so slow that no gains follow from the weights
+            return best, place
         if found.peak > self.limit or found.error > (self.loudest or np.inf):
             return best, place
         if not self._cost(found) < (1.0 - LEAST_GAIN) * self._cost(best):

@@ -15,6 +15,8 @@ SEQUENCES = 500
 
 
 def test_random_calls(fmu, compiler, tmp_path):
+    if "+" in fmu.target:
+        pytest.skip("a model with another law has the same adapter and the same memory")
     thorough = fmu.target in ("stage", "velocity_controller")
     count = SEQUENCES * (10 if thorough else 1)
     fuzzer = Fuzzer.build(compiler, fmu.model, fmu.version, tmp_path)

@@ -150,7 +150,7 @@ def _exponent(estimation: Estimation) -> str:
 
 def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
     """Return the section with the table of tracking errors, and what an observer adds."""
-    verdict = "The error is nowhere larger than 1.01 times that without the compensator."
+    verdict = "The error is nowhere larger than 1.005 times that without the compensator."
     if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
