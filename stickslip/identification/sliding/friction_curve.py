@@ -58,7 +58,7 @@ VARYING = {
 """Groups of regressors that no friction law has, for people."""
 CLEAR = 6.0
 """Root mean square of such a force, in standard errors, from which it is certain; with a law alone
-it was 4 at most on 12 simulated drives, and 14 and above with ripple of 2 % of friction."""
+it was 4 at most on seven simulated drives, 14 and above on three with ripple of 3 %."""
 
 
 @dataclass(frozen=True)
