@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stickslip.identification.estimation.learn import VARIES
 from stickslip.identification.sliding.friction_curve import FrictionCurve, friction_curve
 
 T_S = 5e-4
@@ -53,11 +54,19 @@ def test_a_plain_drive_is_found_within_narrow_intervals() -> None:
     assert found.mass.high - found.mass.low < 0.04 * M
     assert found.value == pytest.approx(curve(found.speed), rel=0.01)
     assert np.all(found.high - found.low < 0.1 * found.value)
+    assert all(force < VARIES * F_C for force in found.varying.values())
 
 
 @pytest.mark.parametrize("imperfection", [{"guide": 0.1}, {"ripple": 0.5}], ids=str)
 def test_intervals_hold_where_friction_varies(imperfection: dict[str, float]) -> None:
-    assert holds(recorded(1, **imperfection)).mean() > 0.75
+    found = recorded(1, **imperfection)
+    assert holds(found).mean() > 0.75
+    assert found.varying.keys() >= imperfection.keys()
+
+
+def test_the_ripple_of_a_drive_is_known_by_its_size() -> None:
+    ripple = recorded(1, ripple=0.5).varying["ripple"]
+    assert ripple == pytest.approx(0.5 / np.sqrt(2.0), rel=0.2)
 
 
 def test_friction_that_differs_between_the_directions_is_an_offset() -> None:
