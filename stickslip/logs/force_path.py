@@ -34,6 +34,8 @@ EXACT = 0.005
 """Unexplained share of the force below which no low-pass is looked for."""
 LAGGED = 0.35
 """Largest share of the unexplained force that may remain with a low-pass."""
+ALIKE = 0.7
+"""The same, of what remains with that low-pass on motion and force alike."""
 ATTENUATED = 0.02
 """Relative change of the mass by a low-pass that counts."""
 
@@ -99,7 +101,11 @@ def _clipped(recording: Recording, force: Array) -> Finding | None:
 
 
 def _low_passed(recording: Recording) -> Finding | None:
-    """Return a finding where a low-pass explains the force better than a delay does."""
+    """Return a finding where a low-pass explains the force better than a delay does.
+
+    A low-pass takes the steps of a coarse encoder out of the motion, too. That explains the force
+    as well on a sound log, but no better than the same low-pass on motion and force does.
+    """
     motion = kinematics(recording)
     if (drive := rigid(recording, motion)) is None:
         return None
@@ -107,18 +113,22 @@ def _low_passed(recording: Recording) -> Finding | None:
     late = delay.value if delay and not delay.at_bound else 0.0
     spline, t = CubicSpline(recording.t, drive.force), recording.t[drive.used]
     every = rigid_columns(motion, recording.T_s)
-    plain, mass = _fitted(drive.columns, spline(t + late))
+    force = spline(recording.t + late)
+    plain, mass = _fitted(drive.columns, force[drive.used])
     if plain < EXACT**2 * float(np.sum(drive.force[drive.used] ** 2)):
         return None
     trials = []
     for lag in LAGS:
         share = -np.expm1(-1.0 / lag)
-        delayed = lfilter([share], [1.0, share - 1.0], every, axis=0)[drive.used]
+        both = lfilter([share], [1.0, share - 1.0], np.column_stack([every, force]), axis=0)
+        delayed, alike = both[drive.used, :-1], both[drive.used, -1]
+        filtered = _fitted(delayed, alike)[0]
         trials += [
-            (*_fitted(delayed, spline(t + late - own * lag * recording.T_s)), lag) for own in OWN
+            (*_fitted(delayed, spline(t + late - own * lag * recording.T_s)), lag, filtered)
+            for own in OWN
         ]
-    rest, unfiltered, lag = min(trials)
-    if rest > LAGGED * plain or abs(unfiltered / mass - 1.0) < ATTENUATED:
+    rest, unfiltered, lag, filtered = min(trials)
+    if rest > min(LAGGED * plain, ALIKE * filtered) or abs(unfiltered / mass - 1.0) < ATTENUATED:
         return None
     frequency = 1.0 / (2.0 * np.pi * lag * recording.T_s)
     figure = (

@@ -22,6 +22,13 @@ def test_a_sound_force_has_no_fault():
     assert spoiled(DRIVE.force + NOISE) == []
 
 
+@pytest.mark.parametrize("step", [2e-5, 1e-4])
+def test_steps_of_the_encoder_are_no_low_pass(step):
+    """They make a rough acceleration, which every low-pass smooths."""
+    drive = rigid_drive(n=8000, step=step)
+    assert spoiled(drive.force, drive) == []
+
+
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 def test_a_force_that_the_log_cuts_off(noise):
     """Noise of the sensor comes before or behind the limit."""
