@@ -98,10 +98,15 @@ class Law:
     tables: Mapping[str, Mapping[str, Any]]
 
     def share(self, values: Mapping[str, float], share: float) -> dict[str, float]:
-        """Return parameters whose force is a share of that of ``values`` at the same motion."""
-        scaled = {name for name, parameter in self.parameters.items() if parameter.force}
+        """Return parameters whose force is a share of that of ``values`` at the same motion.
+
+        They are at least the smallest values that FMUs of the law accept.
+        """
+        least = {name: one.low for name, one in self.parameters.items() if one.force}
         return {
-            name: share * value if name.partition("[")[0] in scaled else value
+            name: max(share * value, least[own])
+            if (own := name.partition("[")[0]) in least
+            else value
             for name, value in values.items()
         }
 

@@ -81,6 +81,8 @@ def test_a_share_of_the_force_is_that_share_at_every_motion(follow, law):
     whole = follow(law.name, H, v, **start)["F_mean"]
     third = follow(law.name, H, v, **law.share(start, 1 / 3))["F_mean"]
     np.testing.assert_allclose(third, whole / 3, rtol=1e-9, atol=1e-12)
+    hardly = follow(law.name, H, v, **law.share(start, 1e-10))["F_mean"]  # no value is too small
+    assert np.max(np.abs(hardly)) < 1e-6 * np.max(np.abs(whole))
 
 
 @every
