@@ -9,8 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-import fmpy
-
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import wire
@@ -176,6 +174,8 @@ def _component(
 
 
 def _sources(fmi: int) -> dict[str, str]:
+    import fmpy  # late, for those who start quickly
+
     kernel_files = Path(kernel.__file__).parent
     faces = Path(toolchain.__file__).parents[1] / "faces"
     headers = (Path(fmpy.__file__).parent / "c-code").glob("fmi[23]*.h")
