@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from stickslip.cli import main
+from stickslip.commands.phenomena import table_of
 from stickslip.evaluation.phenomena import PHENOMENA, phenomena
 from stickslip.models import law_names
 
@@ -67,6 +71,11 @@ def test_break_away_falls_with_the_rate_of_the_force(table):
 def test_an_oscillating_load_moves_some_for_ever(table):
     assert shown(table, DRIFT, 1e-6) == {"dahl", "lugre", "leuven"}
     assert table["lugre"][DRIFT] == pytest.approx(25.56, abs=0.02)
+
+
+def test_the_page_of_the_documentation_has_the_table(table):
+    page = Path(__file__).parents[2] / "docs" / "phenomena.md"
+    assert textwrap.indent(table_of(table), "    ") in page.read_text(encoding="utf-8")
 
 
 def test_the_command_prints_a_column_for_each_law(table, capsys):
