@@ -70,8 +70,8 @@ def lag_width(v: Array, force: Array) -> float:
 def break_away(contact: Contact, rate: float) -> float:
     """Return the largest friction force [N] of figure 4, under a force that rises at a rate."""
     step = min(1e-3, 1e-3 / rate)
-    t = (np.arange(round(2.0 / rate / step)) + 0.5) * step
-    return float(contact.push(rate * t, step)[1].max())
+    ramp = rate * step * np.arange(0.5, 2.0 / rate / step)
+    return float(contact.push(np.asarray(ramp, dtype=np.float64), step)[1].max())
 
 
 def stick_slip(contact: Contact) -> dict[str, Array]:
