@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import codecs
-import importlib.util
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
+from stickslip.fmi.standard import standard_files
 from stickslip.fmi.xml import Malformed, parse_xml
 from stickslip.fmucheck.rules import Claims, error
 
@@ -41,16 +40,7 @@ def read_document(name: str, text: bytes) -> Document:
 
 @cache
 def _schema(name: str) -> Any:
-    return etree.XMLSchema(etree.parse(str(schemas() / name)))
-
-
-def schemas() -> Path:
-    """Return the folder of the FMI project's schemas, which FMPy's wheel carries."""
-    # FMPy itself is not imported: it takes a second, and the checker works without it.
-    spec = importlib.util.find_spec("fmpy")
-    if spec is None or not spec.origin:
-        raise ModuleNotFoundError("the FMI schemas are missing; run 'pip install fmpy'")
-    return Path(spec.origin).parent / "schema"
+    return etree.XMLSchema(etree.parse(str(standard_files("schema") / name)))
 
 
 def violations(document: Document, schema: str) -> list[tuple[str, str]]:
@@ -58,7 +48,7 @@ def violations(document: Document, schema: str) -> list[tuple[str, str]]:
 
     Parameters
     ----------
-    schema : file below ``schemas()``, such as ``fmi3/fmi3ModelDescription.xsd``
+    schema : file of the FMI project, such as ``fmi3/fmi3ModelDescription.xsd``
     """
     validator = _schema(schema)
     if document.root is None or validator.validate(document.root):

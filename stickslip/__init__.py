@@ -12,7 +12,6 @@ velocity loops. The errors of the application are drawn in ``stickslip/errors.py
 """
 
 from importlib import import_module
-from importlib.metadata import version
 
 _PLACES = {
     "stickslip.cosim": (
@@ -40,6 +39,8 @@ __all__ = [*_PLACE]
 def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""
     if name == "__version__":
+        from importlib.metadata import version  # late, for those who start quickly
+
         return version("stickslip")
     if name not in _PLACE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

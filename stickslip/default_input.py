@@ -9,12 +9,14 @@ from __future__ import annotations
 import io
 import zipfile
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from stickslip.cosim import Table
 from stickslip.cosim.ssp.package import Package
 from stickslip.fmi.files import atomic_write
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MEMBER = "extra/stickslip/input.csv"
 

@@ -3,11 +3,14 @@
 Tests interrupt runs, but a process that xdist, nohup or a shell starts aside ignores signals.
 A busy machine may take any time for one example of Hypothesis, so examples have no deadline.
 Linear algebra has one thread, as in the commands; processes side by side wait for each other's.
+Compiled modules are kept: hundreds of processes start, and compiling takes most of their start.
 """
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -24,6 +27,9 @@ for name in ("SIGINT", "SIGHUP"):
     if (number := getattr(signal, name, None)) and signal.getsignal(number) is signal.SIG_IGN:
         default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
         signal.signal(number, default)
+
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 threadpool_limits(limits=1, user_api="blas")
 

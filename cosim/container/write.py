@@ -9,8 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-import fmpy
-
 from stickslip.cosim import kernel
 from stickslip.cosim.assembly.layout import Layout
 from stickslip.cosim.assembly.wiring import wire
@@ -29,6 +27,7 @@ from stickslip.cosim.system.system import System
 from stickslip.fmi import toolchain
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.files import atomic_write
+from stickslip.fmi.standard import standard_files
 
 _KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "record.h", "steps.h"]
 _KERNEL += ["instance.c"]
@@ -178,7 +177,7 @@ def _component(
 def _sources(fmi: int) -> dict[str, str]:
     kernel_files = Path(kernel.__file__).parent
     faces = Path(toolchain.__file__).parents[1] / "faces"
-    headers = (Path(fmpy.__file__).parent / "c-code").glob("fmi[23]*.h")
+    headers = standard_files("c-code").glob("fmi[23]*.h")
     own = [*Path(__file__).parent.glob("*.[ch]"), *faces.glob("*.[ch]")]
     files = {
         file.name: file

@@ -9,6 +9,7 @@ from pathlib import Path
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.structures import Component, Run
 from stickslip.fmi import toolchain
+from stickslip.fmi.standard import standard_files
 
 # Two neighbours copied as one would wait until both have arrived in memory. A loop of calls that
 # begins within a line of the cache costs some percent more or less, as chance has it.
@@ -48,14 +49,14 @@ def built(steps: str | None = None, *, marked: bool = False) -> Path:
     steps : text to compile in place of ``steps.h``
     marked : whether it notes which call it is in, see ``marks.py``
     """
-    import fmpy  # a process that is given the library need not wait for it
-
     here = Path(__file__).parent
-    headers = Path(fmpy.__file__).parent / "c-code"
     files = {file.name: file.read_text(encoding="utf-8") for file in here.glob("*.[ch]")}
     if steps is not None:
         files["steps.h"] = steps
-    files |= {f"system/{h.name}": h.read_text(encoding="utf-8") for h in headers.glob("fmi[23]*.h")}
+    files |= {
+        f"system/{h.name}": h.read_text(encoding="utf-8")
+        for h in standard_files("c-code").glob("fmi[23]*.h")
+    }
     flags = (*_FLAGS, "-DMARKED") if marked else _FLAGS
     return toolchain.shared_library("cosim_kernel", files, flags=flags)
 

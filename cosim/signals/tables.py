@@ -7,15 +7,16 @@ import os
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from stickslip.cosim.errors import CosimError, SignalError
 from stickslip.cosim.signals.parquet import MOST_BYTES, Unreadable, read_columns
 from stickslip.cosim.signals.signals import Table
 from stickslip.fmi.files import atomic_write, read_limited
 from stickslip.fmi.messages import printable, shown
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def read_tables(
@@ -67,6 +68,8 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
 
 
 def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
+    import pandas as pd  # late, for those who start quickly
+
     if isinstance(source, pd.DataFrame):
         return _from_frame(source, "the data frame")
     path = Path(source)

@@ -110,6 +110,8 @@ def _within(connections: Iterable[Connection], inner: set[str]) -> list[Connecti
 
 def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[list[str]]:
     """Return strongly connected components, each after its sources."""
+    if len(order := stepping_order(names, edges)) == len(names):  # no loop
+        return [[name] for name in order]
     pairs = [(component_of(s), component_of(t)) for s, t in edges]
     groups = {members[0]: members for members in _strongly_connected(names, pairs)}
     first = {name: head for head, members in groups.items() for name in members}
@@ -149,7 +151,7 @@ def _strongly_connected(nodes: Sequence[str], edges: Sequence[Connection]) -> li
     """Return the nodes in groups that reach each other, each in the order given."""
     place = {node: i for i, node in enumerate(nodes)}
     rows, columns = [place[a] for a, _ in edges], [place[b] for _, b in edges]
-    from scipy.sparse import coo_array  # late, for those who start quickly
+    from scipy.sparse import coo_array  # late: few systems have loops
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_array((np.ones(len(edges)), (rows, columns)), shape=(len(nodes), len(nodes)))

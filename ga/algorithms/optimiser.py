@@ -12,10 +12,9 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 
 from stickslip.ga.algorithms.generation import Candidate
@@ -25,6 +24,9 @@ from stickslip.ga.errors import CallOrderError, CostError, StateError
 from stickslip.ga.execution import checkpoint
 from stickslip.ga.execution.record import Record
 from stickslip.ga.problem.problem import Problem
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 NOT_A_NUMBER = "the cost is not a number"
 

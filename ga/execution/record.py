@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from stickslip.ga.arrays import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,8 @@ class Record:
 
     def history(self, names: Sequence[str]) -> pd.DataFrame:
         """Tabulate every evaluation: generation, index, a column per name, cost, reason."""
+        import pandas as pd  # late, for those who start quickly
+
         rows = [
             (e.generation, e.index, *e.values, e.cost, e.reason)  # noqa: PD011 - a tuple
             for e in self.evaluations
@@ -64,5 +69,7 @@ class Record:
 
     def convergence(self) -> pd.DataFrame:
         """Tabulate every generation: generation, evaluations, best_cost, mean_cost."""
+        import pandas as pd  # late, for those who start quickly
+
         columns = ["generation", "evaluations", "best_cost", "mean_cost"]
         return pd.DataFrame(self.summaries, columns=columns)

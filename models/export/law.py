@@ -11,7 +11,7 @@ from typing import Any, Literal
 from stickslip.models.errors import DescriptionError
 from stickslip.models.export.units import READ_IN, force_and_length
 
-Steady = Literal["coulomb", "stribeck"]
+Steady = Literal["coulomb", "stribeck", "lorentz"]
 Coordinate = Literal["log", "linear"]
 End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
@@ -76,7 +76,8 @@ class Law:
     ----------
     name : of its folder in models/laws
     title, description : for people
-    steady : the force at constant speed: ``coulomb``, F_c, or ``stribeck``, equation (4)
+    steady : the force at constant speed: ``coulomb``, F_c; ``stribeck``, equation (4); ``lorentz``,
+        F_c + (F_s - F_c) / (1 + (v / v_s)^2) after a long time at rest
     is_passive : whether it never gives more energy than it was given, without viscous friction
     is_smooth : whether its equations are differential ones without events, which a solver can take
     is_candidate : whether ``learn --law auto`` considers it; false unless law.toml says so

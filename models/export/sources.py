@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree as ET
 
 from stickslip import fmi
 from stickslip.fmi.description import writing
+from stickslip.fmi.standard import standard_files
 from stickslip.models.export.description import Model
 from stickslip.models.export.headers import table_source, variables_header
 from stickslip.models.export.law import MODELS
@@ -74,10 +74,9 @@ def grouped(files: dict[str, str]) -> dict[str, str]:
 @cache
 def fmi_headers(fmi: FmiVersion) -> dict[str, str]:
     """Return the headers of the FMI project by name, which FMPy's wheel carries."""
-    folder = resources.files("fmpy") / "c-code"
     return {
         entry.name: entry.read_text(encoding="utf-8")
-        for entry in folder.iterdir()
+        for entry in standard_files("c-code").iterdir()
         if entry.name.startswith(f"fmi{fmi}")
     }
 

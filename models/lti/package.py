@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import matrix_balance
 
 from stickslip.fmi.process import temporary_folder
 from stickslip.fmi.toolchain import Platform
@@ -108,6 +107,8 @@ def _balance(A: Array) -> Array:
     """Return by what to scale the states (n,), powers of 2, so that rows and columns are alike."""
     if not len(A):
         return np.ones(0)
+    from scipy.linalg import matrix_balance  # late, for those who start quickly
+
     return np.array(matrix_balance(A, permute=False, separate=True)[1][0])
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from stickslip.models.errors import LtiError
 
@@ -48,6 +47,8 @@ def realise(
             D[rows, k] = numerator[:, 0]
             if len(denominator) > 1:
                 blocks.append((k, rows, *_canonical(numerator, np.array(denominator))))
+    from scipy.linalg import block_diag  # late, for those who start quickly
+
     n = sum(len(A) for _, _, A, _ in blocks)
     B, C, place = np.zeros((n, inputs)), np.zeros((outputs, n)), 0
     for k, rows, A, rows_of_C in blocks:

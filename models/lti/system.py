@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -89,6 +88,8 @@ def linear_system(
         When it is neither, is improper, has no sample period though it is discrete, or has no
         variable of a name in ``units``.
     """
+    import control  # late, for those who start quickly
+
     if isinstance(system, control.TransferFunction):
         A, B, C, D = realise(*control.tfdata(system))
         states: Sequence[str] = [f"x[{i}]" for i in range(len(A))]

@@ -82,6 +82,11 @@ def estimated(law: Law) -> tuple[str, ...]:
     return tuple(name for name, parameter in law.parameters.items() if parameter.shown_by)
 
 
+def learnable_laws() -> list[str]:
+    """Return the names of the laws with parameters that an experiment shows."""
+    return [name for name in models.law_names() if estimated(friction_law(name))]
+
+
 def tabulated(law: Law) -> tuple[str, ...]:
     """Return the names of a table of identified parameters: m, b and those of the law."""
     return ("m", "b", *estimated(law))

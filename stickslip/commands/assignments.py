@@ -6,8 +6,7 @@ import math
 from argparse import ArgumentParser
 from collections.abc import Collection, Iterable, Sequence
 
-from stickslip import models
-from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.catalog.parameters import estimated, friction_law, learnable_laws
 from stickslip.commands import SEVERAL, add_old_spelling, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
@@ -37,7 +36,7 @@ def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> Non
     """Declare ``--law``, the friction law of the compensator, with further choices."""
     parser.add_argument(
         "--law",
-        choices=[*models.law_names(), *further],
+        choices=[*learnable_laws(), *further],
         default="lugre",
         help=f"friction law of the compensator (default lugre){more}",
     )

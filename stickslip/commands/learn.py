@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from stickslip.catalog.parameters import unit_of
+from stickslip.catalog.parameters import learnable_laws, unit_of
 from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
 from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
@@ -22,7 +22,6 @@ from stickslip.commands.tables import print_benefit, print_laws, print_parts, pr
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
-from stickslip.models import law_names
 from stickslip.pipeline.learned import AUTO, LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
@@ -82,7 +81,7 @@ def run(options: argparse.Namespace) -> None:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
     options.compensation = _compensation(options.compensator, options.law)
-    if options.law == "auto" and options.compensator.partition("+")[0] in law_names():
+    if options.law == "auto" and options.compensator.partition("+")[0] in learnable_laws():
         options.law = options.compensator.partition("+")[0]
     description = description_of(options)
     if options.check:
@@ -103,7 +102,7 @@ def _compensation(name: str, law: str) -> Choice | None:
         When there is no compensator of this name for the law.
     """
     known: dict[str, Choice | None] = {"auto": None, "dob": OBSERVER}
-    for one in law_names() if law == "auto" else [law]:
+    for one in learnable_laws() if law == "auto" else [law]:
         known |= {one: FEEDFORWARD, f"{one}+dob": BOTH}
     if name not in known:
         expected = ", ".join(known)

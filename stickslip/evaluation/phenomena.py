@@ -41,10 +41,29 @@ class Contact:
         found = self._run("compensator", "v", v, step)
         return found["c.F_mean"][1:], found["c.F_f"][1:]
 
-    def push(self, u: Array) -> tuple[Array, Array]:
+    def push(self, u: Array, step: float = H) -> tuple[Array, Array]:
         """Return position [m] and friction force [N] of a stage, (n,), under held forces [N]."""
-        found = self._run("stage", "u", u, H)
+        found = self._run("stage", "u", u, step)
         return found["c.x"][1:], found["c.F_f"][1:]
+
+    def couple(self, force: cosim.Function, stop: float, step: float) -> dict[str, Array]:
+        """Return x, v, F_f and the time of a stage that a function pushes, (n,), from its x and v.
+
+        Parameters
+        ----------
+        force : with the output F [N]; its inputs are outputs of the stage
+        stop, step : length of the run and of its steps [s]
+        """
+        system = cosim.System()
+        system.add("c", self.folder / "stage.fmu")
+        system.add("f", force)
+        system.connect("f.F", "c.u")
+        for name in force.inputs:
+            system.connect(f"c.{name}", f"f.{name}")
+        with system.prepare(step=step, stop=stop) as simulation:
+            result = simulation.run()
+            found = {name: result[f"c.{name}"].copy() for name in ("x", "v", "F_f")}
+            return {"time": result.time.copy(), **found}
 
     def _run(self, model: str, driven: str, values: Array, step: float) -> dict[str, Array]:
         system = cosim.System()
@@ -56,8 +75,8 @@ class Contact:
 
 
 @contextmanager
-def contact_of(law: str) -> Iterator[Contact]:
-    """Build the FMUs of a friction law.
+def contact_of(law: str, **parameters: float) -> Iterator[Contact]:
+    """Build the FMUs of a friction law, with parameters where they have them.
 
     Raises
     ------
@@ -66,7 +85,9 @@ def contact_of(law: str) -> Iterator[Contact]:
     """
     with tempfile.TemporaryDirectory() as folder:
         for model in ("compensator", "stage"):
-            models.build_fmu(model, folder, law=law)
+            known = {variable.name for variable in models.load_model(model, law).variables}
+            start = {name: value for name, value in parameters.items() if name in known}
+            models.build_fmu(model, folder, law=law, start=start)
         yield Contact(law, Path(folder))
 
 

@@ -231,7 +231,7 @@ def test_only_tunable_parameters_change_during_a_run(fmu, slave):
 
 
 def test_a_tunable_parameter_acts_from_the_next_step_on(fmu, slave, identical):
-    unchanged = slave(fmu).initialize().run(0, 100)
+    unchanged = slave(fmu).initialize().run(0, 150)
     for variable in fmu.model.variables:
         if variable.role == "parameter" and variable.variability == "tunable":
             instance = slave(fmu).initialize()
@@ -239,7 +239,7 @@ def test_a_tunable_parameter_acts_from_the_next_step_on(fmu, slave, identical):
             highest = math.inf if variable.maximum is None else variable.maximum
             other = min(1.5 * variable.start or variable.nominal or 1.0, highest)
             instance.set({variable.name: 0.5 * other if other == variable.start else other})
-            after = instance.run(30, 100)
+            after = instance.run(30, 150)
             assert identical(before, unchanged[:30])
             place = {name: k for k, name in enumerate(fmu.variables)}
             outputs = [place[name] for name in fmu.names("output")]

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 N = {"archive": 2000, "description": 2000, "library": 2000}
 N |= dict.fromkeys(("csv", "json", "state", "toml"), 1000)
-N["mat"] = 100  # each in a process of its own
+N["mat"] = 100  # each forks a process
 REFUSED = {"parquet": 1, "log_csv": 1}
 """Of the inputs that all others are made from: texts in Parquet are no inputs, though a log may
 hold them; a log without names must be described."""

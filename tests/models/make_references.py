@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from stickslip import models
 from stickslip.fmi.files import atomic_write
@@ -221,6 +222,47 @@ def coulomb_stribeck(p: Parameters) -> Columns:
     force = np.sign(v) * stribeck(v, p)
     now = np.append(force[0], force[:-1])  # of the velocity that was held over the step
     return {"time": t, "v": v, "F_f": now, "F_mean": np.append(0.0, force[:-1])}
+
+
+def armstrong(p: Parameters) -> Columns:
+    """Follow the same velocity: break-away by brentq, the delay from the displacement."""
+    t, v = through_zero()
+    interval = p["tau_L"] / 32
+    per_step = round(STEP / interval)
+    path = np.append(0.0, np.cumsum(v[:-1])) * STEP
+    now = np.arange(per_step * 400 + 1) * interval
+    past = np.append(np.zeros(32), np.diff(np.interp(now, t, path)) / interval)
+    weight = 1.0 / (1.0 + (past / p["v_s"]) ** 2)  # over the interval from now[k] on
+    d, mode, rest, share = 0.0, 0.0, 0.0, 0.0
+    F_mean, F_f = [0.0], [p["sigma_t"] * v[0]]
+
+    def sliding(share: float) -> float:
+        return p["F_c"] + share * (p["F_s"] - p["F_c"])
+
+    def risen(time: float) -> float:
+        return share + (1.0 - share) * (rest + time) / (rest + time + p["gamma"])
+
+    for k, speed in enumerate(v[:-1]):
+        s, begin, weights = np.sign(speed), 0.0, weight[per_step * k :][:per_step]
+        area = 0.0
+        if mode not in (0.0, s):
+            share, rest = share * weights[0], 0.0
+            d, mode = mode * sliding(share) / p["k_t"], 0.0
+        if mode == 0.0:
+
+            def lack(time: float, d: float = d, speed: float = speed, s: float = s) -> float:
+                return sliding(risen(time)) - s * p["k_t"] * (d + speed * time)
+
+            begin = brentq(lack, 0.0, STEP, xtol=1e-18) if lack(STEP) < 0.0 else STEP
+            area = begin * (p["k_t"] * (d + speed * begin / 2) + p["sigma_t"] * speed)
+            mode, share = (s, risen(begin)) if begin < STEP else (0.0, share)
+            d, rest = d + speed * begin, rest + begin
+        slid = np.diff(np.maximum(np.arange(per_step + 1) * interval, begin))
+        F_mean.append((area + mode * slid @ sliding(share * weights)) / STEP)
+        after = mode * sliding(share * weight[per_step * (k + 1)])
+        F_f.append(after if mode else p["k_t"] * d + p["sigma_t"] * speed)
+    # Forces between steps are those at the velocity that was held
+    return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
 def velocity_controller(p: Parameters) -> Columns:
@@ -521,6 +563,7 @@ def main(folder: Path) -> None:
         leuven,
         gms,
         coulomb_stribeck,
+        armstrong,
         velocity_controller,
         velocity_filter,
         static_feedforward,

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stickslip import cosim, models
+
 STEP = 5e-4  # s
 IDEAL = {"drive.current_loop": False, "drive.dac": False, "drive.encoder": False}
 RECORD = ("drive.x_enc", "drive.F_m", "drive.F_f", "drive.x", "drive.v", "drive.z")
@@ -124,6 +126,39 @@ def test_friction_varies_along_the_guide(run):
     expected = 5.999 * (1 + 0.3 * np.sin(2 * np.pi * result["drive.x"] / 0.02))
     assert np.ptp(result["drive.x"][sliding]) > 0.04
     np.testing.assert_allclose(result["drive.F_f"][sliding], expected[sliding], rtol=5e-3)
+
+
+@pytest.mark.parametrize("law", ["lugre", "coulomb_stribeck", "gms"])
+def test_friction_falls_as_the_guide_gets_warm(with_law, law):
+    """At a steady speed F_f = F_c (1 - drift (1 - e^(-t / drift_time))), whatever the law."""
+    system = cosim.System()
+    size = {"drift": 0.3, "drift_time": 0.5, "b": 100.0, "current_loop": False, "sigma_1": 0.0}
+    known = {v.name for v in models.load_model("drive", law).variables}
+    system.add("drive", with_law("drive", law), {k: v for k, v in size.items() if k in known})
+    system.expose("u", "drive.u")
+    with system.prepare(step=STEP, stop=3.0) as simulation:
+        result = simulation.run(inputs={"u": 12.0})
+    late = result.time > 0.6
+    expected = 5.999 * (1.0 - 0.3 * (1.0 - np.exp(-result.time / 0.5)))
+    np.testing.assert_allclose(result["drive.F_f"][late], expected[late], rtol=1e-3)
+
+
+def test_friction_rises_with_the_load(run):
+    """Steady sliding: mu |load| more."""
+    size = {"b": 100.0, "mu": 0.01, "stop": 3.0}
+    for load in (0.0, 80.0, -80.0):
+        assert run(12.0, load=load, **size)["drive.F_f"][-1] == pytest.approx(
+            5.999 + 0.01 * abs(load), rel=1e-6
+        )
+
+
+def test_the_encoder_errs_within_its_signal_period(run):
+    result = run(encoder=False, sde=4e-8, sde_period=2e-5)
+    x = result["drive.x"]
+    error = result["drive.x_enc"] - x
+    np.testing.assert_allclose(error, 4e-8 * np.sin(2 * np.pi * x / 2e-5), atol=1e-15)
+    assert error.max() > 3.9e-8
+    np.testing.assert_array_equal(x, run(encoder=False)["drive.x"])
 
 
 def test_ripple_pushes_with_the_period_of_the_magnets(run):

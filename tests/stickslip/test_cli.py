@@ -48,6 +48,13 @@ def test_help_and_version_come_at_once():
         assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
 
 
+def test_commands_on_fmus_load_no_large_library():
+    """Building, checking and simulating an FMU needs none of them; they take seconds to load."""
+    code = "import sys; from stickslip.commands import build, check, simulate; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert not {"control", "matplotlib", "pandas", "scipy"} & {*run.stdout.split()}
+
+
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):
     assert main(["build", "--out", str(tmp_path)]) == 0
     assert len(capsys.readouterr().out.split()) == 2 * len(models.model_names())

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from stickslip.cli import main
+from stickslip.commands.phenomena import table_of
 from stickslip.evaluation.phenomena import PHENOMENA, phenomena
 from stickslip.models import law_names
 
@@ -23,16 +27,21 @@ def shown(table, phenomenon, least):
 
 def test_steady_friction_follows_the_stribeck_curve(table):
     drop = 3.0 * (np.exp(-0.2 / 0.55697) - np.exp(-20 / 0.55697))
+    # Armstrong: k_t v t = F_c + 3 t / (t + 1) at break-away after t = 79.5 ms at rest
+    risen = 3.0 * 0.07945 / 1.07945 / (1.0 + (0.2 / 0.55697) ** 2)
+    expected = dict.fromkeys(table, drop) | {"dahl": 0.0, "armstrong": risen}
     for law, found in table.items():
-        assert found[STEADY] == pytest.approx(0.0 if law == "dahl" else drop, abs=1e-4), law
+        within = 2e-4 if law == "armstrong" else 1e-4
+        assert found[STEADY] == pytest.approx(expected[law], abs=within), law
 
 
 def test_presliding(table):
-    """Coulomb-Stribeck has none; below break-away the elasto-plastic law has no loss."""
+    """Coulomb-Stribeck has none; elasto-plastic and Armstrong's have no loss below break-away."""
     every = set(table)
     assert shown(table, PRESLIDING, 0.0) == every - {"coulomb_stribeck"}
-    assert table["elasto_plastic"][PRESLIDING] == pytest.approx(0.5 * 5.999 / 0.39162, rel=1e-3)
-    assert shown(table, LOSS, 2e-3) == every - {"elasto_plastic"}
+    for elastic in ("elasto_plastic", "armstrong"):
+        assert table[elastic][PRESLIDING] == pytest.approx(0.5 * 5.999 / 0.39162, rel=1e-3)
+    assert shown(table, LOSS, 2e-3) == every - {"elasto_plastic", "armstrong"}
     # Dahl: 4 F_c^2 / sigma_0 (a - tanh a), a = sigma_0 A / F_c
     a = 0.39162 * 10.0 / 5.999
     assert table["dahl"][LOSS] == pytest.approx(4 * 5.999**2 / 0.39162 * (a - np.tanh(a)), rel=1e-4)
@@ -44,24 +53,29 @@ def test_minor_loops_close_with_a_memory_that_is_not_local(table):
 
 
 def test_friction_lags_behind_the_velocity(table):
-    assert shown(table, LAG, 1e-3) == {"lugre", "gms", "leuven", "elasto_plastic"}
+    assert shown(table, LAG, 1e-3) == {"lugre", "gms", "leuven", "elasto_plastic", "armstrong"}
     assert table["lugre"][LAG] == pytest.approx(0.187, abs=1e-3)
 
 
 def test_break_away_falls_with_the_rate_of_the_force(table):
     assert (table["lugre"][SLOW], table["lugre"][FAST]) == pytest.approx((8.155, 6.358), abs=2e-3)
     for law, found in table.items():
-        if law in ("lugre", "leuven", "elasto_plastic"):
+        if law in ("lugre", "leuven", "elasto_plastic", "armstrong"):
             assert found[SLOW] > found[FAST] + 1.0, law
     assert table["coulomb_stribeck"][SLOW] == pytest.approx(8.999, abs=2e-3)
     assert table["coulomb_stribeck"][FAST] == pytest.approx(8.999, abs=0.05)
     assert (table["dahl"][SLOW], table["dahl"][FAST]) == pytest.approx((5.999, 5.999), abs=2e-3)
-    assert shown(table, DWELL, 1e-3) == set()
+    assert shown(table, DWELL, 1e-3) == {"armstrong"}
 
 
 def test_an_oscillating_load_moves_some_for_ever(table):
     assert shown(table, DRIFT, 1e-6) == {"dahl", "lugre", "leuven"}
     assert table["lugre"][DRIFT] == pytest.approx(25.56, abs=0.02)
+
+
+def test_the_page_of_the_documentation_has_the_table(table):
+    page = Path(__file__).parents[2] / "docs" / "phenomena.md"
+    assert textwrap.indent(table_of(table), "    ") in page.read_text(encoding="utf-8")
 
 
 def test_the_command_prints_a_column_for_each_law(table, capsys):

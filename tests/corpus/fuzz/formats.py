@@ -30,6 +30,7 @@ from stickslip.fmi.description import DescriptionFault, read_description
 from stickslip.fmi.xml import Malformed, parse_xml
 from stickslip.logs.formats import read_table
 from tests.corpus.defects.reference import HERE, members
+from tests.corpus.fuzz.forked import forked
 from tests.corpus.fuzz.mutation import NUMBERS, TOKENS, mutated
 from tests.corpus.fuzz.parser import Parser, from_file
 from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
@@ -349,7 +350,9 @@ PARSERS = {
     ),
     "check": Parser(check, checked_files, other_description, (Faulty,)),
     "library": Parser(lambda data, _: read_library(data), libraries, other_library, (NotALibrary,)),
-    "mat": Parser(from_file("log.mat", read_table), mat_files, other_mat, (RecordingError,)),
+    "mat": Parser(
+        forked(from_file("log.mat", read_table)), mat_files, other_mat, (RecordingError,)
+    ),
     "parquet": Parser(
         from_file("in.parquet", parquet),
         parquet_files,

@@ -96,15 +96,6 @@ def test_a_mass_that_coasts_stops_where_the_closed_form_says(push):
     assert standing == pytest.approx(m / b * np.log1p(b * v0 / F_C), abs=H)
 
 
-def test_the_midpoint_step_is_of_second_order_where_the_motion_is_smooth(push):
-    """With communication steps below 50 us the sub-step is the step."""
-    reference = push("dahl", 1e-6 / 2, np.full(2000, 3.0))["v"][-1]
-    ends = [push("dahl", 1e-3 / n, np.full(n, 3.0))["v"][-1] for n in (25, 50, 100)]
-    errors = np.abs(np.subtract(ends, reference))
-    orders = np.log2(np.divide(errors[:-1], errors[1:]))
-    assert orders == pytest.approx(2.0, abs=0.1)
-
-
 def test_parameters_declare_what_estimation_needs():
     p = models.load_law("dahl").parameters
     assert (p["sigma_0"].force, p["sigma_0"].length) == (1, -1)

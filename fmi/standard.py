@@ -1,0 +1,22 @@
+"""Headers and schemas of the FMI project, which FMPy's wheel carries."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def standard_files(folder: str) -> Path:
+    """Return a folder of FMPy's wheel: ``c-code`` or ``schema``.
+
+    FMPy itself is not imported, which takes longer than many a run.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        When FMPy is not installed.
+    """
+    found = find_spec("fmpy")
+    if found is None or not found.origin:
+        raise ModuleNotFoundError(
+            "the headers and schemas of FMI are missing; run 'pip install fmpy'"
+        )
+    return Path(found.origin).parent / folder
