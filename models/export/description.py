@@ -85,12 +85,17 @@ class Ports:
     output : the force that is added to the controller's
     tuned : parameters that are tuned; a compensator that runs a law tunes the law's as well
     axis : parameter -> what it is set to: a number, or one of ``AXIS`` of the drive
+    learned : parameter -> variable whose value at the end of a run it takes over to another run; of
+        an array, by its name alone, all elements
+    frozen : parameters with which it goes on without learning
     """
 
     inputs: Mapping[str, str]
     output: str
     tuned: tuple[str, ...]
     axis: Mapping[str, str | float]
+    learned: Mapping[str, str] = field(default_factory=dict)
+    frozen: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -214,7 +219,8 @@ def _ports(table: dict[str, Any] | None, law: Law | None) -> Ports | None:
     require_known("[loop]", table["inputs"].values(), ROLES)
     require_known("[loop]", (v for v in table["axis"].values() if isinstance(v, str)), AXIS)
     tuned = (*table["tuned"], *(law.parameters if law else ()))
-    return Ports(table["inputs"], table["output"], tuned, table["axis"])
+    kept = table.get("learned", {}), table.get("frozen", {})
+    return Ports(table["inputs"], table["output"], tuned, table["axis"], *kept)
 
 
 def _terminals(tables: dict[str, Any], known: set[str]) -> dict[str, Terminal]:

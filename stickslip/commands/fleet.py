@@ -13,11 +13,11 @@ from stickslip.commands import FLAG, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
-from stickslip.fleet.job import Outcome
 from stickslip.fleet.writing import files_of, write_fleet
 from stickslip.identification.fitting.identifiability import LEVELS, NOT_IDENTIFIABLE
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
+from stickslip.tuning.jobs import Outcome
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

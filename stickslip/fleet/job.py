@@ -3,41 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from multiprocessing import parent_process
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
 from stickslip.errors import StickslipError
 from stickslip.fleet.table import Drive, LogSource
-from stickslip.fmi.process import interrupted_by, interruptible
 from stickslip.identification.estimation import Search
 from stickslip.logs import Description, load_description
 from stickslip.pipeline.log_learning import learn
 from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.results.learned import log_document, recording_document
 from stickslip.servo.rig import rig_of
-
-OnStage = Callable[[str], object]
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a drive; plain data, so that it travels.
-
-    Attributes
-    ----------
-    learned : content of learned.json; empty when the drive failed
-    reason : why it failed; else empty
-    """
-
-    learned: str = ""
-    reason: str = ""
+from stickslip.tuning.jobs import OnStage, Outcome, ended_by_signals
 
 
 def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Outcome:
@@ -48,7 +26,7 @@ def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Out
     """
     threadpool_limits(limits=1, user_api="blas")
     try:
-        with _ended_by_signals():
+        with ended_by_signals():
             document = _document(drive, seed, on_stage or _ignore)
     except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
         return Outcome(reason=_reason(drive, error))
@@ -79,19 +57,6 @@ def _reason(drive: Drive, error: Exception) -> str:
             text = text.replace(str(path), drive.row[column]) if path else text
     expected = isinstance(error, StickslipError)
     return text if expected and text else f"{type(error).__name__}: {text}".rstrip(": ")
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """In a process that was made for such jobs, let signals end it once its folders are gone."""
-    if parent_process() is None or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    with interruptible():
-        try:
-            yield
-        except KeyboardInterrupt:
-            os._exit(128 + (interrupted_by() or 0))
 
 
 def _ignore(_: str) -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import UsageError
-from stickslip.fleet.job import Outcome, learn_drive
-from stickslip.fleet.running import Job, run_jobs
+from stickslip.fleet.job import learn_drive
 from stickslip.fleet.table import Drive, LogSource
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.results.folder import MANIFEST, complete, refuse_foreign, staged
 from stickslip.results.learned import SCHEMA, versions
 from stickslip.tuning.execution import Execution
+from stickslip.tuning.jobs import Job, Outcome, run_jobs
 
 TABLE = "fleet.csv"
 UNFINISHED = "unfinished"

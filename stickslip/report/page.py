@@ -103,12 +103,15 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
     )
 
 
-def write_page(folder: Path, title: str, sections: Sequence[Section]) -> list[Path]:
-    """Write each illustration as PNG and SVG, and report.html.
+def write_page(
+    folder: Path, title: str, sections: Sequence[Section], file: str = "report.html"
+) -> list[Path]:
+    """Write each illustration as PNG and SVG, and the page.
 
     Parameters
     ----------
     folder : is made if it is absent; each file of the same name is replaced atomically
+    file : name of the page
 
     Returns
     -------
@@ -126,7 +129,7 @@ def write_page(folder: Path, title: str, sections: Sequence[Section]) -> list[Pa
         written.append(atomic_write(folder / f"{name}.png", picture.png))
         written.append(atomic_write(folder / f"{name}.svg", picture.svg))
     page = render(title, sections, pictures)
-    return [*written, atomic_write(folder / "report.html", page)]
+    return [*written, atomic_write(folder / file, page)]
 
 
 def file_list(items: Mapping[str, str]) -> Html:

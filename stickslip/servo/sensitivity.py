@@ -12,6 +12,7 @@ does not depend on the observer, and the second is 1 - Q times it where d_hat = 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,7 @@ from stickslip.servo.frequency import respond
 from stickslip.servo.velocity_filter import Observer
 from stickslip.servo.velocity_loop import VelocityLoop, known_force, plant_and_estimator
 
+Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 LOWEST = 1e-5
 """Lowest frequency that is evaluated, as a share of the sample rate."""
@@ -62,13 +64,16 @@ class Opened:
     ----------
     loop : controller, and the axis for which it was designed
     m : true mass [kg], by default that of the loop's axis
+    f : (n,) frequencies [Hz], by default ``FREQUENCIES`` up to half the sample rate
     """
 
-    def __init__(self, loop: VelocityLoop, m: float | None = None) -> None:
+    def __init__(self, loop: VelocityLoop, m: float | None = None, f: Array | None = None) -> None:
         self.loop, self.T_s, self.m = loop, loop.T_s, m or loop.axis.m
         axis = replace(loop.axis, m=self.m)
         self.plant = _displacement_and_force(axis, self.T_s)
-        self.f = np.geomspace(LOWEST / self.T_s, 0.5 / self.T_s, FREQUENCIES)
+        if f is None:
+            f = np.geomspace(LOWEST / self.T_s, 0.5 / self.T_s, FREQUENCIES)
+        self.f = f
         self.z = np.exp(2j * np.pi * self.f * self.T_s)
         self._moved, self._force = respond(self.plant, self.z)[:, :, 0].T
         unlagged = _displacement_and_force(Axis(axis.m, axis.b), self.T_s)
@@ -96,14 +101,39 @@ class Opened:
 
     def response(self, observer: Observer | None = None) -> Response:
         """Return the response with an observer, or without."""
+        if observer is None:
+            return self._closed(0.0, 0.0)
+        estimate = respond(observer.filter.disturbance(), self.z)[:, 0]
+        return self._closed(*(-observer.share * estimate.T))
+
+    def response_with(self, compensator: Mapping[str, ComplexArray]) -> tuple[Response, bool]:
+        """Return the response with a compensator, and whether the loop is stable.
+
+        Parameters
+        ----------
+        compensator : (n,) from a signal to its force at ``z``, by the role of the signal:
+            ``x_enc``, ``F_motor``, ``u``, ``v_est``; the last two are those of the sample before.
+            It must be stable by itself.
+        """
+        late = 1.0 / self.z
+        by = {role: compensator.get(role, 0.0) for role in ("x_enc", "F_motor", "u")}
+        by_d = by["x_enc"] / (1.0 - late)
+        if "v_est" in compensator:
+            _, estimator = plant_and_estimator(self.loop.axis, self.T_s, self.loop.tau_f, None)
+            by_d = by_d + compensator["v_est"] * late * respond(estimator, self.z)[:, 0, 0]
+        response, plain = self._closed(by_d, by["F_motor"], by["u"] * late), self._closed(0.0, 0.0)
+        # Nyquist: each unstable pole turns the ratio of the return differences by half a circle.
+        turned = np.unwrap(np.angle(plain.at_command / response.at_command))
+        return response, self._is_stable and bool(abs(turned[-1] - turned[0]) < 0.75 * np.pi)
+
+    def _closed(
+        self, to_d: ComplexArray | float, to_F: ComplexArray | float, to_u: ComplexArray | float = 0
+    ) -> Response:
+        """Return the response with a compensator's force from displacement, motor force and u."""
         own, added = self._controlled
-        by_d, by_F = own.T
-        if observer is not None:
-            estimate = respond(observer.filter.disturbance(), self.z)[:, 0]
-            seen = -observer.share * added[:, None] * estimate
-            by_d, by_F = by_d + seen[:, 0], by_F + seen[:, 1]
-        at_command = 1.0 / (1.0 - by_d * self._moved - by_F * self._force)
-        at_encoder = (1.0 - by_F * self._force) * at_command
+        by_d, by_F, by_u = own[:, 0] + added * to_d, own[:, 1] + added * to_F, added * to_u
+        at_command = 1.0 / (1.0 - by_d * self._moved - by_F * self._force - by_u)
+        at_encoder = (1.0 - by_F * self._force - by_u) * at_command
         return Response(
             at_command,
             at_encoder,
@@ -111,6 +141,10 @@ class Opened:
             noisy=(1.0 - 1.0 / self.z) * (at_encoder - 1.0) / self.T_s,
             driven=at_command * by_F * self._moved / self.T_s,
         )
+
+    @cached_property
+    def _is_stable(self) -> bool:
+        return self.stable()
 
     def stable(self, observer: Observer | None = None) -> bool:
         """Return whether the closed loop is stable."""

@@ -33,13 +33,31 @@ class Compensator:
     Attributes
     ----------
     name : of its component
-    model : of ``models.model_names()``, in the folder of the FMUs
+    model : of ``models.model_names()``, or any name where ``own_ports`` are given
     values : parameters by name; the rest follow from the axis, or are start values
+    file : its FMU in the folder of the FMUs, without suffix; by default as the model
+    own_ports : how an FMU is connected that is none of the models
     """
 
     name: str
     model: str
     values: Mapping[str, float] = field(default_factory=dict)
+    file: str = ""
+    own_ports: models.Ports | None = None
+
+    @property
+    def ports(self) -> models.Ports:
+        """How it is connected.
+
+        Raises
+        ------
+        ValueError
+            When the model is not a compensator.
+        """
+        ports = self.own_ports or models.load_model(self.model).ports
+        if ports is None:
+            raise ValueError(f"model '{self.model}' is not a compensator")
+        return ports
 
 
 Changes = Mapping[str, float | str]
@@ -91,6 +109,7 @@ def feedforward(
     """
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]
+    system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
     _, referenced = _add_feedforward(system, fmus, loop, chain, feed)
     _expose(system, loop, ["nominal"], referenced if feed == "command" else [])
     return system
@@ -138,11 +157,12 @@ def build_loop(
         When a model is not a compensator, or cannot take the force of the one before it.
     """
     system = cosim.System("loop")
+    system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
     force, referenced = _add_feedforward(system, fmus, loop, compensators, feed)
     _add_servo(system, fmus, loop)
     _expose(system, loop, ["controller", "nominal"], referenced if feed == "command" else [])
     for compensator in compensators:
-        for variable, role in _ports(compensator).inputs.items():
+        for variable, role in compensator.ports.inputs.items():
             if role in _MEASURED:
                 system.connect(_MEASURED[role], f"{compensator.name}.{variable}")
     if force is not None and connected:
@@ -152,11 +172,24 @@ def build_loop(
     return system
 
 
-def _ports(compensator: Compensator) -> models.Ports:
-    ports = models.load_model(compensator.model).ports
-    if ports is None:
-        raise ValueError(f"model '{compensator.model}' is not a compensator")
-    return ports
+def lone_chain(
+    fmus: Path, loop: VelocityLoop, compensators: Sequence[Compensator]
+) -> tuple[cosim.System, str]:
+    """Return compensators without a loop, and the name of the last one's force.
+
+    The inputs are the roles of the signals that they take, such as ``x_enc``.
+    """
+    system = cosim.System("chain")
+    force, referenced = _add_chain(system, fmus, loop, compensators)
+    taken: dict[str, list[str]] = {"v_ref": referenced}
+    for compensator in compensators:
+        for variable, role in compensator.ports.inputs.items():
+            if role in _MEASURED:
+                taken.setdefault(role, []).append(f"{compensator.name}.{variable}")
+    for role, places in taken.items():
+        if places:
+            system.expose(role, *places)
+    return system, str(force)
 
 
 def _add_feedforward(
@@ -166,15 +199,25 @@ def _add_feedforward(
     compensators: Sequence[Compensator],
     feed: Feed,
 ) -> tuple[str | None, list[str]]:
-    """Add nominal loop and compensators; return the last force and the reference inputs."""
-    system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
+    """Add compensators behind a nominal loop; return the last force and the reference inputs."""
+    force, referenced = _add_chain(system, fmus, loop, compensators)
+    if feed == "nominal":
+        for place in referenced:
+            system.connect("nominal.v_r", place)
+    return force, referenced
+
+
+def _add_chain(
+    system: cosim.System, fmus: Path, loop: VelocityLoop, compensators: Sequence[Compensator]
+) -> tuple[str | None, list[str]]:
     axis = {"T_s": loop.T_s, "tau_f": loop.tau_f}
     axis |= {"m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
     force, referenced = None, []
     for compensator in compensators:
-        ports, name = _ports(compensator), compensator.name
+        ports, name = compensator.ports, compensator.name
         values = {p: axis[v] if isinstance(v, str) else v for p, v in ports.axis.items()}
-        system.add(name, fmus / f"{compensator.model}.fmu", {**values, **compensator.values})
+        file = fmus / f"{compensator.file or compensator.model}.fmu"
+        system.add(name, file, {**values, **compensator.values})
         roles = {role: f"{name}.{variable}" for variable, role in ports.inputs.items()}
         if "v_ref" in roles:
             referenced.append(roles["v_ref"])
@@ -183,9 +226,6 @@ def _add_feedforward(
         if force is not None:
             system.connect(force, roles["F_added"])
         force = f"{name}.{ports.output}"
-    if feed == "nominal":
-        for place in referenced:
-            system.connect("nominal.v_r", place)
     return force, referenced
 
 

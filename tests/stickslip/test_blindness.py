@@ -8,8 +8,12 @@ import pytest
 
 import stickslip
 from stickslip import cosim, ga
+from stickslip.evaluation.arena.drives import default_drives
+from stickslip.evaluation.arena.entrants import entrant
+from stickslip.evaluation.arena.protocol import Plan, build
+from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
 from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.refinement import refine, without_search
 
@@ -18,6 +22,7 @@ BLIND = [
     *sorted((SOURCES / "identification").rglob("*.py")),
     *sorted((SOURCES / "tuning").glob("*.py")),
     SOURCES / "servo" / "rig.py",
+    *(SOURCES / "evaluation" / "arena" / f"{name}.py" for name in ("entrants", "tuning")),
 ]
 SETTINGS = ga.Settings(generations=3)
 
@@ -58,6 +63,20 @@ def test_a_description_that_lies_about_the_truth_changes_nothing(make_rig):
     honest = found(rig)
     falsify_description(rig.fmus / "drive.fmu")
     assert found(rig) == honest
+
+
+@pytest.mark.parametrize("name", ["static+ekbf", "lugre_network"])
+def test_nor_does_it_change_what_the_arena_tunes(tmp_path, name):
+    (drive,) = (one for one in default_drives() if one.name == "lugre")
+    build(tmp_path, Plan([drive], [name]))
+    fmus = tmp_path / drive.name
+
+    def tuned():
+        return tune(fmus, drive.loop, entrant(name), Budget(10), 0, Datasheet())
+
+    honest = tuned()
+    falsify_description(fmus / "drive.fmu")
+    assert tuned() == honest
 
 
 @pytest.mark.slow

@@ -7,8 +7,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.fleet.job import Outcome
 from stickslip.results.learned import SCHEMA, versions
+from stickslip.tuning.jobs import Outcome
 
 
 def quick(drive, seed, _=None):

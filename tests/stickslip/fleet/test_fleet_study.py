@@ -9,9 +9,9 @@ from fleet_jobs import Counting, Deadly, quick
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.fleet import fleet_table, learn_fleet
-from stickslip.fleet.running import DIED
 from stickslip.fleet.writing import write_fleet
 from stickslip.tuning.execution import Execution
+from stickslip.tuning.jobs import DIED
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,112 @@
+"""``stickslip arena``: compare all compensators on drives of all friction laws."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+
+from stickslip import models
+from stickslip.commands import FLAG, SEVERAL, add_options, at_least
+from stickslip.commands.execution import add_worker_options
+from stickslip.commands.progress import TerminalProgress
+from stickslip.errors import UsageError
+from stickslip.evaluation.arena.drives import default_drives, read_drives
+from stickslip.evaluation.arena.entrants import default_names, entrant
+from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
+from stickslip.evaluation.arena.table import arena_table, ranking
+from stickslip.evaluation.arena.tuning import Budget
+from stickslip.evaluation.arena.writing import FILES, write_arena
+from stickslip.results.folder import reserved
+from stickslip.tuning.execution import Execution
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = (
+        "Tune every compensator on every drive, with the same algorithm and budget and from"
+        " measured signals only, and validate it on motions that it was not tuned on. Writes"
+        " arena.csv and arena.html."
+    )
+    laws = f"only drives with these friction laws: {', '.join(models.law_names())}"
+    add_options(parser, {"--laws LAW": laws}, **SEVERAL)
+    names = "what competes, such as pi, static or lugre+ekbf (default: all)"
+    add_options(parser, {"--compensators NAME": names}, **SEVERAL)
+    add_options(parser, {"--drives FILE.toml": "drives instead of the default ones"}, type=Path)
+    only = "only these drives, by name"
+    add_options(parser, {"--only DRIVE": only}, **SEVERAL)
+    starts = "runs of each command, with other noise and another place between encoder steps"
+    add_options(parser, {"--seeds N": starts}, type=at_least(1), default=20)
+    evaluations = "budget of each compensator on each drive: candidates"
+    add_options(parser, {"--evaluations N": evaluations}, type=at_least(10), default=200)
+    seconds = "budget of each compensator on each drive: motion of the drive [s]"
+    add_options(parser, {"--seconds S": seconds}, type=float, default=2000.0)
+    seed = {"--seed": "random seed of the algorithm and of the coarse start values"}
+    add_options(parser, seed, type=at_least(0), default=0)
+    add_worker_options(parser, "cells")
+    parser.set_defaults(where="processes")
+    resume = "keep what an interrupted run has found with the same options"
+    add_options(parser, {"--resume": resume}, **FLAG)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the arena, write its files, print the ranking; return 1 if a cell failed."""
+    plan = _plan(options)
+    with reserved(options.out, FILES), TerminalProgress() as progress:
+        cells = len(plan.drives) * len(plan.entrants)
+        progress.stage(f"{cells} cells: {len(plan.entrants)} entrants on {len(plan.drives)} drives")
+        arena = run_arena(
+            plan,
+            options.out,
+            Execution(options.workers, options.where, resume=options.resume),
+            lambda done, total, name: progress.stage(f"{done} of {total}: {name}"),
+        )
+        table = arena_table(arena)
+        write_arena(arena, table, options.out)
+    _print(arena, table)
+    print(f"all results are in {options.out}; open arena.html first")
+    return 1 if arena.reasons else 0
+
+
+def _plan(options: argparse.Namespace) -> Plan:
+    """Return what the options choose.
+
+    Raises
+    ------
+    UsageError
+        When a law, a compensator or a drive is unknown.
+    """
+    if options.drives is None:
+        drives = default_drives(options.laws)
+    else:
+        drives = read_drives(options.drives, options.laws)
+    known = [drive.name for drive in drives]
+    if unknown := [name for name in options.only if name not in known]:
+        raise UsageError(f"--only {unknown[0]}: there are the drives {', '.join(known)}")
+    chosen = [drive for drive in drives if not options.only or drive.name in options.only]
+    names = list(dict.fromkeys(options.compensators or default_names()))
+    for name in names:
+        entrant(name)
+    return Plan(
+        chosen,
+        names,
+        Budget(options.evaluations, options.seconds),
+        options.seeds,
+        options.seed,
+    )
+
+
+def _print(arena: Arena, table: pd.DataFrame) -> None:
+    """Print what became of each entrant over all drives."""
+    found = ranking(table, arena.plan)
+    width = max(map(len, found.index))
+    print("errors relative to the tuned PI controller: geometric mean and worst over the drives")
+    print(f"{'':{width}} {'tuned on the drive':>20} {'carried over':>20}")
+    for name, row in found.iterrows():
+        cells = "".join(f"{value:10.3f}" for value in row)
+        print(f"{name:{width}} {cells}".replace("nan", "  -"))
+    for (drive, name), reason in arena.reasons.items():
+        print(f"{name} on {drive} failed: {reason}")

@@ -1,0 +1,120 @@
+"""The drives of the arena: a law, true parameters, a loop. What tunes does not see them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from stickslip import models
+from stickslip.errors import UsageError
+from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
+from stickslip.servo.axis import Axis
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
+
+AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
+"""The axis for which the loop is designed, whatever the drive is: that of the paper's stage."""
+_KEYS = {"title", "law", "parameters", "loop", "nominal"}
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive.
+
+    Attributes
+    ----------
+    name, title : short, and for people
+    law : name of its friction law
+    parameters : start values of the drive FMU, its truth
+    gains : K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty
+    nominal : whether what is tuned on it is carried over to the others
+    """
+
+    name: str
+    title: str
+    law: str
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+    nominal: bool = False
+
+    @property
+    def loop(self) -> VelocityLoop:
+        """The velocity loop, for the axis that the controller's design assumes."""
+        loop = design_velocity_loop(AXIS, LOOP)
+        if not self.gains:
+            return loop
+        return close_velocity_loop(AXIS, loop.T_s, loop.tau_f, self.gains["K_p"], self.gains["K_i"])
+
+    @property
+    def mass(self) -> float:
+        """The true mass [kg]."""
+        return float(self.parameters.get("m", AXIS.m))
+
+
+def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
+    """Return the drives of ``drives.toml``, and one of each law that none of them has.
+
+    Parameters
+    ----------
+    laws : only drives with one of these
+    """
+    content = parse_toml(files(__package__).joinpath("drives.toml").read_bytes())
+    found, common = _drives("drives.toml", content)
+    shown = {drive.law for drive in found}
+    for name in models.law_names():
+        if name not in shown:
+            found.append(Drive(name, models.load_law(name).title, name, common))
+    return _of_laws(found, laws)
+
+
+def read_drives(path: Path, laws: Sequence[str] | None = None) -> list[Drive]:
+    """Read the drives of a TOML file in the form of ``drives.toml``.
+
+    Raises
+    ------
+    UsageError
+        When it cannot be read, or a drive is not well formed.
+    """
+    try:
+        content = parse_toml(read_limited(path, MOST_TEXT))
+    except ValueError as error:
+        raise UsageError(f"{path}: {error}") from None
+    return _of_laws(_drives(str(path), content)[0], laws)
+
+
+def _of_laws(drives: list[Drive], laws: Sequence[str] | None) -> list[Drive]:
+    for name in laws or ():
+        models.load_law(name)
+    found = [drive for drive in drives if not laws or drive.law in laws]
+    if not found:
+        raise UsageError(f"no drive has one of the laws {', '.join(laws or ())}")
+    return found
+
+
+def _drives(where: str, content: dict[str, Any]) -> tuple[list[Drive], dict[str, float]]:
+    common = content.pop("measurement", {})
+    found = []
+    for name, table in content.items():
+        if not isinstance(table, dict) or not {"law"} <= table.keys() <= _KEYS:
+            raise UsageError(
+                f"{where}: drive '{name}': expected a table with law and, if needed,"
+                f" {', '.join(sorted(_KEYS - {'law'}))}"
+            )
+        if not name.replace("_", "").replace("-", "").isalnum():
+            raise UsageError(f"{where}: drive '{name}': expected letters, digits, '_' and '-'")
+        parameters = {**common, **table.get("parameters", {})}
+        try:
+            models.load_model("drive", table["law"]).with_start(parameters)
+        except models.ModelError as error:
+            raise UsageError(f"{where}: drive '{name}': {error}") from None
+        loop = table.get("loop", {})
+        if loop and set(loop) != {"K_p", "K_i"}:
+            raise UsageError(f"{where}: drive '{name}': loop: expected K_p and K_i")
+        title, nominal = table.get("title", name), table.get("nominal", False)
+        found.append(Drive(name, title, table["law"], parameters, loop, nominal))
+    if not found:
+        raise UsageError(f"{where}: expected a table for each drive, got none")
+    return found, common

@@ -1,0 +1,382 @@
+"""What competes: compensators, the controller alone, and combinations such as ``lugre+ekbf``.
+
+An entrant is data; see ``entrants.toml`` for what an entry says and for what enters without one.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from stickslip import ga, models
+from stickslip.catalog.parameters import PAPER, estimated, friction_law, parameter, scaled_start
+from stickslip.errors import UsageError
+from stickslip.fmi.files import parse_toml
+from stickslip.fmi.messages import suggestion
+from stickslip.models.export.units import force_and_length
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
+from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
+
+FEEDFORWARD = "compensator"
+"""Model that evaluates any law."""
+RANGE = 10.0
+"""Bounds of a parameter of a friction law, as a factor on its coarse start."""
+SPEED = 0.04
+"""Speed of the paper's commands [m/s], for which ``entrants.toml`` is written."""
+DEFLECTION = 2e-5
+"""Presliding deflection that is assumed before anything is tuned, at that speed [m]."""
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """What is known of a drive before it is tuned.
+
+    Attributes
+    ----------
+    friction : measured force of sliding [N]
+    speed : largest speed of the training command [m/s]
+    seed : of the errors of the coarse start values
+    """
+
+    friction: float
+    speed: float
+    seed: int = 0
+
+    def start(self, name: str, law: models.Law | None = None) -> float:
+        """Return a start value of a friction parameter, with an error as of a data sheet."""
+        known = law.parameters[name] if law and name in law.parameters else parameter(name)
+        value = scaled_start(known, self.friction, DEFLECTION * self.speed / SPEED)
+        rng = np.random.default_rng([self.seed, zlib.crc32(name.encode())])
+        return float(value * np.exp((known.spread or 0.0) * rng.standard_normal()))
+
+    def scale(self, unit: str) -> float:
+        """Return the factor on values of a unit that hold for the paper's stage."""
+        force, length = force_and_length(unit)
+        return float((self.friction / PAPER["F_c"]) ** force * (self.speed / SPEED) ** length)
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """An entrant with values for its genes, ready to run in a loop.
+
+    Attributes
+    ----------
+    loop : with the gains that it chooses
+    parameters : start values of the FMUs of its chain, ``component.variable``
+    """
+
+    loop: VelocityLoop
+    parameters: Mapping[str, float]
+
+
+Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[str, float]]
+
+
+def kalman(
+    genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
+) -> dict[str, float]:
+    """Return the gains of a stationary Kalman filter; rate and noise are in units of friction."""
+    rate, noise = genes["rate"] * coarse.friction, genes["noise"] * coarse.friction
+    weights = FilterSpecification(sheet.encoder_step, noise, rate)
+    found = design_velocity_filter(loop.axis, loop.T_s, weights)
+    rest = {name: value for name, value in genes.items() if name not in ("rate", "noise")}
+    return {"L_x": found.L_x, "L_v": found.L_v, "L_d": found.L_d, **rest}
+
+
+DESIGNS: dict[str, Design] = {"kalman": kalman}
+
+
+@dataclass(frozen=True)
+class Part:
+    """One entry: a compensator, or other gains of the controller.
+
+    Attributes
+    ----------
+    ranges : lowest value, start and highest value of a gene, by name
+    values : parameters that are not tuned
+    design : of ``DESIGNS``; empty where genes are parameters
+    own_ports : how an FMU of the user is connected
+    """
+
+    name: str
+    title: str
+    model: str = ""
+    law: models.Law | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    design: str = ""
+    controller: bool = False
+    own_ports: models.Ports | None = None
+
+    @property
+    def file(self) -> str:
+        """Name of its FMU, without suffix."""
+        return f"{self.model}_{self.law.name}" if self.law else self.model
+
+    @property
+    def compensator(self) -> Compensator | None:
+        """Its component in a loop; None where only the controller changes."""
+        if not self.model:
+            return None
+        return Compensator(self.name, self.model, self.values, self.file, self.own_ports)
+
+    @cached_property
+    def ports(self) -> models.Ports | None:
+        """How it is connected."""
+        return self.compensator.ports if self.compensator else None
+
+    @cached_property
+    def friction(self) -> tuple[str, ...]:
+        """Its parameters that are those of a friction law."""
+        if self.law is not None:
+            return estimated(self.law)
+        if not self.model or self.own_ports is not None:
+            return ()
+        own = {v.name for v in models.load_model(self.model).variables if v.role == "parameter"}
+        return tuple(name for name in estimated(friction_law()) if name in own)
+
+    def elements(self, name: str) -> list[str]:
+        """Return the names of the elements of an array, or a name that is no array."""
+        return [one for one in self._units if one.partition("[")[0] == name] or [name]
+
+    @property
+    def learns(self) -> bool:
+        """Whether it learns by itself while it runs, and keeps what it has learned."""
+        return self.ports is not None and bool(self.ports.frozen)
+
+    def genes(self, coarse: Coarse) -> list[ga.Gene]:
+        """Return what is tuned: its own genes, then the parameters of friction."""
+        found = [
+            _gene(f"{self.name}.{name}", span, coarse.scale(self._unit(name)))
+            for name, span in self.ranges.items()
+        ]
+        if self.learns:  # friction parameters are what it learns
+            return found
+        for name in self.friction:
+            if name not in self.ranges:
+                start = coarse.start(name, self.law)
+                span = start / RANGE, start, start * RANGE
+                found.append(_gene(f"{self.name}.{name}", span, 1.0))
+        return found
+
+    def parameters(
+        self, genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
+    ) -> dict[str, float]:
+        """Return the parameters of its FMU for values of its genes."""
+        coarsely = {name: coarse.start(name, self.law) for name in self.friction}
+        designed = DESIGNS[self.design](genes, loop, coarse, sheet) if self.design else genes
+        return {**coarsely, **self.values, **designed}
+
+    def _unit(self, name: str) -> str:
+        return self._units.get(name, "1")
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        if not self.model or self.own_ports is not None:
+            return {}
+        model = models.load_model(self.model, self.law.name if self.law else None)
+        return {v.name: v.unit or "1" for v in model.variables}
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """A combination of parts, in the order in which their forces are added."""
+
+    parts: tuple[Part, ...]
+
+    @property
+    def name(self) -> str:
+        """The names of its parts with a plus between them."""
+        return "+".join(part.name for part in self.parts)
+
+    @property
+    def title(self) -> str:
+        """Its parts for people."""
+        return " + ".join(part.title for part in self.parts)
+
+    @property
+    def chain(self) -> list[Compensator]:
+        """Its compensators."""
+        return [one for part in self.parts if (one := part.compensator) is not None]
+
+    @property
+    def knows_friction(self) -> bool:
+        """Whether it assumes how friction depends on the motion."""
+        return any(part.friction for part in self.parts)
+
+    @property
+    def learned(self) -> dict[str, str]:
+        """Parameters that take over what a run has learned, and the variables that show it."""
+        return {
+            f"{part.name}.{element}": f"{part.name}.{element.replace(parameter, variable, 1)}"
+            for part in self.parts
+            if part.ports is not None
+            for parameter, variable in part.ports.learned.items()
+            for element in part.elements(parameter)
+        }
+
+    @property
+    def frozen(self) -> dict[str, float]:
+        """Parameters with which nothing is learned."""
+        return {
+            f"{part.name}.{name}": value
+            for part in self.parts
+            if part.ports is not None
+            for name, value in part.ports.frozen.items()
+        }
+
+    def problem(self, coarse: Coarse) -> ga.Problem | None:
+        """Return what is searched; None where nothing is."""
+        genes = [gene for part in self.parts for gene in part.genes(coarse)]
+        if not genes:
+            return None
+        names = {gene.name for gene in genes}
+        pairs = [
+            ga.AtLeast(f"{part.name}.{name}", f"{part.name}.{bound}")
+            for part in self.parts
+            for name in part.friction
+            if (bound := parameter(name).at_least)
+        ]
+        kept = tuple(one for one in pairs if {one.larger, one.smaller} <= names)
+        return ga.Problem(genes, Repairs(kept) if kept else None)
+
+    def tuned(
+        self, genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
+    ) -> Tuned:
+        """Return the loop and the parameters of the chain for values of the genes.
+
+        Raises
+        ------
+        ControlError
+            When the gains leave the loop unstable.
+        """
+        values: dict[str, float] = {}
+        for part in self.parts:
+            prefix = f"{part.name}."
+            own = {n.removeprefix(prefix): x for n, x in genes.items() if n.startswith(prefix)}
+            if part.controller:
+                gains = {name: getattr(loop, name) * factor for name, factor in own.items()}
+                loop = close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **gains)
+            elif part.model:
+                found = part.parameters(own, loop, coarse, sheet)
+                values |= {f"{prefix}{name}": value for name, value in found.items()}
+        return Tuned(loop, values)
+
+
+@dataclass(frozen=True)
+class Repairs:
+    """Several constraints, one after the other."""
+
+    pairs: tuple[ga.AtLeast, ...]
+
+    def __call__(self, values: Any, genes: Sequence[ga.Gene]) -> Any:
+        """Repair a population (n, k)."""
+        for pair in self.pairs:
+            values = pair(values, genes)
+        return values
+
+
+def _gene(name: str, span: Sequence[float], scale: float) -> ga.Gene:
+    low, start, high = (scale * value for value in span)
+    return ga.Gene(name, low, high, start, linear=low <= 0.0)
+
+
+@cache
+def parts() -> dict[str, Part]:
+    """Return all parts by name: those of ``entrants.toml``, then what enters without an entry."""
+    content = _content()
+    content.pop("combinations")
+    found = {name: _part(name, table) for name, table in content.items()}
+    for name in models.law_names():
+        law = models.load_law(name)
+        found.setdefault(name, Part(name, f"{law.title} feedforward", FEEDFORWARD, law))
+    known = {part.model for part in found.values()}
+    for name in models.model_names():
+        model = models.load_model(name)
+        if name not in known and model.ports is not None:
+            found.setdefault(name, Part(name, model.title, name, ranges=_ranges(model)))
+    return found
+
+
+def default_names() -> list[str]:
+    """Return the names of all entrants: every part, then the combinations."""
+    return [*parts(), *_content()["combinations"]]
+
+
+def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
+    """Return an entrant by its name.
+
+    Parameters
+    ----------
+    further : parts of the user
+
+    Raises
+    ------
+    UsageError
+        When one of its parts is unknown, or cannot follow the one before it.
+    """
+    known = {**parts(), **(further or {})}
+    for word in name.split("+"):
+        if word not in known:
+            hint = suggestion(word, known) or f"; there are {', '.join(known)}"
+            raise UsageError(f"compensator '{name}': there is no '{word}'{hint}")
+    found = Entrant(tuple(known[word] for word in name.split("+")))
+    if len({part.name for part in found.parts}) < len(found.parts):
+        raise UsageError(f"compensator '{name}': each part can be there once only")
+    for part in found.parts:
+        after = found.chain[1:]
+        if part.compensator in after and "F_added" not in part.compensator.ports.inputs.values():
+            raise UsageError(
+                f"compensator '{name}': '{part.name}' must come first, because it cannot"
+                " take the force of another one"
+            )
+    return found
+
+
+@cache
+def _text() -> bytes:
+    return files(__package__).joinpath("entrants.toml").read_bytes()
+
+
+def _content() -> dict[str, Any]:
+    return parse_toml(_text())
+
+
+def _part(name: str, table: Mapping[str, Any]) -> Part:
+    law = table.get("law")
+    part = Part(
+        name,
+        table["title"],
+        table.get("model", ""),
+        models.load_law(law) if law else None,
+        table.get("values", {}),
+        {gene: tuple(span) for gene, span in table.get("genes", {}).items()},
+        table.get("design", ""),
+        table.get("controller", False),
+    )
+    if part.model == FEEDFORWARD and part.law is None:
+        return replace(part, law=models.load_model(FEEDFORWARD).law)
+    return part
+
+
+def _ranges(model: models.Model) -> dict[str, tuple[float, float, float]]:
+    """Return ranges of the tuned parameters of a compensator without an entry."""
+    assert model.ports is not None  # noqa: S101 - it is a compensator
+    friction, found = estimated(friction_law()), {}
+    for variable in model.variables:
+        if variable.name in model.ports.tuned and variable.name not in friction:
+            low, high = variable.minimum or 0.0, variable.maximum or np.inf
+            start = variable.start
+            if start > 0.0 and high > 1.0:
+                low, high = max(low, start / RANGE), min(high, start * RANGE)
+            if low < high < np.inf:
+                found[variable.name] = low, start, high
+    return found

@@ -1,0 +1,308 @@
+"""arena.html: heat maps, Pareto fronts, and a time plot of each cell on click."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.evaluation.arena.commands import COMMANDS
+from stickslip.evaluation.arena.entrants import Entrant, entrant
+from stickslip.evaluation.arena.protocol import Arena
+from stickslip.evaluation.arena.table import PI, budget_text, ranking, relative_errors
+from stickslip.evaluation.arena.validation import POINTS
+from stickslip.report import style
+from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
+from stickslip.report.page import Illustration, Section, made_with
+from stickslip.report.quantity import number
+from stickslip.servo.observer import LIMIT
+
+TITLE = "Friction compensators compared"
+FIGURES = ("pareto",)
+DEEP = 3.0
+"""Factor on the error at which the colour of a cell is the deepest."""
+_BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
+"""Colours of errors below and above those of the tuned PI controller."""
+
+
+def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
+    """Return the sections of the page.
+
+    Parameters
+    ----------
+    found : see ``table.arena_table``
+    """
+    shown = [
+        _head(arena, found),
+        _heat_maps(arena, found),
+        _pareto(arena, found),
+        _protocol(arena),
+        _failures(arena),
+        Section("Made with", made_with(), _script(arena)),
+    ]
+    return [section for section in shown if section is not None]
+
+
+def _head(arena: Arena, found: pd.DataFrame) -> Section:
+    plan, order = arena.plan, ranking(found, arena.plan)
+    drives, starts = len(plan.drives), plan.starts
+    texts = [
+        paragraph(
+            f"{len(plan.entrants)} entrants on {drives} simulated drives. Each is tuned by the"
+            f" same genetic algorithm from the encoder and the motor force ({budget_text(plan)}),"
+            " and validated by the true velocity on motions on which it was not tuned,"
+            f" {starts} runs each."
+        )
+    ]
+    if PI not in plan.entrants:
+        texts.append(
+            paragraph("The heat maps need the entrant “pi”, to which errors are relative.")
+        )
+        return Section("", *texts)
+    tiles = []
+    for column, name in (("mean here", "tuned on each drive"), ("mean carried", "carried over")):
+        ranked = order[column].dropna()
+        if len(ranked):
+            best = str(ranked.idxmin())
+            worst = float(order[column.replace("mean", "worst")][best])
+            beside = (
+                f"{number(float(ranked[best]), 3)} times the error of the tuned PI controller",
+                f"at worst {number(worst, 3)}",
+            )
+            tiles.append(tile(f"Best over all drives, {name}", best, *beside))
+    return Section("", *texts, element("div", *tiles, class_="tiles"))
+
+
+def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
+    plan = arena.plan
+    if PI not in plan.entrants:
+        return None
+    parts: list[Html | Illustration | list[Illustration]] = [
+        paragraph(
+            "Error relative to that of the PI controller tuned on the same drive: geometric mean"
+            f" over {', '.join(one.title for one in COMMANDS.values())}. Blue is better, orange"
+            " worse. Entrants without knowledge of friction come first. A cell shows its velocity"
+            " error over time when it is clicked."
+        ),
+        _heat_map(arena, found, carried=False),
+    ]
+    if plan.nominal is not None:
+        parts.append(_heat_map(arena, found, carried=True))
+    marked = "" if not _marked(arena) else f" * Ms above {LIMIT:g}."
+    parts.append(
+        quiet(
+            "Mean and worst are over the drives. A run that fails, or a loop that is unstable,"
+            f" leaves an empty cell.{marked}"
+        )
+    )
+    return Section("Who does best on which drive", *parts)
+
+
+def _heat_map(arena: Arena, found: pd.DataFrame, *, carried: bool) -> Html:
+    plan = arena.plan
+    wide = relative_errors(found, plan, carried=carried)
+    order = ranking(found, plan)
+    label = "carried" if carried else "here"
+    nominal = plan.nominal.name if plan.nominal else ""
+    marked = _marked(arena)
+    heads = [element("th", "", scope="col")]
+    heads += [
+        element("th", element("span", drive.name.replace("_", " ")), scope="col", title=drive.title)
+        for drive in plan.drives
+    ]
+    heads += [element("th", element("span", text), scope="col") for text in ("mean", "worst")]
+    rows = []
+    entrants = sorted((entrant(name, arena.further) for name in plan.entrants), key=_knowledge)
+    for one in entrants:
+        cells = [element("th", one.name, scope="row", title=one.title)]
+        for drive in plan.drives:
+            tuned_on = nominal if carried else drive.name
+            value = float(wide[drive.name][one.name])
+            mark = "*" if (drive.name, one.name, tuned_on) in marked else ""
+            cells.append(_cell(value, mark, f"{drive.name}|{one.name}|{tuned_on}"))
+        cells += [
+            _cell(float(order[f"{figure} {label}"][one.name]), "", "")
+            for figure in ("mean", "worst")
+        ]
+        rows.append(element("tr", *cells))
+    title = f"Tuned on {nominal}, carried over" if carried else "Tuned on the drive itself"
+    whole = element(
+        "table",
+        element("caption", element("span", title)),
+        element("thead", element("tr", *heads)),
+        element("tbody", join(rows, "\n")),
+        class_="heat",
+    )
+    return element("div", whole, class_="scroll", tabindex="0", role="region", aria_label=title)
+
+
+def _knowledge(one: Entrant) -> tuple[bool, bool]:
+    return one.knows_friction, len(one.parts) > 1
+
+
+def _marked(arena: Arena) -> set[tuple[str, str, str]]:
+    return {
+        (drive, name, tuned_on)
+        for (drive, name), document in arena.documents.items()
+        for tuned_on, validated in document["validated"].items()
+        if not validated["peaks"]["Ms"] <= LIMIT
+    }
+
+
+def _cell(value: float, mark: str, place: str) -> Html:
+    if not np.isfinite(value):
+        return element("td", "–")
+    depth = min(abs(np.log(value)) / np.log(DEEP), 1.0) * 0.85
+    colour = _BETTER if value < 1.0 else _WORSE
+    shade = ",".join(str(round(255 + depth * (c - 255))) for c in colour)
+    ink = "#fff" if depth > 0.5 and value < 1.0 else "#1a1a1a"
+    text = f"{value:.2f}{mark}" if value < 9.995 else f"{value:.3g}{mark}"
+    inside = element("button", text, type="button", data_cell=place) if place else text
+    return element("td", inside, style=f"background:rgb({shade});color:{ink}")
+
+
+def _pareto(arena: Arena, found: pd.DataFrame) -> Section | None:
+    if PI not in arena.plan.entrants:
+        return None
+    points = _points(arena, found)
+    text = (
+        "Error is that of the first heat map, the mean over the drives. Control effort is the mean"
+        " rate at which the force command changes along the trapezoid, relative to that of the"
+        " controller alone or, where it is missing, of the tuned PI controller. Learning time is"
+        " the motion of the drive after which the training error was within 5 % of that at the"
+        " end. The line joins entrants that no other one surpasses in both."
+    )
+    shown = Illustration(
+        "pareto",
+        partial(_draw_pareto, points),
+        "Error against control effort, and against learning time, of each entrant",
+        text,
+    )
+    rows = [
+        (name, *(number(float(value), 3) for value in row))
+        for name, row in zip(points.index, points.to_numpy(), strict=True)
+    ]
+    heads = ("Entrant", "Error", "Control effort", "Learning time [s]", "Largest Ms")
+    return Section(
+        "Error, effort and learning time", shown, table(heads, rows, "Means over the drives")
+    )
+
+
+def _points(arena: Arena, found: pd.DataFrame) -> pd.DataFrame:
+    """Return error, effort, learning time [s] and Ms, a row an entrant that has all of them."""
+    here = found[found["tuned_on"] == found["drive"]]
+
+    def wide(metric: str, command: str | None) -> pd.DataFrame:
+        rows = here[here["metric"] == metric]
+        if command is not None:
+            rows = rows[rows["command"] == command]
+        return rows.pivot_table("median", "compensator", "drive")
+
+    variation = wide("variation", "T")
+    base = variation.loc["none" if "none" in variation.index else PI]
+    order = ranking(found, arena.plan)
+    columns = {
+        "error": order["mean here"],
+        "effort": np.exp(np.log(variation / base).mean(axis=1)),
+        "time": wide("motion until tuned", None).mean(axis=1),
+        "Ms": wide("Ms", None).max(axis=1),
+    }
+    return pd.DataFrame(columns).reindex(list(arena.plan.entrants)).dropna()
+
+
+def _draw_pareto(points: pd.DataFrame) -> Figure:
+    figure = style.new_figure(style.PAGE, 105.0)
+    panels = figure.subplots(1, 2, sharey=True)
+    _front(panels[0], points["effort"], points["error"])
+    panels[0].set(xlabel="Control effort, relative", ylabel="Error relative to the tuned PI")
+    _front(panels[1], points["time"].clip(lower=1.0), points["error"])
+    panels[1].set(xlabel="Learning time [s]", xscale="log")
+    for axes, letter, title in zip(panels, "ab", ("effort", "learning time"), strict=True):
+        style.name_panel(axes, letter, f"Error against {title}")
+        axes.margins(x=0.16)
+    return figure
+
+
+def _front(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
+    """Draw points with their names, and the line of those that none surpasses."""
+    best = [
+        name
+        for name in x.index
+        if not any((x[o] <= x[name]) & (y[o] <= y[name]) & (o != name) for o in x.index)
+    ]
+    best.sort(key=lambda name: float(x[name]))
+    axes.plot(x[best], y[best], color=style.WITH, lw=style.LINE, zorder=1)
+    colours = [style.WITH if name in best else style.GREY for name in x.index]
+    axes.scatter(x, y, s=14, c=colours, zorder=2)
+    for name, colour in zip(x.index, colours, strict=True):
+        axes.annotate(
+            name,
+            (float(x[name]), float(y[name])),
+            xytext=(3, 2),
+            textcoords="offset points",
+            fontsize=6.5,
+            color=colour,
+        )
+
+
+def _protocol(arena: Arena) -> Section:
+    plan = arena.plan
+    drives = [(one.name, one.title, one.law) for one in plan.drives]
+    entrants = [(name, entrant(name, arena.further).title) for name in plan.entrants]
+    return Section(
+        "Protocol",
+        table(
+            ("Drive", "", "Law"),
+            drives,
+            "Drives",
+            (0, 1, 2),
+        ),
+        table(("Entrant", ""), entrants, "Entrants", (0, 1)),
+        quiet(
+            "What tunes does not know the parameters of a drive. Linear loops are limited to Ms"
+            f" {LIMIT:g} while tuning. Start values are coarse, with the errors of a data sheet,"
+            " and the same for all entrants. arena.csv has every metric."
+        ),
+    )
+
+
+def _failures(arena: Arena) -> Section | None:
+    rows = [(drive, name, reason) for (drive, name), reason in arena.reasons.items()]
+    for (drive, name), document in arena.documents.items():
+        for tuned_on, validated in document["validated"].items():
+            if validated["reason"]:
+                rows.append((drive, f"{name}, tuned on {tuned_on}", validated["reason"]))
+    if not rows:
+        return None
+    return Section(
+        "What failed", table(("Drive", "Entrant", "Reason"), rows, "Failures", (0, 1, 2))
+    )
+
+
+def _script(arena: Arena) -> Html:
+    """Return the time plots as data, and the script that draws one when its cell is clicked."""
+    cells = {
+        f"{drive}|{name}|{tuned_on}": validated["plots"]
+        for (drive, name), document in arena.documents.items()
+        for tuned_on, validated in document["validated"].items()
+    }
+    motions = {
+        name: {"title": one.title, "duration": one.motion.duration}
+        for name, one in COMMANDS.items()
+    }
+    data = {"cells": cells, "motions": motions, "points": POINTS, "reference": PI}
+    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    folder = files(__package__)
+    look = folder.joinpath("arena.css").read_text(encoding="utf-8")
+    code = folder.joinpath("arena.js").read_text(encoding="utf-8")
+    return Html(
+        f"<style>\n{look}</style>\n"
+        '<dialog id="cell" aria-label="Time plots of a cell"></dialog>\n'
+        f'<script type="application/json" id="data">{text}</script>\n<script>\n{code}</script>'
+    )

@@ -1,0 +1,208 @@
+"""Tuning of an entrant on a drive, from its encoder and its motor force.
+
+Every entrant has the same command, the same algorithm and the same budget: so many evaluations, and
+so many seconds of motion of the drive. A candidate whose linear loop has a peak sensitivity above
+the limit is not run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import cosim, ga
+from stickslip.evaluation.arena.commands import PASSES, training
+from stickslip.evaluation.arena.course import Course
+from stickslip.evaluation.arena.entrants import Coarse, Entrant, Tuned, entrant
+from stickslip.servo.axis import ControlError
+from stickslip.servo.chain_response import ChainResponse, Robustness
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.measurement import Array
+from stickslip.servo.observer import LIMIT
+from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.tuning.learning import VelocityCost
+
+SLIDING = 0.5
+"""Share of the largest speed of the command above which the drive slides."""
+NEAR = 1.05
+"""A cost of at most so many times that at the end counts as tuned."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What each entrant may use on each drive.
+
+    Attributes
+    ----------
+    evaluations : candidates
+    seconds : of motion of the drive [s]
+    """
+
+    evaluations: int = 200
+    seconds: float = 2000.0
+
+    def runs(self, duration: float) -> int:
+        """Return how many candidates can be evaluated, each with a run of a duration [s]."""
+        return max(1, min(self.evaluations, int(self.seconds / duration)))
+
+
+@dataclass(frozen=True)
+class Found:
+    """An entrant as it was tuned.
+
+    Attributes
+    ----------
+    genes : values by name; empty where nothing is tuned
+    learned : parameters that it learned while it ran
+    coarse : what the drive showed before
+    cost : RMS of v - v_r in the counted part of the training command [m/s]
+    evaluations : candidates that were evaluated
+    seconds : of motion of the drive that were used [s]
+    soon : seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
+    peak : peak sensitivity Ms of the linear loop
+    """
+
+    genes: Mapping[str, float]
+    learned: Mapping[str, float]
+    coarse: Coarse
+    cost: float
+    evaluations: int
+    seconds: float
+    soon: float
+    peak: float
+
+    def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> Tuned:
+        """Return what it found, to be validated in a loop: nothing is learned any more."""
+        tuned = entrant.tuned(self.genes, loop, self.coarse, sheet)
+        return replace(tuned, parameters={**tuned.parameters, **self.learned, **entrant.frozen})
+
+
+def measure(fmus: Path, loop: VelocityLoop, seed: int) -> Coarse:
+    """Return the friction that a drive shows in one run of the training command."""
+    v_cmd = training(loop.T_s)
+    with Course(fmus, loop, entrant("none"), len(v_cmd), ("drive.F_m",)) as course:
+        F_m = course.run(Tuned(loop, {}), v_cmd)["drive.F_m"]
+    speed = float(np.abs(v_cmd).max())
+    moving = np.abs(v_cmd) > SLIDING * speed
+    inert = loop.axis.m * np.gradient(v_cmd, loop.T_s) + loop.axis.b * v_cmd
+    friction = np.median((np.sign(v_cmd) * (F_m - inert))[moving])
+    return Coarse(max(float(friction), 1e-3 * float(np.abs(F_m).max())), speed, seed)
+
+
+def tune(
+    fmus: Path, loop: VelocityLoop, one: Entrant, budget: Budget, seed: int, sheet: Datasheet
+) -> Found:
+    """Tune an entrant on the drive in a folder of FMUs.
+
+    Raises
+    ------
+    NothingLearned
+        When no candidate of the first generation can be run within the limit of Ms.
+    """
+    coarse = measure(fmus, loop, seed)
+    v_cmd = training(loop.T_s)
+    problem = one.problem(coarse)
+    variables = one.learned
+    with (
+        ChainResponse(fmus, loop, one.chain) as response,
+        Course(fmus, loop, one, len(v_cmd), ("drive.x_enc", "nominal.v_r")) as course,
+    ):
+        trial = _Trial(one, course, response, coarse, v_cmd, sheet)
+        genes: dict[str, float] = {}
+        if problem is not None:
+            limits = ga.Limits(evaluations=budget.runs(trial.duration))
+            algorithm = ga.optimiser("default", problem, limits, seed=seed)
+            genes = ga.learn(algorithm, trial).parameters
+        tuned = one.tuned(genes, loop, coarse, sheet)
+        robust = trial.robustness(tuned)
+        cost = trial.error(tuned, robust)
+    learned: dict[str, float] = {}
+    if variables:
+        record = cosim.Record(tuple(variables.values()), keep="last")
+        with Course(fmus, loop, one, len(v_cmd), record) as course:
+            last = course.run(tuned, v_cmd)
+            learned = {name: float(last[shown][-1]) for name, shown in variables.items()}
+    runs = [found for found in trial.costs if np.isfinite(found)]
+    best = np.minimum.accumulate([*trial.costs]) if trial.costs else np.zeros(0)
+    near = int(np.argmax(best <= NEAR * best[-1])) + 1 if len(best) else 0
+    used = np.isfinite(trial.costs)
+    return Found(
+        genes,
+        learned,
+        coarse,
+        cost,
+        len(trial.costs),
+        len(runs) * trial.duration,
+        float(np.count_nonzero(used[:near])) * trial.duration,
+        robust.peak,
+    )
+
+
+class _Trial:
+    """The cost of a candidate: RMS of v - v_r [m/s], as measured and by noise.
+
+    An observer that makes the drive follow the steps of its encoder seems to track well, because
+    the encoder shows it so. What the noise of the encoder adds to the true velocity is therefore
+    computed, from the linear loop, and counts as well.
+    """
+
+    fatal = (cosim.CosimError,)
+
+    def __init__(
+        self,
+        one: Entrant,
+        course: Course,
+        response: ChainResponse,
+        coarse: Coarse,
+        v_cmd: Array,
+        sheet: Datasheet,
+    ) -> None:
+        self.one, self.course, self.response = one, course, response
+        self.coarse, self.v_cmd, self.sheet = coarse, v_cmd, sheet
+        problem = one.problem(coarse)
+        self.names = problem.names if problem else []
+        self.criterion = VelocityCost(course.loop.T_s)
+        self.duration = len(v_cmd) * course.loop.T_s
+        self.costs: list[float] = []
+
+    def __call__(self, values: Array) -> float:
+        """Return the cost of a candidate (k,).
+
+        Raises
+        ------
+        CandidateFailed
+            When its loop is unstable or above the limit of Ms, or the run fails.
+        """
+        self.costs.append(float("inf"))
+        try:
+            tuned = self.tuned(values)
+        except ControlError as error:
+            raise ga.CandidateFailed(str(error)) from error
+        robust = self.robustness(tuned)
+        if not robust.peak <= LIMIT:
+            raise ga.CandidateFailed(f"Ms = {robust.peak:.3g}, expected at most {LIMIT:g}")
+        self.costs[-1] = self.error(tuned, robust)
+        return self.costs[-1]
+
+    def robustness(self, tuned: Tuned) -> Robustness:
+        """Return how robust the linear loop is."""
+        return self.response.of(tuned.loop, tuned.parameters, self.coarse.friction)
+
+    def tuned(self, values: Array) -> Tuned:
+        """Return the entrant with the values (k,) of a candidate."""
+        genes = dict(zip(self.names, values.tolist(), strict=True))
+        return self.one.tuned(genes, self.course.loop, self.coarse, self.sheet)
+
+    def error(self, tuned: Tuned, robust: Robustness) -> float:
+        """Return the error of a run [m/s]."""
+        try:
+            result = self.course.run(tuned, self.v_cmd)
+        except cosim.SimulationError as error:
+            raise ga.CandidateFailed(str(error)) from error
+        gap = self.criterion.gap(result)
+        square = np.mean(gap[len(gap) - len(gap) // PASSES :] ** 2)
+        noise = robust.noise * self.sheet.encoder_step
+        return float(np.sqrt(square + noise**2 / 12.0))

@@ -1,0 +1,39 @@
+"""The files of an arena."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from stickslip.evaluation.arena.page import FIGURES, TITLE, sections
+from stickslip.evaluation.arena.protocol import UNFINISHED, Arena
+from stickslip.fmi.files import atomic_write
+from stickslip.report.page import picture_files, write_page
+from stickslip.results.folder import remove_results, staged
+
+TABLE, PAGE = "arena.csv", "arena.html"
+FILES = (TABLE, PAGE, *picture_files(FIGURES))
+
+
+def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
+    """Write arena.csv, arena.html and its figures, and remove what was kept meanwhile.
+
+    Raises
+    ------
+    UsageError
+        When a file to be replaced is the user's.
+    OSError
+        When a file cannot be written.
+    """
+    plan = arena.plan
+    command = {
+        "name": "arena",
+        "drives": [drive.name for drive in plan.drives],
+        "compensators": list(plan.entrants),
+    }
+    with staged(folder, command, without=FILES) as staging:
+        write_page(staging, TITLE, sections(arena, table), PAGE)
+        atomic_write(staging / TABLE, table.to_csv(index=False, lineterminator="\n"))
+    if not arena.reasons:
+        remove_results(folder / UNFINISHED)

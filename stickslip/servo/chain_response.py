@@ -1,0 +1,137 @@
+"""The peak sensitivity of a loop with any chain of compensators, measured on their FMUs.
+
+In motion at constant velocity a sampled compensator is a linear system. Its response to an impulse
+at each of its inputs is the difference of two runs of its FMU, without knowledge of what it
+computes, so this holds for a compensator of the user's as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from stickslip import cosim
+from stickslip.servo.measurement import Array
+from stickslip.servo.sensitivity import ComplexArray, Opened
+from stickslip.servo.systems import Compensator, lone_chain
+from stickslip.servo.velocity_loop import VelocityLoop
+
+SAMPLES = 2048
+"""Length of the impulse responses."""
+LOWEST = 4
+"""Lowest frequency, in oscillations over that length, at which they are evaluated."""
+SETTLED = 400
+"""Samples at the operating point before the impulse."""
+SPEED = 0.01
+"""Operating point [m/s]: sliding, where friction adds next to nothing to the loop."""
+CHANGES = {"x_enc": 1e-9, "F_motor": 1e-6, "v_est": 1e-9, "u": 1e-6}
+"""Size of the impulse [m, N, m/s, N]: small against a Stribeck velocity and a presliding force."""
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """What the linear loop tells; infinite if it is unstable.
+
+    Attributes
+    ----------
+    peak : peak sensitivity Ms
+    noise : RMS of the velocity by white noise of the encoder, relative to that of the noise [1/s]
+    """
+
+    peak: float
+    noise: float
+
+
+class ChainResponse:
+    """Measures a chain of compensators again and again, with other parameters.
+
+    Parameters
+    ----------
+    fmus : folder of the FMUs
+    chain : compensators in the order in which their forces are added
+    """
+
+    def __init__(self, fmus: Path, loop: VelocityLoop, chain: Sequence[Compensator]) -> None:
+        roles = {role for one in chain for role in one.ports.inputs.values()}
+        self._roles = [role for role in CHANGES if role in roles]
+        self._simulation: cosim.Simulation | None = None
+        self._opened: tuple[VelocityLoop, Opened] | None = None
+        if self._roles:
+            system, self._force = lone_chain(fmus, loop, chain)
+            stop = (SETTLED + SAMPLES) * loop.T_s
+            self._simulation = system.prepare(step=loop.T_s, stop=stop, record=(self._force,))
+
+    def of(
+        self,
+        loop: VelocityLoop,
+        values: Mapping[str, float],
+        friction: float,
+        m: float | None = None,
+    ) -> Robustness:
+        """Return how robust a loop with the chain is.
+
+        Parameters
+        ----------
+        values : parameters of the chain, ``component.variable``
+        friction : force of sliding [N], by which the motor moves the axis
+        m : true mass [kg], by default that of the loop's axis
+        """
+        opened, stable = self._opened_at(loop, m), True
+        measured = self._responses(loop, values, friction) if self._simulation else {}
+        found, stable = opened.response_with(measured)
+        if not stable:
+            return Robustness(np.inf, np.inf)
+        density = 2.0 * loop.T_s * np.abs(found.noisy) ** 2
+        return Robustness(found.peak, float(np.sqrt(np.trapezoid(density, opened.f))))
+
+    def _opened_at(self, loop: VelocityLoop, m: float | None) -> Opened:
+        """Return the loop without the chain; that of the last call where it is the same."""
+        known = self._opened
+        if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
+            f = np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
+            known = self._opened = loop, Opened(loop, m, f)
+        return known[1]
+
+    def _responses(
+        self, loop: VelocityLoop, values: Mapping[str, float], friction: float
+    ) -> dict[str, ComplexArray]:
+        """Return the response of the chain's force to each signal that it takes, (n,)."""
+        n = np.arange(SETTLED + SAMPLES + 1)
+        force = np.full(len(n), friction + loop.axis.b * SPEED)
+        still: dict[str, Array] = {
+            "v_ref": np.full(len(n), SPEED),
+            "x_enc": np.asarray(SPEED * loop.T_s * n, dtype=float),
+            "F_motor": force,
+            "v_est": np.full(len(n), SPEED),
+            "u": force,
+        }
+        assert self._simulation is not None  # noqa: S101 - a signal is measured
+        still = {role: still[role] for role in self._simulation.spec.system.inputs}
+        before = self._run(values, still)
+        found = {}
+        for role in self._roles:
+            moved = still[role].copy()
+            moved[SETTLED] += CHANGES[role]
+            impulse = (self._run(values, {**still, role: moved}) - before) / CHANGES[role]
+            # Row k + 1 shows the force from sample k on.
+            found[role] = np.fft.rfft(impulse[SETTLED + 1 :], 2 * SAMPLES)[LOWEST:]
+        return found
+
+    def _run(self, values: Mapping[str, float], inputs: Mapping[str, Array]) -> Array:
+        assert self._simulation is not None  # noqa: S101
+        return np.asarray(self._simulation.run(values, inputs)[self._force])
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        if self._simulation is not None:
+            self._simulation.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

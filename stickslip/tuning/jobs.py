@@ -1,0 +1,155 @@
+"""Jobs on an executor: each is done once, whatever becomes of workers."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import parent_process
+from typing import TypeVar
+
+from threadpoolctl import threadpool_limits
+
+from stickslip import ga
+from stickslip.errors import StickslipError
+from stickslip.fmi.process import Threads, cancel_all, interrupted_by, interruptible, wait_first
+from stickslip.ga.execution.evaluation import received
+
+ALONE = 2
+"""How often an item whose worker died is tried alone."""
+DIED = "the worker process that learned it died"
+
+Item = TypeVar("Item")
+OnStage = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of an item; plain data, so that it travels.
+
+    Attributes
+    ----------
+    learned : what was found, as text in JSON; empty when the job failed
+    reason : why it failed; else empty
+    """
+
+    learned: str = ""
+    reason: str = ""
+
+
+Job = Callable[..., Outcome]
+"""Works on one item, as ``learn_drive`` does on a drive; must be picklable."""
+
+
+class _Stop(StickslipError):
+    """Unwinds a job in a thread after Ctrl-C."""
+
+
+def run_jobs(
+    job: Job,
+    items: Sequence[Item],
+    seed: int,
+    where: str,
+    workers: int,
+    on_done: Callable[[Item, Outcome], object],
+) -> None:
+    """Run a job for each item and hand over the outcomes as they come.
+
+    A process that dies takes down all that were running; these are then tried alone, one after the
+    other, so that the one that kills is known and the others have their result.
+
+    Parameters
+    ----------
+    where, workers : see ``ga.executor``
+    on_done : called in the caller's thread
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C, when all jobs have ended.
+    StickslipError
+        When the cluster is gone.
+    """
+    with threadpool_limits(limits=1, user_api="blas"), ga.executor(where, workers) as executor:
+        if executor is None:
+            for item in items:
+                on_done(item, job(item, seed))
+            return
+        stop = threading.Event()
+        further = (_stopper(stop),) if isinstance(executor, Threads) else ()
+        at_once = len(items) if hasattr(executor, "parts") else workers
+
+        def submit(item: Item) -> Future[Outcome]:
+            return executor.submit(job, item, seed, *further)
+
+        try:
+            suspects = _together(submit, items, at_once, on_done)
+            for item in suspects:
+                on_done(item, _alone(submit, item))
+        except CancelledError:
+            raise StickslipError(
+                f"the workers at {where} are gone; continue with --resume when they are back"
+            ) from None
+        finally:
+            stop.set()
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """In a process that was made for such jobs, let signals end it once its folders are gone."""
+    if parent_process() is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    with interruptible():
+        try:
+            yield
+        except KeyboardInterrupt:
+            os._exit(128 + (interrupted_by() or 0))
+
+
+def _together(
+    submit: Callable[[Item], Future[Outcome]],
+    items: Sequence[Item],
+    at_once: int,
+    on_done: Callable[[Item, Outcome], object],
+) -> list[Item]:
+    """Run as many jobs side by side as there are workers; return those whose worker died."""
+    waiting, running, suspects = deque(items), dict[Future[Outcome], Item](), list[Item]()
+    try:
+        while waiting or running:
+            while waiting and len(running) < at_once:
+                item = waiting.popleft()
+                running[submit(item)] = item
+            for future in wait_first(running):
+                item, outcome = running.pop(future), received(future)
+                if outcome is None:
+                    suspects.append(item)
+                else:
+                    on_done(item, outcome)
+    finally:
+        cancel_all(running)
+    return suspects
+
+
+def _alone(submit: Callable[[Item], Future[Outcome]], item: Item) -> Outcome:
+    for _ in range(ALONE):
+        future = submit(item)
+        try:
+            outcome = received(future)
+        finally:
+            cancel_all([future])
+        if outcome is not None:
+            return outcome
+    return Outcome(reason=DIED)
+
+
+def _stopper(stop: threading.Event) -> OnStage:
+    def check(_: str) -> None:
+        if stop.is_set():
+            raise _Stop("interrupted")
+
+    return check

@@ -1,0 +1,260 @@
+"""The arena on a few drives and entrants, with small budgets."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import cosim, models
+from stickslip.catalog.parameters import PAPER
+from stickslip.cli import main
+from stickslip.errors import UsageError
+from stickslip.evaluation.arena import entrants as registry
+from stickslip.evaluation.arena.commands import COMMANDS, training
+from stickslip.evaluation.arena.drives import default_drives, read_drives
+from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant
+from stickslip.evaluation.arena.protocol import UNFINISHED, Plan, build, run_arena
+from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table
+from stickslip.evaluation.arena.tuning import Budget, tune
+from stickslip.evaluation.arena.validation import validate
+from stickslip.evaluation.arena.writing import write_arena
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import servo_loop
+from stickslip.tuning.execution import Execution
+
+SMALL = Budget(12, 1000.0)
+NAMES = ("none", "pi", "static", "lugre", "lugre_network", "static+ekbf")
+
+
+def drives(*names):
+    return [drive for drive in default_drives() if drive.name in names]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    build(folder, Plan(drives("lugre"), NAMES))
+    return folder / "lugre"
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return drives("lugre")[0].loop
+
+
+@pytest.fixture(scope="module")
+def arena(tmp_path_factory):
+    """Return a whole arena, and its folder."""
+    folder = tmp_path_factory.mktemp("arena")
+    plan = Plan(drives("lugre", "heavy"), NAMES[:4], SMALL, starts=1)
+    found = run_arena(plan, folder, Execution())
+    write_arena(found, arena_table(found), folder)
+    return found, folder
+
+
+def error(built, loop, name, values, command="T"):
+    validated = validate(built, loop, entrant(name), Tuned(loop, values), [COMMANDS[command]], 2)
+    return np.median(validated.figures[command, "error", COMMANDS[command].unit])
+
+
+def test_every_law_and_every_compensator_competes_without_being_named():
+    parts = registry.parts()
+    assert {*models.law_names()} <= {*parts}
+    with_ports = {name for name in models.model_names() if models.load_model(name).ports}
+    assert {part.model for part in parts.values()} - {""} == with_ports
+    assert {drive.law for drive in default_drives()} == {*models.law_names()}
+    for name in default_names():
+        problem = entrant(name).problem(Coarse(6.0, 0.04))
+        assert (problem is None) == (name == "none")
+
+
+def test_a_compensator_without_an_entry_enters_with_the_parameters_of_its_model(monkeypatch):
+    content = registry._content()
+    for name in ("static", "ekbf"):
+        del content[name]
+    monkeypatch.setattr(registry, "_content", lambda: dict(content))
+    found = registry.parts.__wrapped__()
+    assert [gene.name for gene in found["dob"].genes(Coarse(6.0, 0.04))] == ["dob.w_q", "dob.share"]
+    (name,) = {*found} - {*registry.parts()}
+    assert name == "static_feedforward"
+    genes = {gene.name.partition(".")[2] for gene in found[name].genes(Coarse(6.0, 0.04))}
+    assert {"F_c", "v_t"} <= genes
+
+
+def test_start_values_follow_the_measured_friction_and_not_the_laws_own():
+    one = entrant("lugre")
+    few, many = (
+        {gene.name: gene.start for gene in one.problem(Coarse(friction, 0.04)).genes}
+        for friction in (3.0, 6.0)
+    )
+    assert many["lugre.F_c"] == pytest.approx(2.0 * few["lugre.F_c"])
+    assert many["lugre.v_s"] == pytest.approx(few["lugre.v_s"])
+    assert abs(np.log(many["lugre.sigma_0"] / PAPER["sigma_0"])) > 0.05
+
+
+def test_no_compensator_is_the_plain_loop_bit_for_bit(built, loop):
+    command = COMMANDS["R"]
+    v_cmd = command.sample(loop.T_s)
+    validated = validate(built, loop, entrant("none"), Tuned(loop, {}), [command], 1)
+    system = servo_loop(built, loop)
+    stop = (len(v_cmd) - 1) * loop.T_s
+    with system.prepare(step=loop.T_s, stop=stop, record=("drive.v",)) as simulation:
+        v = simulation.run({"drive.seed": 1, "drive.x": 0.0}, {"v_cmd": v_cmd})["drive.v"]
+    (found,) = validated.figures["R", "E_rms", "m/s"]
+    assert found == np.sqrt(np.mean((v - v_cmd) ** 2))
+
+
+def test_exact_feedforward_on_its_own_law_wins_over_none(built, loop):
+    exact = {
+        f"lugre.{name}": PAPER[name]
+        for name in models.load_law("lugre").parameters
+        if name in PAPER
+    }
+    assert error(built, loop, "lugre", exact) < 0.15 * error(built, loop, "none", {})
+
+
+def test_tuning_comes_near_the_exact_feedforward(built, loop):
+    one, sheet = entrant("static"), Datasheet()
+    found = tune(built, loop, one, SMALL, 0, sheet)
+    assert found.evaluations <= SMALL.evaluations
+    assert found.seconds == pytest.approx(found.evaluations * len(training(loop.T_s)) * loop.T_s)
+    assert found.soon <= found.seconds
+    assert found.coarse.friction == pytest.approx(PAPER["F_c"], rel=0.05)
+    tuned = found.tuned(one, loop, sheet)
+    assert error(built, loop, "static", tuned.parameters) < 0.3 * error(built, loop, "none", {})
+
+
+def test_seconds_of_motion_limit_the_evaluations(built, loop):
+    duration = len(training(loop.T_s)) * loop.T_s
+    found = tune(built, loop, entrant("static"), Budget(100, 12 * duration), 0, Datasheet())
+    assert 0 < found.evaluations <= 12
+
+
+def test_what_learns_is_validated_with_what_it_learned_and_learns_no_more(built, loop):
+    one, sheet = entrant("lugre_network"), Datasheet()
+    found = tune(built, loop, one, Budget(10, 1000.0), 0, sheet)
+    values = found.tuned(one, loop, sheet).parameters
+    assert values["lugre_network.gamma"] == 0.0
+    start = found.coarse.start("F_c", models.load_law("lugre"))
+    learned = values["lugre_network.F_c"]
+    assert abs(learned / PAPER["F_c"] - 1.0) < min(0.05, 0.5 * abs(start / PAPER["F_c"] - 1.0))
+
+
+def test_the_table_has_every_cell(arena):
+    found, folder = arena
+    table = pd.read_csv(folder / "arena.csv")
+    assert list(table.columns) == COLUMNS
+    assert not found.reasons
+    assert not table["reason"].notna().any()
+    for command in COMMANDS:
+        rows = table[(table["command"] == command) & (table["metric"] == "error")]
+        expected = {(d, e, t) for d in ("lugre", "heavy") for e in NAMES[:4] for t in {d, "lugre"}}
+        assert {*zip(rows["drive"], rows["compensator"], rows["tuned_on"], strict=True)} == expected
+        assert (rows["worst"] >= rows["median"]).all()
+        assert (rows["median"] > 0).all()
+    means = table[(table["metric"] == RELATIVE) & (table["command"] == ALL)]
+    own = means[(means["compensator"] == "pi") & (means["tuned_on"] == means["drive"])]
+    assert own["median"].tolist() == pytest.approx([1.0, 1.0])
+    peaks = table[table["metric"] == "Ms"]["median"]
+    assert (peaks <= 2.2).all()
+    assert not (folder / UNFINISHED).exists()
+
+
+def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
+    found, folder = arena
+
+    def interrupt(done, total, _):
+        assert total == 8
+        if done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match=r"5 of 8 cells are kept"):
+        run_arena(found.plan, tmp_path, Execution(), interrupt)
+    with pytest.raises(UsageError, match="an earlier arena did not end"):
+        run_arena(found.plan, tmp_path, Execution())
+    resumed = run_arena(found.plan, tmp_path, Execution(resume=True))
+    assert resumed.kept == 5
+    write_arena(resumed, arena_table(resumed), tmp_path)
+    for name in ("arena.csv", "arena.html", "pareto.svg"):
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+    other = replace(found.plan, seed=1, entrants=("none",), drives=found.plan.drives[:1])
+    assert run_arena(other, tmp_path, Execution(resume=True)).kept == 0
+
+
+def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
+    _, folder = arena
+    page = (folder / "arena.html").read_text(encoding="utf-8")
+    data = page.partition('id="data">')[2].partition("</script>")[0]
+    plotted = json.loads(data)["cells"]
+    clicked = {part.partition('"')[0] for part in page.split('data-cell="')[1:]}
+    assert clicked == {*plotted}
+    assert all({*cell} == {*COMMANDS} for cell in plotted.values())
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_an_entrant_above_the_limit_is_marked(tmp_path):
+    file = tmp_path / "drives.toml"
+    file.write_text('[stiff]\nlaw = "lugre"\nloop = { K_p = 8000.0, K_i = 1e5 }\n')
+    plan = Plan(read_drives(file), ["none", "ekbf"], Budget(10, 200.0), starts=1)
+    found = run_arena(plan, tmp_path, Execution())
+    table = arena_table(found)
+    none = table[table["compensator"] == "none"]
+    assert none["reason"].str.contains("Ms = ").all()
+    assert found.reasons["stiff", "ekbf"].startswith("all 10 candidates failed")
+    write_arena(found, table, tmp_path)
+    assert "What failed" in (tmp_path / "arena.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--compensators", "lugra"], "there is no 'lugra'; did you mean 'lugre'"),
+        (["--compensators", "ekbf+lugre"], "'lugre' must come first"),
+        (["--compensators", "static+static"], "each part can be there once only"),
+        (["--laws", "luger"], "there is no friction law 'luger'"),
+        (["--only", "nobody"], "there are the drives"),
+    ],
+)
+def test_what_is_unknown_is_named(options, message, tmp_path, capsys):
+    assert main(["arena", *options, "--out", str(tmp_path)]) == 1
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected a table for each drive"),
+        ('[a]\nlaw = "lugre"\ncolour = 1\n', "drive 'a': expected a table with law"),
+        ('[a]\nlaw = "none"\n', "there is no friction law"),
+        ('[a]\nlaw = "lugre"\nparameters = { F_x = 1.0 }\n', "drive has no parameter F_x"),
+        ('[a]\nlaw = "lugre"\nloop = { K_p = 1.0 }\n', "expected K_p and K_i"),
+        ("[a", "drives.toml"),
+    ],
+)
+def test_a_bad_file_of_drives_is_one_line(text, message, tmp_path):
+    file = tmp_path / "drives.toml"
+    file.write_text(text)
+    with pytest.raises((UsageError, models.ModelError), match=message.replace("(", r"\(")):
+        read_drives(file)
+
+
+def test_tuning_records_measurements_only_and_sets_nothing_of_the_drive(built, loop, monkeypatch):
+    seen, prepare = [], cosim.Simulation.__init__
+
+    def watch(self, specification):
+        seen.append(specification)
+        prepare(self, specification)
+
+    monkeypatch.setattr(cosim.Simulation, "__init__", watch)
+    tune(built, loop, entrant("static+ekbf"), Budget(10, 200.0), 0, Datasheet())
+    with_drive = [one for one in seen if "drive" in one.system.components]
+    assert len(with_drive) >= 2
+    for one in with_drive:
+        recorded = cosim.Record.of(one.record).wanted
+        assert {name for name in recorded if name.startswith("drive.")} <= {
+            "drive.x_enc",
+            "drive.F_m",
+        }
+        assert not [name for name in one.system.parameters if name.startswith("drive.")]

@@ -1,0 +1,65 @@
+"""The robustness of a loop as the FMUs of its compensators show it."""
+
+import numpy as np
+import pytest
+
+from stickslip import models
+from stickslip.servo import Axis, design_velocity_loop
+from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.sensitivity import Opened, peak_sensitivity
+from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmus")
+    for name in ("dob", "static_feedforward", "coulomb_observer"):
+        models.build_fmu(name, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
+
+
+def observer(loop, rate):
+    weights = FilterSpecification(4e-7, 0.05, rate)
+    return Observer(design_velocity_filter(loop.axis, loop.T_s, weights))
+
+
+def values(observer):
+    return {f"observer.{name}": value for name, value in observer.parameters().items()}
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.5, 1.0, 4.0])
+@pytest.mark.parametrize("rate", [0.3, 5.0, 50.0])
+@pytest.mark.parametrize("model", ["dob", "coulomb_observer"])
+def test_it_is_that_of_the_linear_design(fmus, loop, model, rate, mass):
+    """In motion of one direction the Coulomb observer is the disturbance observer."""
+    designed = observer(loop, rate)
+    with ChainResponse(fmus, loop, [Compensator("observer", model)]) as response:
+        found = response.of(loop, values(designed), 6.0, mass * loop.axis.m).peak
+    f = np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
+    opened = Opened(loop, mass * loop.axis.m, f)
+    expected = opened.response(designed).peak if opened.stable(designed) else np.inf
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
+def test_feedforward_does_not_change_it(fmus, loop):
+    with ChainResponse(fmus, loop, [Compensator("feedforward", "static_feedforward")]) as response:
+        alone = response.of(loop, {}, 6.0)
+    assert alone.peak == pytest.approx(peak_sensitivity(loop), rel=1e-3)
+    chain = [Compensator("feedforward", "static_feedforward"), Compensator("observer", "dob")]
+    with ChainResponse(fmus, loop, chain) as response:
+        both = response.of(loop, {}, 6.0)
+    with ChainResponse(fmus, loop, chain[1:]) as response:
+        assert both.peak == pytest.approx(response.of(loop, {}, 6.0).peak, rel=1e-4)
+
+
+def test_a_faster_observer_lets_more_noise_of_the_encoder_through(fmus, loop):
+    with ChainResponse(fmus, loop, [Compensator("observer", "dob")]) as response:
+        noise = [response.of(loop, values(observer(loop, r)), 6.0).noise for r in (0.05, 5.0, 50.0)]
+    assert np.all(np.diff(noise) > 0.1 * noise[0])
