@@ -31,6 +31,8 @@ RANGE = 10.0
 """Bounds of a parameter of a friction law, as a factor on its coarse start."""
 SPEED = 0.04
 """Speed of the paper's commands [m/s], for which ``entrants.toml`` is written."""
+SPREAD = 0.5
+"""Standard deviation of the logarithm of a start value where law.toml gives none."""
 DEFLECTION = 2e-5
 """Presliding deflection that is assumed before anything is tuned, at that speed [m]."""
 
@@ -52,10 +54,10 @@ class Coarse:
 
     def start(self, name: str, law: models.Law | None = None) -> float:
         """Return a start value of a friction parameter, with an error as of a data sheet."""
-        known = law.parameters[name] if law and name in law.parameters else parameter(name)
+        known = _known(name, law)
         value = scaled_start(known, self.friction, DEFLECTION * self.speed / SPEED)
         rng = np.random.default_rng([self.seed, zlib.crc32(name.encode())])
-        return float(value * np.exp((known.spread or 0.0) * rng.standard_normal()))
+        return float(value * np.exp((known.spread or SPREAD) * rng.standard_normal()))
 
     def scale(self, unit: str) -> float:
         """Return the factor on values of a unit that hold for the paper's stage."""
@@ -137,7 +139,9 @@ class Part:
     def friction(self) -> tuple[str, ...]:
         """Its parameters that are those of a friction law."""
         if self.law is not None:
-            return estimated(self.law)
+            every = self.law.parameters.values()
+            scalar = tuple(p.name for p in every if len(p.start) == 1 and p.start[0] > 0.0)
+            return estimated(self.law) or scalar
         if not self.model or self.own_ports is not None:
             return ()
         own = {v.name for v in models.load_model(self.model).variables if v.role == "parameter"}
@@ -243,7 +247,7 @@ class Entrant:
             ga.AtLeast(f"{part.name}.{name}", f"{part.name}.{bound}")
             for part in self.parts
             for name in part.friction
-            if (bound := parameter(name).at_least)
+            if (bound := _known(name, part.law).at_least)
         ]
         kept = tuple(one for one in pairs if {one.larger, one.smaller} <= names)
         return ga.Problem(genes, Repairs(kept) if kept else None)
@@ -282,6 +286,11 @@ class Repairs:
         for pair in self.pairs:
             values = pair(values, genes)
         return values
+
+
+def _known(name: str, law: models.Law | None) -> models.LawParameter:
+    """Return a parameter of a law, or that of any law for what contains none."""
+    return law.parameters[name] if law else parameter(name)
 
 
 def _gene(name: str, span: Sequence[float], scale: float) -> ga.Gene:
