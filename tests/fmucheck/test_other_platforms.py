@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 
 import pytest
@@ -35,6 +36,18 @@ def rules(tmp_path, version, behaviour, binaries):
     return {(f.rule, f.place) for f in report}
 
 
+@pytest.fixture(scope="module")
+def of_this_machine(tmp_path_factory):
+    """Return what is found where there is no other binary."""
+
+    @functools.cache
+    def found(version):
+        own = {fmus.place(version): fmus.library()}
+        return rules(tmp_path_factory.mktemp("own"), version, "DoStep fail", own)
+
+    return found
+
+
 def broken(folder, how):
     suffix = ".dll" if "win" in folder and "dar" not in folder else ".so"
     suffix = ".dylib" if "darwin" in folder else suffix
@@ -46,11 +59,13 @@ def broken(folder, how):
 @pytest.mark.slow
 @pytest.mark.parametrize("how", BROKEN)
 @pytest.mark.parametrize("version", [2, 3])
-def test_a_broken_binary_elsewhere_does_not_stop_the_run_here(tmp_path, version, how):
+def test_a_broken_binary_elsewhere_does_not_stop_the_run_here(
+    tmp_path, of_this_machine, version, how
+):
     """A fault that only a run shows is found, with one other platform or all of them broken."""
     own = {fmus.place(version): fmus.library()}
     others = [folder for folder in FOLDERS[version] if folder not in HERE[version]]
-    alone = rules(tmp_path, version, "DoStep fail", own)
+    alone = of_this_machine(version)
     assert "call-fails" in {rule for rule, _ in alone}
     for folders in (others[:1], others):
         binaries = own | {k: v for folder in folders for k, v in broken(folder, how).items()}

@@ -50,14 +50,14 @@ def test_closed_standard_streams_change_nothing(tmp_path, closed, how):
 
 
 def test_a_damaged_kernel_is_built_again(tmp_path, monkeypatch):
-    """Whatever the cache holds, the next command works."""
+    """The next command works; tests/fmi/test_compiler.py damages a library in other ways."""
     (tmp_path / "cache").mkdir()
     (tmp_path / "cache" / "zig").symlink_to(toolchain.cache_directory() / "zig")
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
     path = fmus.write(tmp_path / "sound.fmu")
     command = [sys.executable, "-m", "stickslip", "simulate", str(path)]
-    for keep in (None, 0, 1000, -1000):
+    for keep in (None, 1000):
         for library in (tmp_path / "cache" / "libraries").rglob("*.so"):
-            os.truncate(library, keep if keep >= 0 else library.stat().st_size + keep)
+            os.truncate(library, keep)
         done = subprocess.run(command, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

@@ -14,6 +14,7 @@ from stickslip.pipeline.record_mode import COMMISSIONING
 from stickslip.pipeline.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.pipeline.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
+from stickslip.report.page import Picture
 from stickslip.results.reproduction_folder import write_results
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.rig import Rig, rig_of
@@ -42,6 +43,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def quiet() -> Quiet:
     return Quiet()
+
+
+@pytest.fixture
+def without_pictures(monkeypatch):
+    """Leave the figures of a report blank: drawing takes half of the time of a short learning."""
+    monkeypatch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
 
 
 @pytest.fixture(scope="session")

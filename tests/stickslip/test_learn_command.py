@@ -8,6 +8,7 @@ import pytest
 from stickslip.cli import main
 from stickslip.commands.learn import _compensation
 from stickslip.identification.estimation import Search
+from stickslip.report.page import Picture
 from stickslip.results.learned_folder import FILES
 
 pytestmark = pytest.mark.slow
@@ -43,6 +44,7 @@ def test_workers_change_no_byte(log, folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_path, capsys):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
@@ -67,10 +69,12 @@ def of_two_seeds(log, tmp_path_factory):
     out = tmp_path_factory.mktemp("seeds") / "whole"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
+        patch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
         assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
     return out
 
 
+@pytest.mark.usefixtures("without_pictures")
 @pytest.mark.parametrize("named", [False, True])
 def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     named, log, of_two_seeds, tmp_path, capsys, monkeypatch
@@ -143,6 +147,7 @@ def test_it_prints_and_writes_whether_compensation_helps(log, folder, capsys):
     assert document["observer"]["peak_sensitivity"]["value"] <= 2.2
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys):
     """The check before learning sees only clear masses; here it sees none."""
     arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--judge", "inverse"]

@@ -44,8 +44,8 @@ def learned(study):
 
 @pytest.mark.parametrize(
     ("truth", "seed"),
-    [({}, 0), ({}, 1), ({"m": 8.0, "F_c": 4.0}, 2)],
-    ids=["paper", "paper, another seed", "heavy"],
+    [({}, 0), ({"m": 8.0, "F_c": 4.0}, 2)],
+    ids=["paper", "heavy, another seed"],
 )
 def test_from_a_coarse_start_the_default_does_what_exact_parameters_do(
     make_rig, reductions, truth, seed

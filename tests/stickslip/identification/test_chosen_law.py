@@ -84,6 +84,7 @@ def dahl_log(tmp_path_factory):
     return write_log(tmp_path_factory.mktemp("log") / "dahl.csv", recorded)
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path, capsys):
     how = ["--law", "dahl", "--criterion", "inverse", "--out", str(tmp_path)]
     assert main(["learn", "--log", str(dahl_log), *how]) == 0
@@ -109,6 +110,7 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(dahl_log, tmp_path
     assert "the law dahl is exported by --as fmu or --as c" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     """The drive has five Maxwell-slip elements, which LuGre does not explain."""
     command = plan()["velocity_command"].to_numpy()[:16_000]

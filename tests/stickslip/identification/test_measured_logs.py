@@ -66,6 +66,7 @@ def test_what_was_learned_is_written_and_read(emps, tmp_path):
     assert "DATA_EMPS.mat" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
     benefit = emps.trial.benefit
     rows = tuple(replace(row, compensated=1.03 * row.without) for row in benefit.rows)
@@ -80,6 +81,7 @@ def test_a_compensator_that_does_harm_is_not_written(emps, tmp_path):
     assert (tmp_path / "compensator.fmu").exists()
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
     benefit = replace(emps.trial.benefit, share=0.8)
     write_learned(replace(emps, trial=replace(emps.trial, benefit=benefit)), tmp_path, force=True)
@@ -90,6 +92,7 @@ def test_a_forced_compensator_has_the_whole_force_in_all_files(emps, tmp_path):
 
 
 @pytest.mark.parametrize(("spoils", "written"), [("values", False), ("intervals", True)])
+@pytest.mark.usefixtures("without_pictures")
 def test_a_compensator_of_wrong_values_is_not_written(emps, tmp_path, spoils, written):
     fault = Finding("warning", "rows are lost", "2 %", "log without gaps", spoils=spoils)
     spoiled = replace(emps, estimation=replace(emps.estimation, faults=(fault,)))

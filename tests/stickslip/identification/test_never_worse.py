@@ -45,6 +45,7 @@ def test_no_drive_of_the_family_is_beyond_the_log(learned):
     assert max(drive.parameters.get("F_s", 0.0) for drive in drives) <= most
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_export_tries_the_same_drives(learned, tmp_path):
     write_learned(learned, tmp_path)
     file = LearnedFile(tmp_path / "learned.json")

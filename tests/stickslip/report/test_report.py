@@ -217,14 +217,21 @@ def reproduction():
 
 
 @pytest.fixture(scope="module")
-def folder(reproduction, tmp_path_factory):
-    """A new folder with the report of ``reproduction``."""
+def folders(reproduction, tmp_path_factory):
+    """Two new folders with the report of ``reproduction``, written by threads side by side."""
     before = dict(mpl.rcParams)
-    folder = tmp_path_factory.mktemp("report") / "new"
-    written = write_report(reproduction, folder)
+    folders = [tmp_path_factory.mktemp("report") / "new" for _ in range(2)]
+    with ThreadPoolExecutor(2) as pool:
+        written = list(pool.map(lambda folder: write_report(reproduction, folder), folders))
     assert dict(mpl.rcParams) == before  # matplotlib's own settings are left as they were
-    assert sorted(written) == sorted(folder.iterdir())
-    return folder
+    for folder, files in zip(folders, written, strict=True):
+        assert sorted(files) == sorted(folder.iterdir())
+    return folders
+
+
+@pytest.fixture(scope="module")
+def folder(folders):
+    return folders[0]
 
 
 @pytest.fixture(scope="module")
@@ -275,11 +282,9 @@ def test_every_figure_is_written_and_stands_on_the_page(folder, page):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_same_bytes_twice_also_in_threads(reproduction, folder, tmp_path):
-    with ThreadPoolExecutor(2) as pool:
-        runs = list(pool.map(lambda k: write_report(reproduction, tmp_path / k), "ab"))
-    for path in (path for run in runs for path in run):
-        assert path.read_bytes() == (folder / path.name).read_bytes(), path.name
+def test_same_bytes_twice_also_in_threads(folders):
+    for path in folders[0].iterdir():
+        assert path.read_bytes() == (folders[1] / path.name).read_bytes(), path.name
 
 
 def test_page_is_well_formed(page, outline):
