@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = ("models", "cosim", "ga", "fmi", "fmucheck")
 THEIRS = [f"{name}.py" for name in (*FOLDERS[1:], "toolchain", "commands", "results", "report")]
 Run = Callable[..., str]
-SOURCES = {".py", ".pyi", ".c", ".h", ".toml", ".csv", ".css", ".st", ".typed"}
+SOURCES = {".py", ".pyi", ".c", ".h", ".toml", ".csv", ".css", ".typed"}
 
 SCRIPT = """
 import stickslip as ss

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Literal
 
 from stickslip.fmi.files import atomic_write
-from stickslip.models.export.package import law_names, load_model
+from stickslip.models.export.package import load_model
 from stickslip.models.firmware.c99 import c_files
-from stickslip.models.firmware.structured_text import body_of, st_file
+from stickslip.models.firmware.structured_text import st_file
 
 Language = Literal["c", "st"]
 
@@ -48,8 +48,3 @@ def write_compensator(
     found = replace(found, name=called or found.name)
     files = c_files(found) if language == "c" else st_file(found)
     return [atomic_write(Path(folder) / name, text) for name, text in files.items()]
-
-
-def laws_in_structured_text() -> list[str]:
-    """Return the friction laws whose feedforward is available in structured text."""
-    return [law for law in law_names() if body_of(load_model("compensator", law))]

@@ -13,7 +13,7 @@ from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.evaluation.guards import benefits_on_drives, feedforward
-from stickslip.models.firmware import laws_in_structured_text, write_compensator
+from stickslip.models.firmware import write_compensator
 from stickslip.results.learned import LearnedFile
 
 MOST_SAMPLES = 10_000_000
@@ -50,12 +50,6 @@ def run(options: argparse.Namespace) -> None:
     makes the loop worse nowhere; where there is none, nothing is written.
     """
     learned = LearnedFile(options.parameters)
-    written = laws_in_structured_text()
-    if options.form == "st" and learned.law.name not in written:
-        raise UsageError(
-            f"{options.parameters}: --as st writes the laws {', '.join(written)}; the law "
-            f"{learned.law.name} is exported by --as fmu or --as c"
-        )
     start = learned.compensator
     try:
         models.load_model("compensator", learned.law.name).with_start(start)
