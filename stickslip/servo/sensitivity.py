@@ -88,6 +88,9 @@ class Opened:
         if loop.K_i == 0.0:
             pi = control.ss([], [], [], loop.K_p, loop.T_s)
         _, estimator = plant_and_estimator(loop.axis, loop.T_s, loop.tau_f, loop.velocity_filter)
+        if loop.K_x:  # the position is the sum of the displacements
+            ahead = np.array([[loop.K_x] + [0.0] * (estimator.ninputs - 1)])
+            estimator = estimator + control.ss(1.0, ahead / loop.K_x, loop.K_x, ahead, loop.T_s)
         one = control.ss([], [], [], 1.0, loop.T_s)
         if loop.velocity_filter is None:
             return -pi * estimator * control.ss([], [], [], [[1.0, 0.0]], loop.T_s), one

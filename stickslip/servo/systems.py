@@ -236,6 +236,8 @@ def _expose(
     system.expose("v_cmd", *(f"{name}.v_cmd" for name in commanded), *referenced)
     if loop.m_ff:
         system.expose("a_cmd", *(f"{name}.a_cmd" for name in commanded))
+    if loop.K_x:
+        system.expose("x_cmd", "controller.x_cmd")
 
 
 def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
@@ -261,7 +263,7 @@ def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
 
 def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop) -> None:
     gains = {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
-    gains["m_ff"] = loop.m_ff
+    gains |= {"m_ff": loop.m_ff, "K_x": loop.K_x}
     filtered = loop.velocity_filter
     if filtered is not None:
         system.add("filter", fmus / "velocity_filter.fmu", filtered.parameters())

@@ -75,6 +75,8 @@ class VelocityLoop:
     m_ff : mass in the feedforward of inertia [kg], 0 for none
     velocity_filter : what estimates the velocity, None for the controller's own difference; with
         it ``nominal`` is not minimal, and tau_f is without effect
+    K_x : gain from the position error to the velocity command [1/s]: the outer loop of a cascade,
+        0 for none; ``nominal`` contains it
     """
 
     axis: Axis
@@ -88,20 +90,29 @@ class VelocityLoop:
     acceleration: control.StateSpace
     m_ff: float = 0.0
     velocity_filter: VelocityFilter | None = None
+    K_x: float = 0.0
 
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
 
-        With feedforward of inertia also ``a_cmd``, the acceleration to the next velocity.
+        With feedforward of inertia also ``a_cmd``, the acceleration to the next velocity; with an
+        outer loop also ``x_cmd``, the position from the begin on [m].
         """
-        if self.m_ff == 0.0:
-            return {"v_cmd": v_cmd}
-        return {"v_cmd": v_cmd, "a_cmd": np.diff(v_cmd, append=v_cmd[-1]) / self.T_s}
+        found = {"v_cmd": v_cmd}
+        if self.m_ff:
+            found["a_cmd"] = np.diff(v_cmd, append=v_cmd[-1]) / self.T_s
+        if self.K_x:
+            found["x_cmd"] = self.T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
+        return found
 
     def changed(
-        self, *, m_ff: float | None = None, velocity_filter: VelocityFilter | None = None
+        self,
+        *,
+        m_ff: float | None = None,
+        velocity_filter: VelocityFilter | None = None,
+        K_x: float | None = None,
     ) -> VelocityLoop:
-        """Return the loop with another feedforward of inertia [kg] or a velocity filter.
+        """Return the loop with other feedforward of inertia [kg], velocity filter or outer loop.
 
         Raises
         ------
@@ -116,6 +127,7 @@ class VelocityLoop:
             self.K_i,
             m_ff=self.m_ff if m_ff is None else m_ff,
             velocity_filter=velocity_filter or self.velocity_filter,
+            K_x=self.K_x if K_x is None else K_x,
         )
 
     def margins(self) -> dict[str, float]:
@@ -185,6 +197,7 @@ def close_velocity_loop(
     *,
     m_ff: float = 0.0,
     velocity_filter: VelocityFilter | None = None,
+    K_x: float = 0.0,
 ) -> VelocityLoop:
     """Close the loop with given gains; units as in ``VelocityLoop``.
 
@@ -206,9 +219,13 @@ def close_velocity_loop(
     known = [] if velocity_filter is None else known_force(velocity_filter)
     force = control.summing_junction(["u_pi", "F_ff"], "u", name="force")
     parts = [plant, estimator, controller, error, force]
-    closed = control.interconnect([*parts, *known[:1]], inputs=["v_cmd", "F_ff"], outputs=["v"])
+    closed = control.interconnect(
+        [*parts, *known[:1]], inputs=["v_cmd", "F_ff"], outputs=["v", "d"]
+    )
+    if K_x:
+        closed = _with_position(closed, K_x)
     nominal, pushed = (
-        control.ss(closed.A, closed.B[:, [k]], closed.C, closed.D[:, [k]], T_s) for k in (0, 1)
+        control.ss(closed.A, closed.B[:, [k]], closed.C[:1], closed.D[:1, [k]], T_s) for k in (0, 1)
     )
     compliance = pushed
     if known:
@@ -233,7 +250,21 @@ def close_velocity_loop(
         acceleration=control.ss(pushed.A, m_ff * pushed.B, pushed.C, m_ff * pushed.D, T_s),
         m_ff=m_ff,
         velocity_filter=velocity_filter,
+        K_x=K_x,
     )
+
+
+def _with_position(closed: control.StateSpace, K_x: float) -> control.StateSpace:
+    """Close an outer loop around one from (v_cmd, F_ff) to (v, d); d does not depend on v_cmd.
+
+    The further state is the position error e at a sample. The velocity loop follows v_cmd + K_x e,
+    and e+ = e + T_s v_cmd - d+.
+    """
+    A, B, C = closed.A, closed.B, closed.C
+    outer = np.block([[A, K_x * B[:, :1]], [-C[1:] @ A, 1.0 - K_x * C[1:] @ B[:, :1]]])
+    moved = np.array([[closed.dt, 0.0]]) - C[1:] @ B
+    outputs = np.hstack([C, K_x * closed.D[:, :1]])
+    return control.ss(outer, np.vstack([B, moved]), outputs, closed.D, closed.dt)
 
 
 def plant_and_estimator(

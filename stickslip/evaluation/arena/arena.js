@@ -20,7 +20,7 @@ function step(range) {
 
 function plot(motion, own, other) {
   const all = own.concat(other || []);
-  const high = Math.max(50, ...all.map(Math.abs)) * 1.05;
+  const high = Math.max(motion.least, ...all.map(Math.abs)) * 1.05;
   const x = i => (LEFT + (W - LEFT - 6) * i / data.points).toFixed(1);
   const y = v => (TOP + (H - TOP - BOTTOM) * (high - v) / (2 * high)).toFixed(1);
   let grid = "";
@@ -42,11 +42,11 @@ function show(place) {
   const own = data.cells[place] || {};
   const other = data.cells[`${drive}|${data.reference}|${drive}`] || {};
   let inside = `<button class="close" autofocus>Close</button><h3></h3>` +
-    `<p class="key">Velocity less command [mm/s] over time [s], first run: <b style="color:#3584c4">${name}</b>, ` +
+    `<p class="key">Error over time [s], first run: <b style="color:#3584c4">${name}</b>, ` +
     `<b style="color:#c96e00">tuned PI</b></p>`;
   for (const [key, motion] of Object.entries(data.motions))
     if (own[key])
-      inside += `<h4>${motion.title}</h4>` + plot(motion, own[key], other[key]);
+      inside += `<h4>${motion.title}. ${motion.unit}</h4>` + plot(motion, own[key], other[key]);
   dialog.innerHTML = inside;
   dialog.querySelector("h3").textContent = `${name} on ${drive}, tuned on ${tuned === drive ? "this drive" : tuned}`;
   dialog.querySelector(".close").onclick = () => dialog.close();

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +11,7 @@ from stickslip.cosim import SineSweep, Table
 from stickslip.evaluation.motions import BEGIN, Motion, Span, Stroke, strokes, windows
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array
+from stickslip.servo.velocity_loop import VelocityLoop
 
 PASSES = 2
 """Sweeps of the training command; the last one counts, when observers have settled."""
@@ -23,6 +24,19 @@ SPEEDS = (1e-4, 3e-4, 1e-3, 3e-3)
 """Of the creep [m/s]."""
 CREEP, COUNTED = 2.0, 1.5
 """How long each lasts, and the last part of it that counts [s]."""
+RADIUS = 0.01
+"""Of the circles [m]."""
+GLITCH = 0.3
+"""How far after a reversal the error of a circle counts [rad]."""
+MOVES = {1e-6: 0.02, 2e-6: 0.02, 5e-6: 0.02, 1e-5: 0.02, 1e-4: 0.05, 1e-3: 0.2}
+"""Lengths of the small moves [m], and how long each lasts [s]."""
+SETTLING = 0.4
+"""Rest after each [s]."""
+MOVE_POINTS = 200
+HOLD = (2.0, 5.0)
+"""From when to when after a stop the rest counts [s]."""
+POSITION_LOOP = 75.4 / 849.0
+"""Gain of the position loop relative to K_p over the mass, the crossover of the velocity loop."""
 
 
 @dataclass(frozen=True)
@@ -32,20 +46,21 @@ class Command:
     Attributes
     ----------
     name, title : short, and for people
+    kind : what is measured on it, one of ``metrics.MEASURES``
     counted : spans of the motion's regions, by name, whose mean square makes the ``error``
     relative : speed to which the error in a region is relative [m/s]
+    position : whether it is followed by the position loop
+    ranked : whether its error counts in the mean over all commands
     """
 
     name: str
     title: str
+    kind: str
     motion: Motion
-    counted: tuple[str, ...]
+    counted: tuple[str, ...] = ()
     relative: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def unit(self) -> str:
-        """Unit of the ``error``."""
-        return "1" if self.relative else "m/s"
+    position: bool = False
+    ranked: bool = True
 
     def sample(self, T_s: float) -> Array:
         """Return the velocities (n,) [m/s], one a sample."""
@@ -63,6 +78,11 @@ def training(T_s: float) -> Array:
     return np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
 
 
+def position_loop(loop: VelocityLoop) -> VelocityLoop:
+    """Return the cascade of a velocity loop and a proportional position controller."""
+    return loop.changed(K_x=POSITION_LOOP * loop.K_p / loop.axis.m)
+
+
 def _trapezoid() -> Command:
     spans: dict[str, tuple[Span, ...]] = {}
     for name, instant in windows(VALIDATION).items():
@@ -72,7 +92,9 @@ def _trapezoid() -> Command:
     duration = float(VALIDATION.corners()[-1] + VALIDATION.begin)
     motion = Motion("trapezoid", "The paper’s trapezoid", VALIDATION, duration, spans)
     whole = f"{round(1e3 * FIRST[0])}-{round(1e3 * FIRST[1])} ms"
-    return Command("T", "trapezoid", motion, tuple(name for name in spans if name.endswith(whole)))
+    return Command(
+        "T", "trapezoid", "velocity", motion, tuple(name for name in spans if name.endswith(whole))
+    )
 
 
 def _creep() -> Command:
@@ -86,7 +108,9 @@ def _creep() -> Command:
     motion = Motion(
         "creep", "Constant low speeds", Table(np.array(time), np.array(v)), time[-1], spans
     )
-    return Command("V", "creep", motion, tuple(spans), dict(zip(spans, SPEEDS, strict=True)))
+    return Command(
+        "V", "creep", "velocity", motion, tuple(spans), dict(zip(spans, SPEEDS, strict=True))
+    )
 
 
 def _reversals() -> Command:
@@ -94,8 +118,96 @@ def _reversals() -> Command:
     motion = strokes(
         "reversals", "A triangle of the velocity, ±0.5 mm/s with a period of 1 s", moves
     )
-    return Command("R", "slow reversals", motion, ("reversals",))
+    return Command("R", "slow reversals", "velocity", motion, ("reversals",))
 
 
-COMMANDS = {command.name: command for command in (_trapezoid(), _creep(), _reversals())}
+@dataclass(frozen=True)
+class _Circles:
+    """Velocity of one axis on circles that begin at its end: R w sin(w t), one after the other."""
+
+    parts: tuple[tuple[float, float], ...]  # angular frequency [rad/s] and periods
+
+    def sample(self, t: Array) -> Array:
+        """Return the velocity (n,) [m/s] at times (n,) [s]."""
+        v, begin = np.zeros(len(t)), BEGIN
+        for w, periods in self.parts:
+            end = begin + periods * 2.0 * np.pi / w
+            inside = (t >= begin) & (t < end)
+            v[inside] = RADIUS * w * np.sin(w * (t[inside] - begin))
+            begin = end
+        return v
+
+    def reversals(self) -> dict[str, list[float]]:
+        """Return the times of the reversals by circle [s], the first move aside."""
+        found, begin = {}, BEGIN
+        for w, periods in self.parts:
+            half = np.pi / w
+            last = int(2.0 * periods - GLITCH / np.pi)
+            found[f"{w:g} rad/s"] = [begin + k * half for k in range(1, last + 1)]
+            begin += 2.0 * periods * half
+        return found
+
+
+def _circles() -> Command:
+    circles = _Circles(((4.0, 2.0), (1.0, 1.1)))
+    spans: dict[str, tuple[Span, ...]] = {}
+    for (w, _), (name, times) in zip(circles.parts, circles.reversals().items(), strict=True):
+        spans[name] = tuple((t, t + GLITCH / w) for t in times)
+    duration = BEGIN + sum(periods * 2.0 * np.pi / w for w, periods in circles.parts)
+    motion = Motion("circle", "One axis of a circle", circles, duration, spans)
+    return Command("C", "circle", "circle", motion, position=True)
+
+
+def _smooth_moves(
+    moves: Sequence[tuple[float, float]], rest: float
+) -> tuple[Table, list[tuple[float, float, float]]]:
+    """Return a table of moves (distance [m], duration [s]) with 1 - cos as velocity, and rests.
+
+    Also the distance, and the times at which each move and its rest end [s].
+    """
+    times, values, ends = [np.zeros(1)], [np.zeros(1)], []
+    now = BEGIN
+    share = np.arange(MOVE_POINTS + 1) / MOVE_POINTS
+    for distance, duration in moves:
+        times.append(now + duration * share)
+        values.append(distance / duration * (1.0 - np.cos(2.0 * np.pi * share)))
+        ends.append((distance, now + duration, now + duration + rest))
+        now += duration + rest
+    return Table(np.concatenate(times), np.concatenate(values)), ends
+
+
+def _small_moves() -> Command:
+    moves = [(sign * length, lasts) for length, lasts in MOVES.items() for sign in (1.0, -1.0)]
+    table, ends = _smooth_moves(moves, SETTLING)
+    spans: dict[str, tuple[Span, ...]] = {}
+    for distance, stopped, settled in ends:
+        name = f"{1e6 * abs(distance):g} um"
+        spans[name] = (*spans.get(name, ()), (stopped, settled))
+    motion = Motion("moves", "Small moves and rests", table, ends[-1][2], spans)
+    return Command("M", "small moves", "settling", motion, position=True)
+
+
+def _hold() -> Command:
+    table, ((_, stopped, _),) = _smooth_moves([(1e-3, 0.2)], HOLD[1])
+    spans = {"hold": ((stopped + HOLD[0], stopped + HOLD[1]),)}
+    motion = Motion("hold", "Rest after a stop", table, stopped + HOLD[1], spans)
+    return Command("H", "hold", "hunting", motion, position=True, ranked=False)
+
+
+def _inner_loops() -> Command:
+    corners = (0.0, 4e-5, 0.0, 1.5e-5, 0.0, -4e-5, 0.0)
+    moves = [(float(step), 0.1) for step in np.diff(corners)]
+    table, ends = _smooth_moves(moves, 0.1)
+    spans = {"path": ((BEGIN, ends[-1][2]),)}
+    motion = Motion("inner loops", "A path with inner loops", table, ends[-1][2], spans)
+    return Command("P", "inner loops", "path", motion, position=True)
+
+
+COMMANDS = {
+    command.name: command
+    for command in (
+        *(_trapezoid(), _creep(), _reversals()),
+        *(_circles(), _small_moves(), _hold(), _inner_loops()),
+    )
+}
 """What entrants are validated with; none of it is tuned on."""

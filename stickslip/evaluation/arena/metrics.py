@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.evaluation.arena.commands import Command
+from stickslip.evaluation.motions import Span
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -18,61 +19,146 @@ Figures = dict[str, tuple[float, str]]
 """Value and unit by name of the metric."""
 
 
+SETTLED = 1e-6
+"""Position error within which a move has settled [m]."""
+
+
 @dataclass(frozen=True)
 class Trace:
     """One run.
 
     Attributes
     ----------
-    v_cmd : (n,) command [m/s]
-    v, x : (n,) true velocity [m/s] and position since the start [m]
+    T_s : sample period [s]
+    v_cmd, x_cmd : (n,) commanded velocity [m/s] and position [m]
+    v, x : (n,) true velocity [m/s] and position [m]
     u : (n,) force command [N]
     v_r : (n,) velocity of the loop without friction [m/s]
     """
 
+    T_s: float
     v_cmd: Array
+    x_cmd: Array
     v: Array
     x: Array
     u: Array
     v_r: Array
 
     @classmethod
-    def of(cls, v_cmd: Array, recorded: Mapping[str, Array]) -> Trace:
+    def of(cls, T_s: float, v_cmd: Array, recorded: Mapping[str, Array]) -> Trace:
         """Return it from the recorded signals."""
         v, x, u, v_r = (np.asarray(recorded[name][: len(v_cmd)]) for name in RECORDED)
-        return cls(v_cmd, v, x - x[0], u, v_r)
+        x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
+        return cls(T_s, v_cmd, x_cmd, v, x, u, v_r)
+
+    @property
+    def velocity_error(self) -> Array:
+        """Velocity less command (n,) [m/s]."""
+        return self.v - self.v_cmd
+
+    @property
+    def position_error(self) -> Array:
+        """Position less command (n,) [m]."""
+        return self.x - self.x_cmd
+
+    def within(self, values: Array, span: Span) -> Array:
+        """Return the samples (k,) of a span of time."""
+        begin, end = (round(edge / self.T_s) for edge in span)
+        return values[begin:end]
 
 
 def figures(command: Command, trace: Trace, loop: VelocityLoop) -> Figures:
-    """Return all metrics of a run.
+    """Return all metrics of a run: those of its kind, and those of every run.
 
     ``effort`` is by how much the RMS of the force command is above that of the motion without
     friction; ``variation`` is the mean absolute rate at which the command changes.
     """
-    T_s, gap = loop.T_s, trace.v - trace.v_cmd
-    x_cmd = np.concatenate([[0.0], np.cumsum(trace.v_cmd[:-1])]) * T_s
-    inert = loop.axis.m * np.gradient(trace.v_r, T_s) + loop.axis.b * trace.v_r
+    inert = loop.axis.m * np.gradient(trace.v_r, trace.T_s) + loop.axis.b * trace.v_r
+    return {
+        **MEASURES[command.kind](command, trace),
+        "E_rms": (_rms(trace.velocity_error), "m/s"),
+        "position RMS": (_rms(trace.position_error), "m"),
+        "variation": (float(np.abs(np.diff(trace.u)).mean()) / trace.T_s, "N/s"),
+        "effort": (_rms(trace.u) - _rms(inert), "N"),
+        "largest force": (float(np.abs(trace.u).max()), "N"),
+    }
+
+
+def _velocity(command: Command, trace: Trace) -> Figures:
+    """Return RMS and largest error of the velocity in each region."""
     found: Figures = {}
     squares = []
+    unit = "1" if command.relative else "m/s"
     for name, spans in command.motion.regions.items():
-        inside = np.concatenate([gap[_samples(span, T_s)] for span in spans])
-        scale, unit = command.relative.get(name, 1.0), command.unit
-        found[f"E_rms {name}"] = (_rms(inside) / scale, unit)
-        found[f"E_max {name}"] = (float(np.abs(inside).max()) / scale, unit)
+        inside = np.concatenate([trace.within(trace.velocity_error, span) for span in spans])
+        inside = inside / command.relative.get(name, 1.0)
+        found[f"E_rms {name}"] = (_rms(inside), unit)
+        found[f"E_max {name}"] = (float(np.abs(inside).max()), unit)
         if name in command.counted:
-            squares.append(np.mean(inside**2) / scale**2)
-    found = {ERROR: (float(np.sqrt(np.mean(squares))), command.unit), **found}
-    found["E_rms"] = (_rms(gap), "m/s")
-    found["position RMS"] = (_rms(trace.x - x_cmd), "m")
-    found["variation"] = (float(np.abs(np.diff(trace.u)).mean()) / T_s, "N/s")
-    found["effort"] = (_rms(trace.u) - _rms(inert), "N")
-    found["largest force"] = (float(np.abs(trace.u).max()), "N")
-    return found
+            squares.append(np.mean(inside**2))
+    return {ERROR: (float(np.sqrt(np.mean(squares))), unit), **found}
 
 
-def _samples(span: tuple[float, float], T_s: float) -> slice:
-    begin, end = span
-    return slice(round(begin / T_s), round(end / T_s) + 1)
+def _circle(command: Command, trace: Trace) -> Figures:
+    """Return the heights of the quadrant glitches: largest change of the position error [m]."""
+    found: Figures = {}
+    every = []
+    for name, spans in command.motion.regions.items():
+        heights = []
+        for begin, end in spans:
+            before = trace.within(trace.position_error, (2.0 * begin - end, begin))
+            after = trace.within(trace.position_error, (begin, end))
+            heights.append(float(np.abs(after - np.median(before)).max()))
+        found[f"quadrant glitch {name}"] = (max(heights), "m")
+        every += heights
+    return {ERROR: (_rms(np.array(every)), "m"), **found}
+
+
+def _settling(command: Command, trace: Trace) -> Figures:
+    """Return settling times after moves [s], what is left at the end of the rest [m]."""
+    found: Figures = {}
+    every = []
+    for name, spans in command.motion.regions.items():
+        times, left = [], []
+        for span in spans:
+            inside = trace.within(trace.position_error, span)
+            outside = np.flatnonzero(np.abs(inside) > SETTLED)
+            times.append((outside[-1] + 1) * trace.T_s if len(outside) else 0.0)
+            left.append(abs(float(inside[-len(inside) // 4 :].mean())))
+            every.append(inside)
+        found[f"settling {name}"] = (float(max(times)), "s")
+        found[f"rest error {name}"] = (max(left), "m")
+    return {ERROR: (_rms(np.concatenate(every)), "m"), **found}
+
+
+def _hunting(command: Command, trace: Trace) -> Figures:
+    """Return how far the position swings at rest [m], and how the force command changes [N/s]."""
+    ((span,),) = command.motion.regions.values()
+    x, u = (trace.within(values, span) for values in (trace.x, trace.u))
+    rate = float(np.abs(np.diff(u)).mean()) / trace.T_s
+    left = float(np.abs(trace.within(trace.position_error, span).mean()))
+    return {
+        ERROR: (float(np.ptp(x)), "m"),
+        "rest error": (left, "m"),
+        "variation at rest": (rate, "N/s"),
+    }
+
+
+def _path(command: Command, trace: Trace) -> Figures:
+    """Return RMS and largest position error [m]."""
+    ((span,),) = command.motion.regions.values()
+    inside = trace.within(trace.position_error, span)
+    return {ERROR: (_rms(inside), "m"), "largest error": (float(np.abs(inside).max()), "m")}
+
+
+MEASURES: dict[str, Callable[[Command, Trace], Figures]] = {
+    "velocity": _velocity,
+    "circle": _circle,
+    "settling": _settling,
+    "hunting": _hunting,
+    "path": _path,
+}
+"""By the kind of the command."""
 
 
 def _rms(values: Array) -> float:

@@ -5,26 +5,23 @@ from __future__ import annotations
 import json
 from functools import partial
 from importlib.resources import files
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from stickslip.evaluation.arena.commands import COMMANDS
+from stickslip.evaluation.arena.commands import COMMANDS, RADIUS
+from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
 from stickslip.evaluation.arena.entrants import Entrant, entrant
 from stickslip.evaluation.arena.protocol import Arena
 from stickslip.evaluation.arena.table import PI, budget_text, ranking, relative_errors
 from stickslip.evaluation.arena.validation import POINTS
-from stickslip.report import style
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Illustration, Section, made_with
 from stickslip.report.quantity import number
 from stickslip.servo.observer import LIMIT
 
 TITLE = "Friction compensators compared"
-FIGURES = ("pareto",)
+FIGURES = ("pareto", "circle")
 DEEP = 3.0
 """Factor on the error at which the colour of a cell is the deepest."""
 _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
@@ -42,6 +39,7 @@ def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
         _head(arena, found),
         _heat_maps(arena, found),
         _pareto(arena, found),
+        _circle(arena, found),
         _protocol(arena),
         _failures(arena),
         Section("Made with", made_with(), _script(arena)),
@@ -86,9 +84,9 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
     parts: list[Html | Illustration | list[Illustration]] = [
         paragraph(
             "Error relative to that of the PI controller tuned on the same drive: geometric mean"
-            f" over {', '.join(one.title for one in COMMANDS.values())}. Blue is better, orange"
-            " worse. Entrants without knowledge of friction come first. A cell shows its velocity"
-            " error over time when it is clicked."
+            f" over {', '.join(c.title for c in COMMANDS.values() if c.ranked)}. Blue is better,"
+            " orange worse. Entrants without knowledge of friction come first. A cell shows its"
+            " errors over time when it is clicked."
         ),
         _heat_map(arena, found, carried=False),
     ]
@@ -180,7 +178,7 @@ def _pareto(arena: Arena, found: pd.DataFrame) -> Section | None:
     )
     shown = Illustration(
         "pareto",
-        partial(_draw_pareto, points),
+        partial(draw_pareto, points),
         "Error against control effort, and against learning time, of each entrant",
         text,
     )
@@ -216,39 +214,28 @@ def _points(arena: Arena, found: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(columns).reindex(list(arena.plan.entrants)).dropna()
 
 
-def _draw_pareto(points: pd.DataFrame) -> Figure:
-    figure = style.new_figure(style.PAGE, 105.0)
-    panels = figure.subplots(1, 2, sharey=True)
-    _front(panels[0], points["effort"], points["error"])
-    panels[0].set(xlabel="Control effort, relative", ylabel="Error relative to the tuned PI")
-    _front(panels[1], points["time"].clip(lower=1.0), points["error"])
-    panels[1].set(xlabel="Learning time [s]", xscale="log")
-    for axes, letter, title in zip(panels, "ab", ("effort", "learning time"), strict=True):
-        style.name_panel(axes, letter, f"Error against {title}")
-        axes.margins(x=0.16)
-    return figure
-
-
-def _front(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
-    """Draw points with their names, and the line of those that none surpasses."""
-    best = [
-        name
-        for name in x.index
-        if not any((x[o] <= x[name]) & (y[o] <= y[name]) & (o != name) for o in x.index)
-    ]
-    best.sort(key=lambda name: float(x[name]))
-    axes.plot(x[best], y[best], color=style.WITH, lw=style.LINE, zorder=1)
-    colours = [style.WITH if name in best else style.GREY for name in x.index]
-    axes.scatter(x, y, s=14, c=colours, zorder=2)
-    for name, colour in zip(x.index, colours, strict=True):
-        axes.annotate(
-            name,
-            (float(x[name]), float(y[name])),
-            xytext=(3, 2),
-            textcoords="offset points",
-            fontsize=6.5,
-            color=colour,
-        )
+def _circle(arena: Arena, found: pd.DataFrame) -> Section | None:
+    """Return the polar picture of a circle on the nominal drive: none, tuned PI, the best."""
+    drive = (arena.plan.nominal or arena.plan.drives[0]).name
+    order = ranking(found, arena.plan)["mean here"].dropna()
+    best = [str(name) for name in order.sort_values().index if str(name) not in ("none", PI)]
+    shown = {
+        name: arena.documents[drive, name]["validated"][drive]["circle"]
+        for name in ("none", PI, *best[:1])
+        if (drive, name) in arena.documents
+    }
+    shown = {name: values for name, values in shown.items() if values}
+    if not shown:
+        return None
+    picture = Illustration(
+        "circle",
+        partial(draw_circle, shown),
+        "Radial error along a circle for several entrants",
+        f"Radial error along a circle of {1e3 * RADIUS:g} mm at 4 rad/s on the drive {drive}, as in"
+        " a circularity test: both axes have the same drive and compensator. The spikes at the"
+        " quadrants are where an axis reverses.",
+    )
+    return Section("Quadrant glitches", picture)
 
 
 def _protocol(arena: Arena) -> Section:
@@ -293,7 +280,12 @@ def _script(arena: Arena) -> Html:
         for tuned_on, validated in document["validated"].items()
     }
     motions = {
-        name: {"title": one.title, "duration": one.motion.duration}
+        name: {
+            "title": f"{one.title[:1].upper()}{one.title[1:]}",
+            "duration": one.motion.duration,
+            "unit": "Position error [µm]" if one.position else "Velocity error [mm/s]",
+            "least": 1000 if one.position else 50,
+        }
         for name, one in COMMANDS.items()
     }
     data = {"cells": cells, "motions": motions, "points": POINTS, "reference": PI}

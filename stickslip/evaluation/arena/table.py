@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from stickslip.evaluation.arena.commands import COMMANDS
 from stickslip.evaluation.arena.metrics import ERROR
 from stickslip.evaluation.arena.protocol import Arena, Plan
 from stickslip.servo.observer import LIMIT
@@ -138,7 +139,8 @@ def _relative(table: pd.DataFrame) -> pd.DataFrame:
     )
     found = found[np.isfinite(scale)]
     keys = [name for name in COLUMNS if name not in ("command", "median", "worst")]
-    groups = found.groupby(keys, sort=False)[["median", "worst"]]
+    ranked = found["command"].isin([name for name, one in COMMANDS.items() if one.ranked])
+    groups = found[ranked].groupby(keys, sort=False)[["median", "worst"]]
     means = pd.DataFrame(groups.agg(_geometric)).reset_index()
     both: pd.DataFrame = pd.concat([found, means.assign(command=ALL)], ignore_index=True)
     return both

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip import cosim
-from stickslip.evaluation.arena.commands import Command
+from stickslip.evaluation.arena.commands import Command, position_loop
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.entrants import Entrant, Tuned
 from stickslip.evaluation.arena.metrics import RECORDED, Trace, figures
@@ -20,6 +20,8 @@ from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
 from stickslip.servo.velocity_loop import VelocityLoop
 
+TURN = 240
+"""Points along a circle."""
 POINTS = 240
 """Intervals of a time plot, each with its least and its greatest value."""
 
@@ -31,18 +33,21 @@ class Validated:
     Attributes
     ----------
     figures : (command, metric, unit) -> a value for each start
-    plots : command -> least and greatest velocity error [um/s] in each interval of the first run
+    plots : command -> least and greatest error in each interval of the first run, of the velocity
+        [um/s] or, in the position loop, of the position [nm]
+    circle : position error [nm] along one turn of the first circle, from a reversal on
     reason : why a run failed; its errors are infinite
     """
 
     figures: dict[tuple[str, str, str], list[float]] = field(default_factory=dict)
     plots: dict[str, list[int]] = field(default_factory=dict)
+    circle: list[int] = field(default_factory=list)
     reason: str = ""
 
     def document(self) -> dict[str, Any]:
         """Return it as JSON takes it."""
         rows = [[*key, values] for key, values in self.figures.items()]
-        return {"values": rows, "plots": self.plots, "reason": self.reason}
+        return {"values": rows, "plots": self.plots, "circle": self.circle, "reason": self.reason}
 
 
 def validate(
@@ -54,9 +59,28 @@ def validate(
     starts: int,
 ) -> Validated:
     """Run every command from several starts: other noise, other places between encoder steps."""
+    found = Validated()
+    for position in (False, True):
+        chosen = [command for command in commands if command.position == position]
+        if chosen and position:
+            loop = position_loop(loop)
+            tuned = replace(tuned, loop=tuned.loop.changed(K_x=loop.K_x))
+        if chosen:
+            _validate(fmus, loop, one, tuned, chosen, starts, found)
+    return found
+
+
+def _validate(
+    fmus: Path,
+    loop: VelocityLoop,
+    one: Entrant,
+    tuned: Tuned,
+    commands: Sequence[Command],
+    starts: int,
+    found: Validated,
+) -> None:
     sampled = {command.name: command.sample(loop.T_s) for command in commands}
     n = max(len(v_cmd) for v_cmd in sampled.values())
-    found = Validated()
     with Course(fmus, loop, one, n, RECORDED) as course:
         for command in commands:
             v_cmd = sampled[command.name]
@@ -67,12 +91,15 @@ def validate(
                 except cosim.SimulationError as error:
                     found.reason = found.reason or str(error)
                     continue
-                trace = Trace.of(v_cmd, {name: run[name] for name in RECORDED})
+                trace = Trace.of(loop.T_s, v_cmd, {name: run[name] for name in RECORDED})
                 for metric, (value, unit) in figures(command, trace, tuned.loop).items():
                     found.figures.setdefault((command.name, metric, unit), []).append(value)
                 if k == 0:
-                    found.plots[command.name] = _thinned(1e6 * (trace.v - v_cmd))
-    return found
+                    gap = 1e9 * trace.position_error
+                    shown = gap if command.position else 1e6 * trace.velocity_error
+                    found.plots[command.name] = _thinned(shown)
+                    if command.kind == "circle":
+                        found.circle = _turn(gap, command, loop.T_s)
 
 
 def sensitivities(
@@ -82,7 +109,21 @@ def sensitivities(
     with ChainResponse(fmus, loop, one.chain) as response:
         known = response.of(tuned.loop, tuned.parameters, friction)
         true = response.of(tuned.loop, tuned.parameters, friction, mass)
-    return {"Ms": known.peak, "Ms with the true mass": true.peak}
+        cascade = tuned.loop.changed(K_x=position_loop(loop).K_x)
+        outer = response.of(cascade, tuned.parameters, friction)
+    return {
+        "Ms": known.peak,
+        "Ms with the true mass": true.peak,
+        "Ms of the position loop": outer.peak,
+    }
+
+
+def _turn(error: Array, command: Command, T_s: float) -> list[int]:
+    """Return ``TURN`` values (n,) of an error along the turn that ends with the first circle."""
+    reversals = next(iter(command.motion.regions.values()))
+    begin, half = reversals[-2][0], reversals[-1][0] - reversals[-2][0]
+    t = begin + 2.0 * half * np.arange(TURN) / TURN
+    return [round(float(value)) for value in np.interp(t, T_s * np.arange(len(error)), error)]
 
 
 def _thinned(values: Array) -> list[int]:

@@ -1,0 +1,56 @@
+"""The position loop around a velocity loop: its nominal response and its sensitivity."""
+
+import control
+import numpy as np
+import pytest
+
+from stickslip import models
+from stickslip.servo import Axis, ControlError, design_velocity_loop
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.frequency import frequency_response
+from stickslip.servo.sensitivity import Opened, peak_sensitivity
+from stickslip.servo.systems import build_loop
+
+K_X = 75.4
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
+
+
+def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path):
+    for name in ("velocity_controller", "nominal_loop"):
+        models.build_fmu(name, tmp_path)
+    ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": 0, "dac": 0}
+    models.build_fmu("drive", tmp_path, start=ideal)
+    cascade = loop.changed(K_x=K_X)
+    t = np.arange(801) * loop.T_s
+    v_cmd = 0.01 * np.sin(2.0 * np.pi * 5.0 * t)
+    record = ("drive.v", "drive.x", "nominal.v_r")
+    system = build_loop(tmp_path, cascade, [])
+    with system.prepare(step=loop.T_s, stop=float(t[-1]), record=record) as simulation:
+        run = simulation.run({}, cascade.commands(v_cmd))
+    assert run["drive.v"] == pytest.approx(run["nominal.v_r"], abs=1e-9)
+    plain = control.forced_response(loop.nominal, inputs=v_cmd).outputs
+    x_cmd = cascade.commands(v_cmd)["x_cmd"]
+    with_position = np.abs(run["drive.x"] - x_cmd).max()
+    assert with_position < 0.5 * np.abs(np.cumsum(plain - v_cmd) * loop.T_s).max()
+
+
+def test_the_sensitivity_is_that_of_the_open_loop(loop):
+    """The outer loop multiplies the open loop by 1 + K_x / (velocity estimate per position)."""
+    cascade = loop.changed(K_x=K_X)
+    opened = Opened(cascade)
+    z = np.exp(2j * np.pi * opened.f * loop.T_s)
+    keep = np.exp(-loop.T_s / loop.tau_f)
+    estimate = (1.0 - 1.0 / z) / loop.T_s * (1.0 - keep) / (1.0 - keep / z)  # per position
+    plain = frequency_response(loop.open_loop, opened.f)
+    expected = 1.0 / (1.0 + plain * (1.0 + K_X / estimate))
+    assert opened.response().at_command == pytest.approx(expected, rel=1e-6)
+    assert peak_sensitivity(cascade) > peak_sensitivity(loop)
+
+
+def test_an_outer_loop_that_is_too_fast_is_refused(loop):
+    with pytest.raises(ControlError, match="leave the velocity loop unstable"):
+        loop.changed(K_x=5000.0)
