@@ -76,11 +76,3 @@ def test_below_coulomb_friction_it_rests_on_a_spring(push, u):
     assert found["x"][-1] == pytest.approx(u / K_T, rel=1e-9)
     assert abs(found["v"][-1]) < 1e-12
     assert found["F_f"][-1] == pytest.approx(u, rel=1e-9)
-
-
-def test_a_stiff_contact_without_stribeck_is_static_friction(push):
-    """k_t -> infinity; the delay and the time at rest have nothing to act on."""
-    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
-    event = push("coulomb_stribeck", H, u, F_s=F_C)
-    stiff = push("armstrong", H, u, F_s=F_C, k_t=1e9, sigma_t=1e5)
-    np.testing.assert_allclose(stiff["x"], event["x"], atol=5e-5)

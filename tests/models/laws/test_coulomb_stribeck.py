@@ -39,11 +39,3 @@ def test_break_away_is_at_static_friction_whatever_the_rate(push):
 def test_terminal_speed_balances_the_curve(push):
     v = push("coulomb_stribeck", H, np.full(16000, 10.0))["v"][-1]
     assert F_C + B * v == pytest.approx(10.0, rel=1e-4)
-
-
-def test_a_stiff_dahl_contact_without_stribeck_moves_the_same(push):
-    """sigma_0 -> infinity is Coulomb friction."""
-    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
-    event = push("coulomb_stribeck", H, u, F_s=F_C)
-    stiff = push("dahl", H, u, sigma_0=1e9)
-    np.testing.assert_allclose(stiff["x"], event["x"], atol=5e-5)

@@ -90,11 +90,3 @@ def test_a_pushed_mass_against_radau(push):
         assert 1e6 * found["x"][k + 40] == pytest.approx(y[0], abs=0.03)
     assert found["v"].max() > 0.015
     assert found["v"].min() < -0.015
-
-
-def test_a_stiff_contact_is_static_friction(push):
-    """sigma_0 -> infinity without Stribeck effect is Coulomb friction."""
-    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
-    event = push("coulomb_stribeck", H, u, F_s=P["F_c"])
-    stiff = push("elasto_plastic", H, u, F_s=P["F_c"], sigma_0=1e9, sigma_1=0.0)
-    np.testing.assert_allclose(stiff["x"], event["x"], atol=5e-5)

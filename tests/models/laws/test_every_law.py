@@ -162,6 +162,25 @@ def test_a_force_against_another_integrator(follow, law, parameters, force):
     np.testing.assert_allclose(found, force, atol={"gms": 2e-5, "leuven": 1e-4}.get(law, 1e-6))
 
 
+STIFF = {  # contacts that deflect by nanometres, with damping where elements would ring for long
+    "armstrong": {"k_t": 1e9, "sigma_t": 1e5},
+    "gms": {"sigma_0": 1e9, "sigma_1": 0.0, "C": 1e9},
+    **{law: {"sigma_0": 1e9, "sigma_1": 0.0} for law in ("elasto_plastic", "leuven", "lugre")},
+}
+
+
+@every
+def test_a_stiff_contact_without_stribeck_effect_is_static_friction(push, law):
+    """Dahl's law and what others become for F_s = F_c, against the events of Coulomb-Stribeck."""
+    u = 12.0 * np.sin(2 * np.pi * 2.0 * np.arange(2000) * H)
+    F_c = law.parameters["F_c"].start[0]
+    stiff = STIFF.get(law.name, {"sigma_0": 1e9}) | {"F_s": F_c}
+    own = {name: value for name, value in stiff.items() if name in law.parameters}
+    event = push("coulomb_stribeck", H, u, F_s=F_c)["x"]
+    assert np.ptp(event) > 0.015
+    np.testing.assert_allclose(push(law.name, H, u, **own)["x"], event, atol=5e-5)
+
+
 ORDER = {  # of the step, and of what the law moves by it
     "armstrong": (2, 12.0, 10e-3),
     "coulomb_stribeck": (2, 12.0, 10e-3),
