@@ -33,7 +33,7 @@ def alone(fmu):
 
 
 def test_every_command_finds_what_was_packed(writer):
-    for _ in range(3):
+    for _ in range(2):
         for how in ("--isolate", "--no-isolate"):
             command = [sys.executable, "-m", "stickslip", "simulate", str(writer), how]
             done = subprocess.run(command, capture_output=True, text=True)
