@@ -12,8 +12,8 @@ from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena.drives import default_drives, read_drives
-from stickslip.evaluation.arena.entrants import default_names, entrant
+from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
+from stickslip.evaluation.arena.entrants import default_names, own_part
 from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
 from stickslip.evaluation.arena.table import arena_table, ranking
 from stickslip.evaluation.arena.tuning import Budget
@@ -34,6 +34,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
     names = "what competes, such as pi, static or lugre+ekbf (default: all)"
     add_options(parser, {"--compensators NAME": names}, **SEVERAL)
     add_options(parser, {"--drives FILE.toml": "drives instead of the default ones"}, type=Path)
+    learned = "a learned drive instead of the default ones, or beside those of --drives"
+    add_options(parser, {"--drive learned.json": learned}, type=Path, **SEVERAL)
+    own = {"--compensator FILE.fmu": "a compensator of your own, beside the others"}
+    add_options(parser, own, type=Path, **SEVERAL)
+    ports = {"--ports FILE.toml": "how it is connected, one for each --compensator"}
+    add_options(parser, ports, type=Path, **SEVERAL)
     only = "only these drives, by name"
     add_options(parser, {"--only DRIVE": only}, **SEVERAL)
     starts = "runs of each command, with other noise and another place between encoder steps"
@@ -79,24 +85,27 @@ def _plan(options: argparse.Namespace) -> Plan:
     UsageError
         When a law, a compensator or a drive is unknown.
     """
-    if options.drives is None:
+    drives = [learned_drive(path) for path in options.drive]
+    if options.drives is not None:
+        drives += read_drives(options.drives, options.laws)
+    elif not drives:
         drives = default_drives(options.laws)
-    else:
-        drives = read_drives(options.drives, options.laws)
     known = [drive.name for drive in drives]
     if unknown := [name for name in options.only if name not in known]:
         raise UsageError(f"--only {unknown[0]}: there are the drives {', '.join(known)}")
     chosen = [drive for drive in drives if not options.only or drive.name in options.only]
-    names = list(dict.fromkeys(options.compensators or default_names()))
+    if len(set(known)) < len(known):
+        raise UsageError(f"--drive: two drives have the same name, of {', '.join(known)}")
+    if len(options.compensator) != len(options.ports):
+        raise UsageError("--compensator and --ports: expected one file of ports for each FMU")
+    own = tuple(map(own_part, options.compensator, options.ports))
+    names = options.compensators or default_names()
+    names = list(dict.fromkeys([*names, *(part.name for part in own)]))
+    budget = Budget(options.evaluations, options.seconds)
+    plan = Plan(chosen, names, budget, options.seeds, options.seed, own)
     for name in names:
-        entrant(name)
-    return Plan(
-        chosen,
-        names,
-        Budget(options.evaluations, options.seconds),
-        options.seeds,
-        options.seed,
-    )
+        plan.entrant(name)
+    return plan
 
 
 def _print(arena: Arena, table: pd.DataFrame) -> None:

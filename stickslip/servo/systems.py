@@ -59,6 +59,13 @@ class Compensator:
             raise ValueError(f"model '{self.model}' is not a compensator")
         return ports
 
+    def parameters(self, loop: VelocityLoop) -> dict[str, float]:
+        """Return its values, and those that follow from the axis and the loop."""
+        axis = {"T_s": loop.T_s, "tau_f": loop.tau_f}
+        axis |= {"m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
+        found = {p: axis[v] if isinstance(v, str) else v for p, v in self.ports.axis.items()}
+        return {**found, **self.values}
+
 
 Changes = Mapping[str, float | str]
 """Start values of the drive FMU by name, and ``law``, the name of its friction law."""
@@ -210,14 +217,11 @@ def _add_feedforward(
 def _add_chain(
     system: cosim.System, fmus: Path, loop: VelocityLoop, compensators: Sequence[Compensator]
 ) -> tuple[str | None, list[str]]:
-    axis = {"T_s": loop.T_s, "tau_f": loop.tau_f}
-    axis |= {"m": loop.axis.m, "b": loop.axis.b, "tau_i": loop.axis.tau_i}
     force, referenced = None, []
     for compensator in compensators:
         ports, name = compensator.ports, compensator.name
-        values = {p: axis[v] if isinstance(v, str) else v for p, v in ports.axis.items()}
         file = fmus / f"{compensator.file or compensator.model}.fmu"
-        system.add(name, file, {**values, **compensator.values})
+        system.add(name, file, compensator.parameters(loop))
         roles = {role: f"{name}.{variable}" for variable, role in ports.inputs.items()}
         if "v_ref" in roles:
             referenced.append(roles["v_ref"])

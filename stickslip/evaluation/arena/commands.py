@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.cosim import SineSweep, Table
+from stickslip.cosim import Signal, SineSweep, Table
 from stickslip.evaluation.motions import BEGIN, Motion, Span, Stroke, strokes, windows
 from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array
@@ -67,15 +67,35 @@ class Command:
         n = round(self.motion.duration / T_s) + 1
         return self.motion.command.sample(np.asarray(np.arange(n) * T_s))
 
+    def scaled(self, factor: float) -> Command:
+        """Return the command with all velocities and lengths times a factor."""
+        if factor == 1.0:
+            return self
+        motion = replace(self.motion, command=_Scaled(self.motion.command, factor))
+        relative = {name: factor * speed for name, speed in self.relative.items()}
+        return replace(self, motion=motion, relative=relative)
 
-def training(T_s: float) -> Array:
-    """Return the command (n,) [m/s] with which entrants are tuned.
+
+@dataclass(frozen=True)
+class _Scaled:
+    """A signal times a factor."""
+
+    signal: Signal
+    factor: float
+
+    def sample(self, t: Array) -> Array:
+        """Return the values (n,) at the times t (n,) [s]."""
+        return np.asarray(self.factor * self.signal.sample(t))
+
+
+def training(T_s: float, factor: float = 1.0) -> Array:
+    """Return the command (n,) [m/s] with which entrants are tuned, times a factor.
 
     A slow sweep: what learns while it runs needs reversals that last longer than the loop takes to
     answer, which those of the paper's sweep to 5 Hz do not.
     """
     n = round((_SWEEP.duration + _REST) / T_s)
-    return np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
+    return factor * np.tile(_SWEEP.sample(np.asarray(np.arange(n) * T_s)), PASSES)
 
 
 def position_loop(loop: VelocityLoop) -> VelocityLoop:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
@@ -21,7 +22,9 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
         models.build_fmu(name, folder)
     built = {part.file: part for one in entrants for part in one.parts if part.model}
     for file, part in built.items():
-        if part.own_ports is None:
+        if part.own_fmu is not None:
+            shutil.copy(part.own_fmu, folder / f"{file}.fmu")
+        else:
             law = part.law.name if part.law else None
             models.build_fmu(part.model, folder, law=law, called=file)
 

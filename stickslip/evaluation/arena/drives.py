@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -10,13 +11,18 @@ from typing import Any
 
 from stickslip import models
 from stickslip.errors import UsageError
+from stickslip.evaluation.arena.entrants import SPEED
+from stickslip.evaluation.guards.trial import axis_values
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
+from stickslip.results.learned import LearnedFile
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
 """The axis for which the loop is designed, whatever the drive is: that of the paper's stage."""
+QUIET = 0.25
+"""Noise of the encoder of a learned drive, relative to its step."""
 _KEYS = {"title", "law", "parameters", "loop", "nominal"}
 
 
@@ -31,6 +37,9 @@ class Drive:
     parameters : start values of the drive FMU, its truth
     gains : K_p [N s/m] and K_i [N/m] of its controller; those of the paper's loop where empty
     nominal : whether what is tuned on it is carried over to the others
+    axis, T_s, tau_f : for which its loop is designed, and the sampling of the loop
+    sheet : what is known of motor and encoder
+    speed : of the fastest commands [m/s]
     """
 
     name: str
@@ -39,19 +48,24 @@ class Drive:
     parameters: Mapping[str, float] = field(default_factory=dict)
     gains: Mapping[str, float] = field(default_factory=dict)
     nominal: bool = False
+    axis: Axis = AXIS
+    T_s: float = LOOP.T_s
+    tau_f: float = LOOP.tau_f
+    sheet: Datasheet = field(default_factory=Datasheet)
+    speed: float = SPEED
 
     @property
     def loop(self) -> VelocityLoop:
         """The velocity loop, for the axis that the controller's design assumes."""
-        loop = design_velocity_loop(AXIS, LOOP)
         if not self.gains:
-            return loop
-        return close_velocity_loop(AXIS, loop.T_s, loop.tau_f, self.gains["K_p"], self.gains["K_i"])
+            return design_velocity_loop(self.axis, LOOP)
+        gains = self.gains["K_p"], self.gains["K_i"]
+        return close_velocity_loop(self.axis, self.T_s, self.tau_f, *gains)
 
     @property
     def mass(self) -> float:
         """The true mass [kg]."""
-        return float(self.parameters.get("m", AXIS.m))
+        return float(self.parameters.get("m", self.axis.m))
 
 
 def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
@@ -83,6 +97,43 @@ def read_drives(path: Path, laws: Sequence[str] | None = None) -> list[Drive]:
     except ValueError as error:
         raise UsageError(f"{path}: {error}") from None
     return _of_laws(_drives(str(path), content)[0], laws)
+
+
+def learned_drive(path: Path) -> Drive:
+    """Return the drive of a learned.json, in its loop.
+
+    Raises
+    ------
+    UsageError
+        When it is not a learned.json, or has no loop.
+    """
+    learned = LearnedFile(path)
+    loop, sheet = learned.loop, learned.datasheet
+    if loop is None:
+        raise UsageError(f"{path}: contains no loop, in which compensators could be compared")
+    of_drive = {v.name for v in models.load_model("drive", learned.law.name).variables}
+    parameters = {
+        **{name: value for name, value in learned.drive.items() if name in of_drive},
+        **axis_values(loop, sheet),
+        "noise": True,
+        "noise_x": QUIET * sheet.encoder_step,
+        "noise_F": sheet.force_noise,
+    }
+    true = {name: learned.drive[name] for name in ("m", "b") if learned.drive[name] > 0.0}
+    name = path.stem if path.stem != "learned" else path.resolve().parent.name
+    return Drive(
+        re.sub(r"[^\w-]", "_", name) or "learned",
+        f"{learned.law.title}, learned",
+        learned.law.name,
+        {name: float(value) for name, value in {**parameters, **true}.items()},
+        {"K_p": loop.K_p, "K_i": loop.K_i},
+        False,
+        loop.axis,
+        loop.T_s,
+        loop.tau_f,
+        sheet,
+        abs(learned.validation.height),
+    )
 
 
 def _of_laws(drives: list[Drive], laws: Sequence[str] | None) -> list[Drive]:

@@ -5,20 +5,23 @@ An entrant is data; see ``entrants.toml`` for what an entry says and for what en
 
 from __future__ import annotations
 
+import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stickslip import ga, models
+from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, estimated, friction_law, parameter, scaled_start
 from stickslip.errors import UsageError
-from stickslip.fmi.files import parse_toml
+from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
+from stickslip.models.export.description import AXIS, ROLES
 from stickslip.models.export.units import force_and_length
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import Compensator
@@ -93,6 +96,7 @@ def kalman(
     return {"L_x": found.L_x, "L_v": found.L_v, "L_d": found.L_d, **rest}
 
 
+_PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
 DESIGNS: dict[str, Design] = {"kalman": kalman}
 
 
@@ -105,7 +109,7 @@ class Part:
     ranges : lowest value, start and highest value of a gene, by name
     values : parameters that are not tuned
     design : of ``DESIGNS``; empty where genes are parameters
-    own_ports : how an FMU of the user is connected
+    own_ports, own_fmu : how an FMU of the user is connected, and its file
     """
 
     name: str
@@ -117,6 +121,7 @@ class Part:
     design: str = ""
     controller: bool = False
     own_ports: models.Ports | None = None
+    own_fmu: Path | None = None
 
     @property
     def file(self) -> str:
@@ -348,6 +353,56 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
                 " take the force of another one"
             )
     return found
+
+
+def own_part(fmu: Path, ports: Path) -> Part:
+    """Return a compensator of the user from its FMU and a TOML file that tells how to connect it.
+
+    Raises
+    ------
+    UsageError
+        When the file is not well formed, or names what the FMU has not.
+    CosimError
+        When the FMU cannot be read.
+    """
+    try:
+        table = parse_toml(read_limited(ports, MOST_TEXT))
+    except ValueError as error:
+        raise UsageError(f"{ports}: {error}") from None
+    if unknown := sorted(table.keys() - _PORTS):
+        raise UsageError(
+            f"{ports}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
+        )
+    if not {"inputs", "output"} <= table.keys():
+        raise UsageError(f"{ports}: expected inputs and output")
+    inputs, axis, genes = (table.get(key, {}) for key in ("inputs", "axis", "genes"))
+    learned, frozen = table.get("learned", {}), table.get("frozen", {})
+    for key, words, known in (
+        ("inputs", inputs.values(), ROLES),
+        ("axis", (word for word in axis.values() if isinstance(word, str)), AXIS),
+    ):
+        if unknown := sorted(set(words) - known):
+            raise UsageError(
+                f"{ports}: {key}: '{unknown[0]}' is unknown; expected {', '.join(sorted(known))}"
+            )
+    variables = cosim.Fmu(fmu).variables
+    named = [*inputs, table["output"], *axis, *genes, *learned, *learned.values(), *frozen]
+    if absent := [name for name in (*named, *table.get("values", {})) if name not in variables]:
+        hint = suggestion(absent[0], variables)
+        raise UsageError(f"{ports}: {fmu.name} has no variable '{absent[0]}'{hint}")
+    for name, span in genes.items():
+        if not (isinstance(span, list) and len(span) == 3 and span[0] <= span[1] <= span[2]):
+            raise UsageError(f"{ports}: genes: {name}: expected [lowest, start, highest]")
+    name = re.sub(r"\W", "_", table.get("name", fmu.stem))
+    return Part(
+        name,
+        table.get("title", fmu.name),
+        f"own_{name}",
+        values=table.get("values", {}),
+        ranges={gene: tuple(span) for gene, span in genes.items()},
+        own_ports=models.Ports(inputs, table["output"], tuple(genes), axis, learned, frozen),
+        own_fmu=fmu,
+    )
 
 
 @cache

@@ -11,7 +11,7 @@ import pandas as pd
 
 from stickslip.evaluation.arena.commands import COMMANDS, RADIUS
 from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
-from stickslip.evaluation.arena.entrants import Entrant, entrant
+from stickslip.evaluation.arena.entrants import Entrant
 from stickslip.evaluation.arena.protocol import Arena
 from stickslip.evaluation.arena.table import PI, budget_text, ranking, relative_errors
 from stickslip.evaluation.arena.validation import POINTS
@@ -116,7 +116,7 @@ def _heat_map(arena: Arena, found: pd.DataFrame, *, carried: bool) -> Html:
     ]
     heads += [element("th", element("span", text), scope="col") for text in ("mean", "worst")]
     rows = []
-    entrants = sorted((entrant(name, arena.further) for name in plan.entrants), key=_knowledge)
+    entrants = sorted((plan.entrant(name) for name in plan.entrants), key=_knowledge)
     for one in entrants:
         cells = [element("th", one.name, scope="row", title=one.title)]
         for drive in plan.drives:
@@ -241,7 +241,7 @@ def _circle(arena: Arena, found: pd.DataFrame) -> Section | None:
 def _protocol(arena: Arena) -> Section:
     plan = arena.plan
     drives = [(one.name, one.title, one.law) for one in plan.drives]
-    entrants = [(name, entrant(name, arena.further).title) for name in plan.entrants]
+    entrants = [(name, plan.entrant(name).title) for name in plan.entrants]
     return Section(
         "Protocol",
         table(

@@ -20,15 +20,14 @@ from stickslip.errors import UsageError
 from stickslip.evaluation.arena.commands import COMMANDS
 from stickslip.evaluation.arena.course import build_entrants
 from stickslip.evaluation.arena.drives import Drive
-from stickslip.evaluation.arena.entrants import Coarse, Part, entrant
+from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Part, entrant
 from stickslip.evaluation.arena.tuning import Budget, Found, tune
 from stickslip.evaluation.arena.validation import sensitivities, validate
 from stickslip.fmi.errors import Fault
-from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
+from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.fmi.process import temporary_folder
 from stickslip.results.folder import MANIFEST, complete, staged
 from stickslip.results.learned import versions
-from stickslip.servo.datasheet import Datasheet
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.jobs import Outcome, ended_by_signals, run_jobs
 
@@ -46,6 +45,7 @@ class Plan:
     entrants : names
     starts : runs of each command
     seed : of tuning and of coarse start values
+    own : compensators of the user
     """
 
     drives: Sequence[Drive]
@@ -53,6 +53,17 @@ class Plan:
     budget: Budget = field(default_factory=Budget)
     starts: int = 20
     seed: int = 0
+    own: tuple[Part, ...] = ()
+
+    def entrant(self, name: str) -> Entrant:
+        """Return an entrant by its name.
+
+        Raises
+        ------
+        UsageError
+            When one of its parts is unknown, or cannot follow the one before it.
+        """
+        return entrant(name, {part.name: part for part in self.own})
 
     @property
     def nominal(self) -> Drive | None:
@@ -94,7 +105,6 @@ class Arena:
     documents: Mapping[tuple[str, str], Mapping[str, Any]]
     reasons: Mapping[tuple[str, str], str]
     kept: int
-    further: Mapping[str, Part] = field(default_factory=dict)
 
 
 def run_cell(cell: Cell, seed: int, on_stage: Callable[[str], object] | None = None) -> Outcome:
@@ -110,20 +120,20 @@ def run_cell(cell: Cell, seed: int, on_stage: Callable[[str], object] | None = N
 
 
 def _document(cell: Cell, seed: int) -> dict[str, Any]:
-    one, sheet, loop = entrant(cell.entrant), Datasheet(), cell.drive.loop
+    plan, drive = cell.plan, cell.drive
+    one, sheet, loop = plan.entrant(cell.entrant), drive.sheet, drive.loop
     document: dict[str, Any] = {"tuned": {}, "validated": {}}
-    found = tune(cell.fmus, loop, one, cell.plan.budget, seed, sheet)
-    tries = {cell.drive.name: found}
+    found = tune(cell.fmus, loop, one, plan.budget, seed, sheet, drive.speed)
+    tries = {drive.name: found}
+    commands = [command.scaled(drive.speed / SPEED) for command in COMMANDS.values()]
     if cell.carried is not None:
         name, carried = cell.carried
         tries[name] = found_of(carried)
     for name, given in tries.items():
         tuned = given.tuned(one, loop, sheet)
         friction = given.coarse.friction
-        peaks = sensitivities(cell.fmus, loop, one, tuned, friction, cell.drive.mass)
-        validated = validate(
-            cell.fmus, loop, one, tuned, list(COMMANDS.values()), cell.plan.starts
-        ).document()
+        peaks = sensitivities(cell.fmus, loop, one, tuned, friction, drive.mass)
+        validated = validate(cell.fmus, loop, one, tuned, commands, plan.starts, sheet).document()
         document["tuned"][name] = asdict(given)
         document["validated"][name] = {**validated, "peaks": peaks}
     return document
@@ -207,7 +217,7 @@ def run_arena(
 def build(folder: Path, plan: Plan) -> None:
     """Build a folder of FMUs for each drive; only the drive FMU has its true parameters."""
     common = folder / "entrants"
-    build_entrants(common, [entrant(name) for name in ("none", *plan.entrants)])
+    build_entrants(common, [plan.entrant(name) for name in ("none", *plan.entrants)])
     for drive in plan.drives:
         own = folder / drive.name
         models.build_fmu("drive", own, start=drive.parameters, law=drive.law)
@@ -225,6 +235,7 @@ def _origin(cell: Cell) -> dict[str, Any]:
         "starts": plan.starts,
         "seed": plan.seed,
         "carried": cell.carried,
+        "own": {part.name: [digest(part.own_fmu), repr(part)] for part in plan.own if part.own_fmu},
         "versions": versions(),
     }
     plain: dict[str, Any] = json.loads(json.dumps(origin))

@@ -16,7 +16,7 @@ import numpy as np
 from stickslip import cosim, ga
 from stickslip.evaluation.arena.commands import PASSES, training
 from stickslip.evaluation.arena.course import Course
-from stickslip.evaluation.arena.entrants import Coarse, Entrant, Tuned, entrant
+from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Tuned, entrant
 from stickslip.servo.axis import ControlError
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
@@ -80,9 +80,8 @@ class Found:
         return replace(tuned, parameters={**tuned.parameters, **self.learned, **entrant.frozen})
 
 
-def measure(fmus: Path, loop: VelocityLoop, seed: int) -> Coarse:
-    """Return the friction that a drive shows in one run of the training command."""
-    v_cmd = training(loop.T_s)
+def measure(fmus: Path, loop: VelocityLoop, v_cmd: Array, seed: int) -> Coarse:
+    """Return the friction that a drive shows in one run of a command (n,) [m/s]."""
     with Course(fmus, loop, entrant("none"), len(v_cmd), ("drive.F_m",)) as course:
         F_m = course.run(Tuned(loop, {}), v_cmd)["drive.F_m"]
     speed = float(np.abs(v_cmd).max())
@@ -93,17 +92,23 @@ def measure(fmus: Path, loop: VelocityLoop, seed: int) -> Coarse:
 
 
 def tune(
-    fmus: Path, loop: VelocityLoop, one: Entrant, budget: Budget, seed: int, sheet: Datasheet
+    fmus: Path,
+    loop: VelocityLoop,
+    one: Entrant,
+    budget: Budget,
+    seed: int,
+    sheet: Datasheet,
+    speed: float = SPEED,
 ) -> Found:
-    """Tune an entrant on the drive in a folder of FMUs.
+    """Tune an entrant on the drive in a folder of FMUs, at a speed [m/s].
 
     Raises
     ------
     NothingLearned
         When no candidate of the first generation can be run within the limit of Ms.
     """
-    coarse = measure(fmus, loop, seed)
-    v_cmd = training(loop.T_s)
+    v_cmd = training(loop.T_s, speed / SPEED)
+    coarse = measure(fmus, loop, v_cmd, seed)
     problem = one.problem(coarse)
     variables = one.learned
     with (

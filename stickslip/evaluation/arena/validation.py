@@ -57,6 +57,7 @@ def validate(
     tuned: Tuned,
     commands: Sequence[Command],
     starts: int,
+    sheet: Datasheet | None = None,
 ) -> Validated:
     """Run every command from several starts: other noise, other places between encoder steps."""
     found = Validated()
@@ -66,7 +67,9 @@ def validate(
             loop = position_loop(loop)
             tuned = replace(tuned, loop=tuned.loop.changed(K_x=loop.K_x))
         if chosen:
-            _validate(fmus, loop, one, tuned, chosen, starts, found)
+            step = (sheet or Datasheet()).encoder_step
+            places = step * ((np.arange(starts) + 0.5) / starts - 0.5)
+            _validate(fmus, loop, one, tuned, chosen, places, found)
     return found
 
 
@@ -76,7 +79,7 @@ def _validate(
     one: Entrant,
     tuned: Tuned,
     commands: Sequence[Command],
-    starts: int,
+    places: Array,
     found: Validated,
 ) -> None:
     sampled = {command.name: command.sample(loop.T_s) for command in commands}
@@ -84,8 +87,7 @@ def _validate(
     with Course(fmus, loop, one, n, RECORDED) as course:
         for command in commands:
             v_cmd = sampled[command.name]
-            for k in range(starts):
-                place = ((k + 0.5) / starts - 0.5) * Datasheet().encoder_step
+            for k, place in enumerate(places.tolist()):
                 try:
                     run = course.run(tuned, v_cmd, {"seed": k + 1, "x": place})
                 except cosim.SimulationError as error:

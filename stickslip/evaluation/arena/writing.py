@@ -8,6 +8,7 @@ import pandas as pd
 
 from stickslip.evaluation.arena.page import FIGURES, TITLE, sections
 from stickslip.evaluation.arena.protocol import UNFINISHED, Arena
+from stickslip.evaluation.arena.winners import write_winners
 from stickslip.fmi.files import atomic_write
 from stickslip.report.page import picture_files, write_page
 from stickslip.results.folder import remove_results, staged
@@ -17,7 +18,7 @@ FILES = (TABLE, PAGE, *picture_files(FIGURES))
 
 
 def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
-    """Write arena.csv, arena.html and its figures, and remove what was kept meanwhile.
+    """Write arena.csv, arena.html with its figures and the winners; remove what was kept meanwhile.
 
     Raises
     ------
@@ -34,6 +35,7 @@ def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     }
     with staged(folder, command, without=FILES) as staging:
         write_page(staging, TITLE, sections(arena, table), PAGE)
+        write_winners(arena, table, staging)
         atomic_write(staging / TABLE, table.to_csv(index=False, lineterminator="\n"))
     if not arena.reasons:
         remove_results(folder / UNFINISHED)

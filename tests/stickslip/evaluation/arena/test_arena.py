@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,10 +14,10 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena import entrants as registry
 from stickslip.evaluation.arena.commands import COMMANDS, training
-from stickslip.evaluation.arena.drives import default_drives, read_drives
-from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant
+from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
+from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
 from stickslip.evaluation.arena.protocol import UNFINISHED, Plan, build, run_arena
-from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table
+from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.evaluation.arena.validation import validate
 from stickslip.evaluation.arena.writing import write_arena
@@ -259,3 +260,79 @@ def test_tuning_records_measurements_only_and_sets_nothing_of_the_drive(built, l
             "drive.F_m",
         }
         assert not [name for name in one.system.parameters if name.startswith("drive.")]
+
+
+def test_the_winner_of_a_drive_is_exported_with_what_it_was_tuned_to(arena):
+    found, folder = arena
+    for drive in found.plan.drives:
+        winner = json.loads((folder / "winners" / drive.name / "winner.json").read_text())
+        errors = relative_errors(arena_table(found), found.plan, carried=False)[drive.name]
+        assert winner["compensator"] == errors.idxmin()
+        assert winner["error_relative_to_pi"] == errors.min()
+        for name, component in winner["components"].items():
+            exported = cosim.Fmu(folder / "winners" / drive.name / f"{name}.fmu")
+            for parameter, value in component["parameters"].items():
+                assert float(exported.variables[parameter].start) == pytest.approx(value)
+            assert (folder / "winners" / drive.name / f"{name}.c").exists()
+
+
+def test_a_compensator_of_the_user_competes_like_the_others(tmp_path):
+    models.build_fmu("static_feedforward", tmp_path, called="mine")
+    ports = tmp_path / "ports.toml"
+    ports.write_text(
+        'title = "My feedforward"\noutput = "F"\n'
+        'inputs = { v = "v_ref", F_in = "F_added" }\naxis = { lead = "tau_i" }\n'
+        "genes = { F_c = [1.0, 4.0, 20.0], v_t = [2e-5, 5e-4, 5e-3] }\n"
+    )
+    own = own_part(tmp_path / "mine.fmu", ports)
+    plan = Plan(drives("lugre"), ["none", "mine", "mine+ekbf"], Budget(30, 1000.0), 1, own=(own,))
+    found = run_arena(plan, tmp_path / "out", Execution())
+    table = arena_table(found)
+    errors = table[(table["metric"] == "error") & (table["command"] == "T")]
+    none, mine, both = errors.set_index("compensator")["median"][["none", "mine", "mine+ekbf"]]
+    assert mine < 0.3 * none
+    assert both < 0.5 * none
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('output = "F"\n', "expected inputs and output"),
+        ('output = "F"\ninputs = { v = "speed" }\n', "inputs: 'speed' is unknown"),
+        ('output = "F"\ninputs = { w = "v_ref" }\n', "has no variable 'w'"),
+        (
+            'output = "F"\ninputs = { v = "v_ref" }\ngenes = { F_c = [1.0] }\n',
+            "genes: F_c: expected",
+        ),
+        ('output = "F"\ncolour = 1\n', "'colour' is unknown"),
+    ],
+)
+def test_bad_ports_are_one_line(text, message, tmp_path, built):
+    ports = tmp_path / "ports.toml"
+    ports.write_text(text)
+    with pytest.raises(UsageError, match=message):
+        own_part(built / "static_feedforward.fmu", ports)
+
+
+def test_a_learned_drive_is_one_more_drive(tmp_path):
+    drive = learned_drive(Path(__file__).parents[4] / "results" / "paper" / "learned.json")
+    assert drive.name == "paper"
+    assert drive.law == "lugre"
+    assert drive.parameters["F_c"] == pytest.approx(PAPER["F_c"], rel=0.1)
+    assert drive.loop.K_p == pytest.approx(drives("lugre")[0].loop.K_p, rel=0.1)
+    slow = replace(drive, speed=0.02)
+    found = run_arena(
+        Plan([slow], ["none", "static"], Budget(20, 1000.0), 1), tmp_path, Execution()
+    )
+    assert not found.reasons
+    document = found.documents["paper", "static"]["tuned"]["paper"]
+    assert document["coarse"]["speed"] == pytest.approx(0.02, rel=0.1)
+    assert document["coarse"]["friction"] == pytest.approx(PAPER["F_c"], rel=0.1)
+
+
+def test_a_scaled_command_has_relative_errors_of_the_same_size():
+    command = COMMANDS["V"]
+    half = command.scaled(0.5)
+    assert half.sample(5e-4) == pytest.approx(0.5 * command.sample(5e-4))
+    assert half.relative["0.1 mm/s"] == 0.5 * command.relative["0.1 mm/s"]
+    assert command.scaled(1.0) is command
