@@ -128,8 +128,12 @@ def test_every_command_is_found(run):
     assert all(command in run("-m", "stickslip", "--help") for command in ("build", "learn"))
 
 
+@pytest.mark.parametrize("run", ["wheel"], indirect=True)
 def test_commands_do_their_work(run):
-    """In this process, in children that isolate FMUs, and in a pool of processes."""
+    """In this process, in children that isolate FMUs, and in a pool of processes.
+
+    From the editable install all other tests run them.
+    """
 
     def stickslip(*arguments: str) -> str:
         return run("-m", "stickslip", *arguments)

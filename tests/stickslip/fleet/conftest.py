@@ -10,9 +10,9 @@ from stickslip.fleet import read_fleet
 sys.path.insert(0, str(Path(__file__).parent))  # fleet_jobs; workers import it
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def cluster():
-    """Return the address of a Dask scheduler with two workers."""
+    """Return the address of a Dask scheduler with two workers, which are not idle for nothing."""
     dask = pytest.importorskip("dask")
     distributed = pytest.importorskip("distributed")
     quiet = {
