@@ -146,9 +146,17 @@ def _declarations(model: Model, roles: Iterable[str]) -> Iterable[str]:
             if first.type == "boolean":
                 kind, start = "BOOL", "TRUE" if first.start else "FALSE"
             if size:
-                kind = f"ARRAY[{', '.join(f'0..{n - 1}' for n in size)}] OF LREAL"
-                start = f"[{', '.join(_number(v.start) for v in (first, *others))}]"
+                kind = "".join(f"ARRAY[0..{n - 1}] OF " for n in size) + "LREAL"
+                start = _nested([_number(v.start) for v in (first, *others)], size)
             yield f"    {shown[name]} : {kind} := {start}; (* {explained(first)} *)"
+
+
+def _nested(values: list[str], size: tuple[int, ...]) -> str:
+    """Return an array, of arrays where it has several dimensions."""
+    if len(size) > 1:
+        part = len(values) // size[0]
+        values = [_nested(values[k : k + part], size[1:]) for k in range(0, len(values), part)]
+    return f"[{', '.join(values)}]"
 
 
 def _number(value: float) -> str:

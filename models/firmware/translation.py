@@ -116,7 +116,14 @@ class Translation:
                     if (found[name].startswith("/*"))
                     else ""
                 )
-        bodies = [self._function(self.functions[name]) for name in reversed(self.functions)]
+        self.variants: dict[str, list[Function]] = {name: [] for name in self.functions}
+        for root in roots:
+            self.variant(root, [()] * len(self.functions[root].parameters))
+        bodies = [
+            self._function(variant)
+            for name in reversed(self.functions)
+            for variant in self.variants[name]
+        ]
         types = [self._struct(name) for name in (*filter(self.structs.get, _ROLES), *own)]
         self.text = "\n".join([*types, _EXP.format(prefix=self.prefix), *reversed(bodies)])
 
@@ -140,10 +147,27 @@ class Translation:
             return {"+": a + b, "-": a - b, "*": a * b}[node.word]
         raise UnknownModel(f"{node.word!r} is not a whole constant")
 
+    def variant(self, name: str, sizes: Sequence[tuple[Node, ...]]) -> Function:
+        """Return a function for arguments of these sizes; each other size makes another one."""
+        function = self.functions[name]
+        wanted = [
+            replace(p, sizes=tuple(Node("number", str(self.number(n))) for n in size))
+            if p.sizes or p.is_pointer
+            else p
+            for p, size in zip(function.parameters, sizes, strict=True)
+        ]
+        for known in self.variants[name]:
+            if known.parameters == wanted:
+                return known
+        number = len(self.variants[name])
+        new = replace(function, name=f"{name}_{number}" if number else name, parameters=wanted)
+        self.comments[new.name] = self.comments[name]
+        self.variants[name].append(new)
+        return new
+
     def declaration(self, one: Declared, name: str) -> str:
         """Return ``name : TYPE;``."""
-        spans = ", ".join(f"0..{self.number(size) - 1}" for size in one.sizes)
-        array = f"ARRAY[{spans}] OF " if spans else ""
+        array = "".join(f"ARRAY[0..{self.number(size) - 1}] OF " for size in one.sizes)
         return f"    {name} : {array}{self.type_name(one.type)};"
 
     def _struct(self, name: str) -> str:
@@ -180,6 +204,7 @@ class _Body:
         self.whole, self.function = whole, function
         self.parameters = [p for p in function.parameters if p.type not in ("", None)]
         self.locals: dict[str, Declared] = {}
+        self.aliases: dict[str, Node] = {}
         self._collect(function.body)
         self.own = f"{whole.prefix}_{function.name}"
         self.names = distinct([*(p.name for p in self.parameters), *self.locals])
@@ -207,9 +232,7 @@ class _Body:
 
     def _collect(self, statements: Iterable[Statement]) -> None:
         for one in statements:
-            if one.variable is not None:
-                if one.variable.is_pointer:
-                    raise UnknownModel(f"{one.variable.name} is a pointer to a part of an array")
+            if one.variable is not None and not one.variable.is_pointer:
                 known = self.locals.setdefault(one.variable.name, one.variable)
                 if known != one.variable:
                     raise UnknownModel(f"{one.variable.name} has two types")
@@ -244,7 +267,9 @@ class _Body:
     def statement(self, one: Statement, *, is_last: bool) -> None:
         if one.kind == "declare":
             assert one.variable is not None  # noqa: S101 - of each declaration
-            if (value := one.nodes[0]) is not None:
+            if one.variable.is_pointer and one.nodes[0] is not None:
+                self.aliases[one.variable.name] = self._frozen(one.nodes[0])
+            elif (value := one.nodes[0]) is not None:
                 self.assign(Node("name", one.variable.name), value)
         elif one.kind == "do":
             self._do(one)
@@ -419,6 +444,8 @@ class _Body:
         return literal(value if not 0.0 < value < SMALLEST else SMALLEST), "LREAL", 9
 
     def _name(self, node: Node) -> Text:
+        if node.word in self.aliases:
+            return self.expression(self.aliases[node.word])
         if node.word in self.known:
             return self.names[node.word], self.known[node.word].type, 9
         if node.word in self.whole.constants:
@@ -433,24 +460,32 @@ class _Body:
 
     def _index(self, node: Node) -> Text:
         base, place = node.parts
-        places = [self.expression(place)[0]]
-        while base.kind == "index":
-            base, place = base.parts
-            places.insert(0, self.expression(place)[0])
         array, type_, _ = self.expression(base)
-        if len(places) != len(self._sizes(base)):
-            raise UnknownModel(f"{self.function.name}: a part of an array is used as an array")
-        return f"{array}[{', '.join(places)}]", type_, 9
+        return f"{array}[{self.expression(place)[0]}]", type_, 9
 
     def _sizes(self, node: Node) -> tuple[Node, ...]:
-        """Return the sizes of a variable or member."""
+        """Return the sizes of a variable, a member or an element."""
+        if node.kind == "name" and node.word in self.aliases:
+            return self._sizes(self.aliases[node.word])
         if node.kind == "name":
-            return self.known[node.word].sizes
+            return self.known[node.word].sizes if node.word in self.known else ()
         if node.kind == "member":
             struct = self.expression(node.parts[0])[1]
             [one] = [one for one in self.whole.fields[struct] if one.name == node.word]
             return one.sizes
-        return ()
+        return self._sizes(node.parts[0])[1:] if node.kind == "index" else ()
+
+    def _frozen(self, node: Node) -> Node:
+        """Return what a pointer points to, with its indices as they are now."""
+        if node.kind in ("member", "index"):
+            base, *place = node.parts
+            places = tuple(self._kept(one) for one in place)
+            return replace(node, parts=(self._frozen(base), *places))
+        return node
+
+    def _kept(self, node: Node) -> Node:
+        """Return a variable that keeps the value of a whole expression."""
+        return node if node.kind == "number" else Node("name", self._new(node, "INT"))
 
     def _unary(self, node: Node) -> Text:
         inner, type_, binding = self.expression(node.parts[0])
@@ -474,16 +509,20 @@ class _Body:
     def _choice(self, node: Node) -> Text:
         types = {self.expression(part)[1] for part in node.parts[1:] if part.kind != "choice"}
         type_ = "LREAL" if "LREAL" in types else types.pop()
-        name = self._spare(f"chosen_{len(self.spare)}", self.whole.type_name(type_))
+        return self._new(node, type_), type_, 9
+
+    def _new(self, value: Node, type_: str) -> str:
+        """Return a further variable that has a value."""
+        name = self._spare(f"value_{len(self.spare)}", self.whole.type_name(type_))
         self.known[name] = Declared(name, type_)
         self.names[name] = name
-        self.assign(Node("name", name), node)
-        return name, type_, 9
+        self.assign(Node("name", name), value)
+        return name
 
     def _cast(self, node: Node) -> Text:
         inner = self.expression(node.parts[0])
         if (inner[1], node.word) == ("LREAL", "INT"):
-            raise UnknownModel(f"{self.function.name}: a real number is cut to a whole one")
+            return f"DINT_TO_INT(TRUNC({inner[0]}))", "INT", 9
         return self._as(inner, node.word)
 
     def _call(self, node: Node) -> Text:
@@ -493,31 +532,18 @@ class _Body:
             if name == "exp":
                 return f"{self.whole.prefix}_exp(x := {inner})", "LREAL", 9
             return f"{name}({inner})", "LREAL", 9
-        called = self.whole.functions[node.word]
+        called = self.whole.variant(node.word, [self._sizes(part) for part in node.parts])
         arguments = []
-        pairs = list(zip(called.parameters, node.parts, strict=True))
         names = distinct([p.name for p in called.parameters if p.type])
-        for k, (parameter, part) in enumerate(pairs):
+        for parameter, part in zip(called.parameters, node.parts, strict=True):
             if not parameter.type:
                 continue
             if part == _NULL:
                 text = self._spare("nothing", self.whole.type_name(parameter.type))
             else:
                 text = self._as(self.expression(part), parameter.type)[0]
-                called.parameters[k] = self._sized(parameter, part)
             arguments.append(f"{names[parameter.name]} := {text}")
-        type_ = called.returns
-        return f"{self.whole.prefix}_{called.name}({', '.join(arguments)})", type_, 9
-
-    def _sized(self, parameter: Declared, part: Node) -> Declared:
-        """Return a parameter that is an array with the size of what it is called with."""
-        sizes = self._sizes(part)
-        if not (parameter.sizes or (parameter.is_pointer and sizes)):
-            return parameter
-        known = parameter.sizes and parameter.sizes[0].word != "0"
-        if known and [*map(self.whole.number, parameter.sizes)] != [*map(self.whole.number, sizes)]:
-            raise UnknownModel(f"{parameter.name} is called with arrays of two sizes")
-        return replace(parameter, sizes=sizes)
+        return f"{self.whole.prefix}_{called.name}({', '.join(arguments)})", called.returns, 9
 
 
 def _names(statements: Iterable[Statement]) -> Iterable[str]:

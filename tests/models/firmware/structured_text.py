@@ -37,6 +37,8 @@ _STANDARD: dict[str, tuple[type, Callable[[Any], Any]]] = {
     "EXP": (float, math.exp),
     "LN": (float, math.log),
     "SIN": (float, math.sin),
+    "TRUNC": (float, math.trunc),
+    "DINT_TO_INT": (int, int),
     "INT_TO_LREAL": (int, float),
 }
 
@@ -204,7 +206,7 @@ class _Parser:
             return self.expression()({})
         values = []
         while not self.accept("]"):
-            values.append(self.expression()({}))
+            values.append(self.start())
             self.accept(",")
         return values
 
