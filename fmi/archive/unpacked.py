@@ -154,17 +154,17 @@ def _replace(new: Path, folder: Path) -> None:
 def _tidy(room: Path) -> None:
     """Remove what killed processes left, and what has not been used for months."""
     now = time.time()
-    for partial in room.glob(f"{_PARTIAL}*"):
-        if _age(partial, now) > _STALE:
-            shutil.rmtree(partial, ignore_errors=True)
-    for listed in room.glob("*.json"):
-        if _age(listed, now) > _UNUSED:
-            shutil.rmtree(listed.with_suffix(""), ignore_errors=True)
-            listed.unlink(missing_ok=True)
+    with os.scandir(room) as entries:  # there may be thousands
+        for entry in entries:
+            if entry.name.startswith(_PARTIAL) and _age(entry, now) > _STALE:
+                shutil.rmtree(entry, ignore_errors=True)
+            elif entry.name.endswith(".json") and _age(entry, now) > _UNUSED:
+                shutil.rmtree(Path(entry).with_suffix(""), ignore_errors=True)
+                Path(entry).unlink(missing_ok=True)
 
 
-def _age(path: Path, now: float) -> float:
+def _age(entry: os.DirEntry[str], now: float) -> float:
     try:
-        return now - path.stat().st_mtime
+        return now - entry.stat().st_mtime
     except OSError:  # another process was faster
         return 0.0

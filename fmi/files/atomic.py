@@ -92,7 +92,9 @@ def _beside(folder: Path) -> Iterator[tuple[BinaryIO, Path]]:
 
 def _sweep(folder: Path) -> None:
     """Delete temporary files whose processes are gone: nobody has them locked."""
-    for path in [path for path in folder.iterdir() if _TEMPORARY.fullmatch(path.name)]:
+    with os.scandir(folder) as entries:  # a cache has thousands
+        temporary = [Path(entry) for entry in entries if _TEMPORARY.fullmatch(entry.name)]
+    for path in temporary:
         with suppress(OSError):
             if stat.S_ISREG(path.lstat().st_mode):
                 with path.open("rb") as file:
