@@ -55,7 +55,7 @@ def _head(arena: Arena, found: pd.DataFrame) -> Section:
             f"{len(plan.entrants)} entrants on {drives} simulated drives. Each is tuned by the"
             f" same genetic algorithm from the encoder and the motor force ({budget_text(plan)}),"
             " and validated by the true velocity on motions on which it was not tuned,"
-            f" {starts} runs each."
+            f" {starts} {'run' if starts == 1 else 'runs'} each."
         )
     ]
     if PI not in plan.entrants:
@@ -149,7 +149,7 @@ def _marked(arena: Arena) -> set[tuple[str, str, str]]:
         (drive, name, tuned_on)
         for (drive, name), document in arena.documents.items()
         for tuned_on, validated in document["validated"].items()
-        if not validated["peaks"]["Ms"] <= LIMIT
+        if not validated["peaks"].get("Ms", np.inf) <= LIMIT
     }
 
 

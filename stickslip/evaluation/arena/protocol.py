@@ -9,10 +9,11 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip import models
@@ -22,7 +23,7 @@ from stickslip.evaluation.arena.course import build_entrants
 from stickslip.evaluation.arena.drives import Drive
 from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Part, entrant
 from stickslip.evaluation.arena.tuning import Budget, Found, tune
-from stickslip.evaluation.arena.validation import sensitivities, validate
+from stickslip.evaluation.arena.validation import Validated, sensitivities, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.fmi.process import temporary_folder
@@ -130,12 +131,18 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
         name, carried = cell.carried
         tries[name] = found_of(carried)
     for name, given in tries.items():
-        tuned = given.tuned(one, loop, sheet)
-        friction = given.coarse.friction
-        peaks = sensitivities(cell.fmus, loop, one, tuned, friction, drive.mass)
-        validated = validate(cell.fmus, loop, one, tuned, commands, plan.starts, sheet).document()
         document["tuned"][name] = asdict(given)
-        document["validated"][name] = {**validated, "peaks": peaks}
+        try:
+            tuned = given.tuned(one, loop, sheet)
+            peaks = sensitivities(cell.fmus, loop, one, tuned, given.coarse.friction, drive.mass)
+            found_there = validate(cell.fmus, loop, one, tuned, commands, plan.starts, sheet)
+        except Fault as error:
+            if name == drive.name:
+                raise
+            found_there, peaks = Validated(reason=" ".join(str(error).split())), {}
+        # JSON has no infinite numbers; the loop is unstable where a peak is missing.
+        finite = {key: peak for key, peak in peaks.items() if np.isfinite(peak)}
+        document["validated"][name] = {**found_there.document(), "peaks": finite}
     return document
 
 
@@ -175,26 +182,14 @@ def run_arena(
     total = len(plan.drives) * len(plan.entrants)
     with temporary_folder() as fmus:
         build(fmus, plan)
-        nominal = plan.nominal
-        first = [drive for drive in plan.drives if nominal is None or drive is nominal]
-        rest = [drive for drive in plan.drives if drive not in first]
         kept = 0
-        for drives in (first, rest):
-            cells = []
-            for drive in drives:
-                for name in plan.entrants:
-                    cell = Cell(f"{drive.name}-{name}", fmus / drive.name, drive, name, plan)
-                    if nominal is not None and drive is not nominal:
-                        source = documents.get((nominal.name, name))
-                        if source is not None:
-                            tuned = source["tuned"][nominal.name]
-                            cell = replace(cell, carried=(nominal.name, tuned))
-                    known = _kept(unfinished, cell) if execution.resume else None
-                    if known is None:
-                        cells.append(cell)
-                    else:
-                        kept += 1
-                        documents[drive.name, name] = known
+        for carries in (False, True):
+            cells = _cells(plan, fmus, documents, carries=carries)
+            for cell in cells if execution.resume else ():
+                if (known := _kept(unfinished, cell)) is not None:
+                    documents[cell.drive.name, cell.entrant] = known
+                    kept += 1
+            left = [cell for cell in cells if (cell.drive.name, cell.entrant) not in documents]
 
             def take(cell: Cell, outcome: Outcome) -> None:
                 place = cell.drive.name, cell.entrant
@@ -205,13 +200,38 @@ def run_arena(
                 on_done(len(documents) + len(reasons), total, cell.name)
 
             try:
-                run_jobs(run_cell, cells, plan.seed, execution.where, execution.workers, take)
+                run_jobs(run_cell, left, plan.seed, execution.where, execution.workers, take)
             except KeyboardInterrupt:
                 raise KeyboardInterrupt(
                     f"interrupted; {len(documents)} of {total} cells are kept in {folder};"
                     " continue with --resume"
                 ) from None
-    return Arena(plan, documents, reasons, kept)
+    # In the order of the plan, whichever cell was done first.
+    order = [(drive.name, name) for drive in plan.drives for name in plan.entrants]
+    return Arena(
+        plan,
+        {place: documents[place] for place in order if place in documents},
+        {place: reasons[place] for place in order if place in reasons},
+        kept,
+    )
+
+
+def _cells(
+    plan: Plan,
+    fmus: Path,
+    documents: Mapping[tuple[str, str], Mapping[str, Any]],
+    *,
+    carries: bool,
+) -> list[Cell]:
+    """Return the cells of the nominal drive, or those to which is carried over from there."""
+    nominal, cells = plan.nominal or plan.drives[0], []
+    for drive in plan.drives:
+        for name in plan.entrants if (drive is not nominal) == carries else ():
+            source = documents.get((nominal.name, name)) if carries else None
+            carried = (nominal.name, source["tuned"][nominal.name]) if source else None
+            place = f"{drive.name}-{name}"
+            cells.append(Cell(place, fmus / drive.name, drive, name, plan, carried))
+    return cells
 
 
 def build(folder: Path, plan: Plan) -> None:

@@ -103,7 +103,7 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
             "tuned_on": tuned_on,
             "budget": budget_text(arena.plan),
         }
-        peak = validated["peaks"]["Ms"]
+        peak = validated["peaks"].get("Ms", np.inf)
         reason = validated["reason"]
         if not peak <= LIMIT:
             reason = reason or f"Ms = {peak:.3g}, expected at most {LIMIT:g}"

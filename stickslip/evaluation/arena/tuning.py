@@ -62,7 +62,6 @@ class Found:
     evaluations : candidates that were evaluated
     seconds : of motion of the drive that were used [s]
     soon : seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
-    peak : peak sensitivity Ms of the linear loop
     """
 
     genes: Mapping[str, float]
@@ -72,7 +71,6 @@ class Found:
     evaluations: int
     seconds: float
     soon: float
-    peak: float
 
     def tuned(self, entrant: Entrant, loop: VelocityLoop, sheet: Datasheet) -> Tuned:
         """Return what it found, to be validated in a loop: nothing is learned any more."""
@@ -130,20 +128,11 @@ def tune(
         with Course(fmus, loop, one, len(v_cmd), record) as course:
             last = course.run(tuned, v_cmd)
             learned = {name: float(last[shown][-1]) for name, shown in variables.items()}
-    runs = [found for found in trial.costs if np.isfinite(found)]
-    best = np.minimum.accumulate([*trial.costs]) if trial.costs else np.zeros(0)
-    near = int(np.argmax(best <= NEAR * best[-1])) + 1 if len(best) else 0
-    used = np.isfinite(trial.costs)
-    return Found(
-        genes,
-        learned,
-        coarse,
-        cost,
-        len(trial.costs),
-        len(runs) * trial.duration,
-        float(np.count_nonzero(used[:near])) * trial.duration,
-        robust.peak,
-    )
+    spent = np.cumsum(np.isfinite(trial.costs)) * trial.duration
+    near = np.array(trial.costs) <= NEAR * min(trial.costs, default=0.0)
+    seconds, soon = (spent[-1], spent[np.argmax(near)]) if len(spent) else (0.0, 0.0)
+    evaluations = len(trial.costs)
+    return Found(genes, learned, coarse, cost, evaluations, float(seconds), float(soon))
 
 
 class _Trial:

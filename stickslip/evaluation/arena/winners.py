@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from stickslip import models
@@ -29,7 +30,7 @@ def winners(arena: Arena, found: pd.DataFrame) -> dict[str, str]:
         ranked = errors[drive.name].dropna().sort_values(kind="stable")
         for name in map(str, ranked.index):
             peaks = arena.documents[drive.name, name]["validated"][drive.name]["peaks"]
-            if peaks["Ms"] <= LIMIT:
+            if peaks.get("Ms", np.inf) <= LIMIT:
                 chosen[drive.name] = name
                 break
     return chosen

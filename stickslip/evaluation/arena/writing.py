@@ -37,5 +37,4 @@ def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
         write_page(staging, TITLE, sections(arena, table), PAGE)
         write_winners(arena, table, staging)
         atomic_write(staging / TABLE, table.to_csv(index=False, lineterminator="\n"))
-    if not arena.reasons:
-        remove_results(folder / UNFINISHED)
+    remove_results(folder / UNFINISHED)

@@ -176,7 +176,7 @@ def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
         run_arena(found.plan, tmp_path, Execution(), interrupt)
     with pytest.raises(UsageError, match="an earlier arena did not end"):
         run_arena(found.plan, tmp_path, Execution())
-    resumed = run_arena(found.plan, tmp_path, Execution(resume=True))
+    resumed = run_arena(found.plan, tmp_path, Execution(workers=2, resume=True))
     assert resumed.kept == 5
     write_arena(resumed, arena_table(resumed), tmp_path)
     for name in ("arena.csv", "arena.html", "pareto.svg"):
