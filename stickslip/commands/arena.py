@@ -45,9 +45,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     starts = "runs of each command, with other noise and another place between encoder steps"
     add_options(parser, {"--seeds N": starts}, type=at_least(1), default=20)
     evaluations = "budget of each compensator on each drive: candidates"
-    add_options(parser, {"--evaluations N": evaluations}, type=at_least(10), default=200)
+    add_options(
+        parser, {"--evaluations N": evaluations}, type=at_least(10), default=Budget().evaluations
+    )
     seconds = "budget of each compensator on each drive: motion of the drive [s]"
-    add_options(parser, {"--seconds S": seconds}, type=float, default=2000.0)
+    add_options(parser, {"--seconds S": seconds}, type=float, default=Budget().seconds)
     seed = {"--seed": "random seed of the algorithm and of the coarse start values"}
     add_options(parser, seed, type=at_least(0), default=0)
     add_worker_options(parser, "cells")

@@ -53,6 +53,36 @@ function show(place) {
   dialog.showModal();
 }
 
+/* Text and colour of a cell of a heat map, as page.py writes them. */
+function paint(cell, text, value) {
+  const depth = Math.min(Math.abs(Math.log(value)) / Math.log(data.deep), 1) * .85;
+  const colour = value < 1 ? [0, 79, 134] : [224, 123, 0];
+  const shade = colour.map(c => Math.round(255 + depth * (c - 255)));
+  text.textContent = (value < 9.995 ? value.toFixed(2) : value.toPrecision(3)) + (text.textContent.endsWith("*") ? "*" : "");
+  cell.style.background = `rgb(${shade})`;
+  cell.style.color = depth > .5 && value < 1 ? "#fff" : "#1a1a1a";
+}
+
+function choose(command) {
+  for (const row of document.querySelectorAll("table.heat tbody tr")) {
+    const values = [];
+    for (const button of row.querySelectorAll("button")) {
+      const value = (data.errors[button.dataset.cell] || {})[command];
+      if (value) { paint(button.parentNode, button, value); values.push(value); }
+    }
+    const figures = {
+      mean: Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length),
+      worst: Math.max(...values),
+    };
+    for (const cell of row.querySelectorAll("td[data-figure]"))
+      paint(cell, cell, figures[cell.dataset.figure]);
+  }
+  for (const button of document.querySelectorAll("button[data-command]"))
+    button.setAttribute("aria-pressed", button.dataset.command === command);
+}
+
+for (const button of document.querySelectorAll("button[data-command]"))
+  button.onclick = () => choose(button.dataset.command);
 for (const button of document.querySelectorAll("button[data-cell]"))
   button.onclick = () => show(button.dataset.cell);
 dialog.onclick = event => { if (event.target === dialog) dialog.close(); };

@@ -13,7 +13,7 @@ from stickslip.evaluation.arena.commands import COMMANDS, RADIUS
 from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
 from stickslip.evaluation.arena.entrants import Entrant
 from stickslip.evaluation.arena.protocol import Arena
-from stickslip.evaluation.arena.table import PI, budget_text, ranking, relative_errors
+from stickslip.evaluation.arena.table import ALL, PI, budget_text, ranking, relative_errors
 from stickslip.evaluation.arena.validation import POINTS
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Illustration, Section, made_with
@@ -42,7 +42,7 @@ def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
         _circle(arena, found),
         _protocol(arena),
         _failures(arena),
-        Section("Made with", made_with(), _script(arena)),
+        Section("Made with", made_with(), _script(arena, found)),
     ]
     return [section for section in shown if section is not None]
 
@@ -88,6 +88,7 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
             " orange worse. Entrants without knowledge of friction come first. A cell shows its"
             " errors over time when it is clicked."
         ),
+        _choice(),
         _heat_map(arena, found, carried=False),
     ]
     if plan.nominal is not None:
@@ -100,6 +101,19 @@ def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
         )
     )
     return Section("Who does best on which drive", *parts)
+
+
+def _choice() -> Html:
+    """Return the buttons that choose the command whose errors the heat maps show."""
+    ranked = {name: one.title for name, one in COMMANDS.items() if one.ranked}
+    buttons = (
+        element("button", title, type="button", data_command=name, aria_pressed=pressed)
+        for name, title, pressed in (
+            (ALL, "all commands", "true"),
+            *((name, title, "false") for name, title in ranked.items()),
+        )
+    )
+    return element("div", *buttons, class_="choice", role="group", aria_label="Command")
 
 
 def _heat_map(arena: Arena, found: pd.DataFrame, *, carried: bool) -> Html:
@@ -125,7 +139,7 @@ def _heat_map(arena: Arena, found: pd.DataFrame, *, carried: bool) -> Html:
             mark = "*" if (drive.name, one.name, tuned_on) in marked else ""
             cells.append(_cell(value, mark, f"{drive.name}|{one.name}|{tuned_on}"))
         cells += [
-            _cell(float(order[f"{figure} {label}"][one.name]), "", "")
+            _cell(float(order[f"{figure} {label}"][one.name]), "", "", figure)
             for figure in ("mean", "worst")
         ]
         rows.append(element("tr", *cells))
@@ -153,7 +167,8 @@ def _marked(arena: Arena) -> set[tuple[str, str, str]]:
     }
 
 
-def _cell(value: float, mark: str, place: str) -> Html:
+def _cell(value: float, mark: str, place: str, figure: str = "") -> Html:
+    """Return a cell of a place, or the figure of a row: its mean or worst value."""
     if not np.isfinite(value):
         return element("td", "–")
     depth = min(abs(np.log(value)) / np.log(DEEP), 1.0) * 0.85
@@ -161,8 +176,10 @@ def _cell(value: float, mark: str, place: str) -> Html:
     shade = ",".join(str(round(255 + depth * (c - 255))) for c in colour)
     ink = "#fff" if depth > 0.5 and value < 1.0 else "#1a1a1a"
     text = f"{value:.2f}{mark}" if value < 9.995 else f"{value:.3g}{mark}"
-    inside = element("button", text, type="button", data_cell=place) if place else text
-    return element("td", inside, style=f"background:rgb({shade});color:{ink}")
+    look = {"style": f"background:rgb({shade});color:{ink}"}
+    if figure:
+        return element("td", text, data_figure=figure, **look)
+    return element("td", element("button", text, type="button", data_cell=place), **look)
 
 
 def _pareto(arena: Arena, found: pd.DataFrame) -> Section | None:
@@ -272,7 +289,21 @@ def _failures(arena: Arena) -> Section | None:
     )
 
 
-def _script(arena: Arena) -> Html:
+def _errors(arena: Arena, found: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Return the relative errors by place and command."""
+    plan, errors = arena.plan, dict[str, dict[str, float]]()
+    nominal = plan.nominal.name if plan.nominal else ""
+    for command in (ALL, *COMMANDS):
+        for carried in (False, True):
+            wide = relative_errors(found, plan, carried=carried, command=command)
+            for drive in wide.columns:
+                for name, value in wide[drive].dropna().items():
+                    place = f"{drive}|{name}|{nominal if carried else drive}"
+                    errors.setdefault(place, {})[command] = float(f"{value:.4g}")
+    return errors
+
+
+def _script(arena: Arena, found: pd.DataFrame) -> Html:
     """Return the time plots as data, and the script that draws one when its cell is clicked."""
     cells = {
         f"{drive}|{name}|{tuned_on}": validated["plots"]
@@ -289,6 +320,7 @@ def _script(arena: Arena) -> Html:
         for name, one in COMMANDS.items()
     }
     data = {"cells": cells, "motions": motions, "points": POINTS, "reference": PI}
+    data["errors"], data["deep"] = _errors(arena, found), DEEP
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     folder = files(__package__)
     look = folder.joinpath("arena.css").read_text(encoding="utf-8")

@@ -60,14 +60,16 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     return table.astype({"median": float, "worst": float}).reset_index(drop=True)
 
 
-def relative_errors(table: pd.DataFrame, plan: Plan, *, carried: bool) -> pd.DataFrame:
+def relative_errors(
+    table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
+) -> pd.DataFrame:
     """Return the errors relative to the tuned PI controller, a row an entrant, a column a drive.
 
     Parameters
     ----------
     carried : whether those tuned on the nominal drive are returned instead of those tuned here
     """
-    rows = table[(table["metric"] == RELATIVE) & (table["command"] == ALL)]
+    rows = table[(table["metric"] == RELATIVE) & (table["command"] == command)]
     nominal = plan.nominal.name if plan.nominal else ""
     chosen = rows["tuned_on"] == (nominal if carried else rows["drive"])
     wide = rows[chosen].pivot_table("median", "compensator", "drive")

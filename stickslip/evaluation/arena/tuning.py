@@ -41,7 +41,7 @@ class Budget:
     seconds : of motion of the drive [s]
     """
 
-    evaluations: int = 200
+    evaluations: int = 180
     seconds: float = 2000.0
 
     def runs(self, duration: float) -> int:

@@ -186,10 +186,13 @@ def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
 
 
 def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
-    _, folder = arena
+    found, folder = arena
     page = (folder / "arena.html").read_text(encoding="utf-8")
     data = page.partition('id="data">')[2].partition("</script>")[0]
-    plotted = json.loads(data)["cells"]
+    plotted, errors = (json.loads(data)[key] for key in ("cells", "errors"))
+    heavy = relative_errors(arena_table(found), found.plan, carried=True)["heavy"]
+    assert errors["heavy|static|lugre"][ALL] == pytest.approx(heavy["static"], rel=1e-3)
+    assert {*errors} == {*plotted}
     clicked = {part.partition('"')[0] for part in page.split('data-cell="')[1:]}
     assert clicked == {*plotted}
     assert all({*cell} == {*COMMANDS} for cell in plotted.values())
