@@ -7,14 +7,16 @@ import importlib.util
 import os
 import subprocess
 import sys
-from collections.abc import Collection, Mapping, Sequence
-from contextlib import suppress
+import time
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from stickslip.fmi.binary import read_library
 from stickslip.fmi.files.atomic import atomic_write
+from stickslip.fmi.files.lock import lock
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
 from stickslip.fmi.toolchain.cache import cache_directory
@@ -27,7 +29,7 @@ _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden"
 # macOS exports these from every library.
 _OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
 _STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
-_LOOK = 0.1  # s between two looks for an interruption
+_LOOK = 0.1  # s between two looks for an interruption, or at a lock
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
 
@@ -77,12 +79,34 @@ def shared_library(
     key = _digest([_compiler_version(), target.target, name, *command[1:]], files)
     library = cache_directory() / "libraries" / key / (name + target.suffix)
     if not _is_whole(library):
-        linked = _compile(command, files, library.name)
-        if exports is not None:
-            _check_exports(linked, exports, library.name)
-        atomic_write(library, linked)
-        atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
+        with _alone(library.parent):
+            if not _is_whole(library):  # another process may just have compiled it
+                linked = _compile(command, files, library.name)
+                if exports is not None:
+                    _check_exports(linked, exports, library.name)
+                atomic_write(library, linked)
+                atomic_write(_hash_file(library), hashlib.sha256(linked).hexdigest())
     return library
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Wait until no other process or thread compiles into a folder.
+
+    Where this fails, the same is compiled twice.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "lock"
+    with path.open("ab") as file:
+        with suppress(OSError):  # the file system has no locks
+            while not lock(file):
+                check_interruption()
+                time.sleep(_LOOK)
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # Windows keeps open files
+                path.unlink()
 
 
 def _hash_file(library: Path) -> Path:

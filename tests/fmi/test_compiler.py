@@ -6,6 +6,7 @@ import ctypes
 import importlib.util
 import shutil
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,13 @@ def test_whatever_goes_in_makes_another_file(compilations):
 def _flipped(content: bytes) -> bytes:
     middle = len(content) // 2
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.usefixtures("fresh")
+def test_who_asks_while_it_is_compiled_waits_for_it(compilations):
+    with ThreadPoolExecutor(3) as pool:
+        found = set(pool.map(lambda _: toolchain.shared_library("answer", ANSWER), range(3)))
+    assert len(found) == len(compilations) == 1
 
 
 @pytest.mark.usefixtures("fresh")
