@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -101,12 +102,13 @@ class Law:
     def share(self, values: Mapping[str, float], share: float) -> dict[str, float]:
         """Return parameters whose force is a share of that of ``values`` at the same motion.
 
-        They are at least the smallest values that FMUs of the law accept.
+        They are at least the smallest values that FMUs of the law accept; a value below is kept,
+        for FMUs to refuse.
         """
         least = {name: one.low for name, one in self.parameters.items() if one.force}
         return {
-            name: max(share * value, least[own])
-            if (own := name.partition("[")[0]) in least
+            name: max(share * value, low)
+            if (low := least.get(name.partition("[")[0], math.inf)) <= value
             else value
             for name, value in values.items()
         }
