@@ -18,6 +18,7 @@ from stickslip.evaluation.guards import (
     feedforward,
     findings_of,
 )
+from stickslip.evaluation.guards.family import RESERVE
 from stickslip.identification.controller.controller_check import AGREES
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation
@@ -36,8 +37,6 @@ from stickslip.servo.velocity_loop import (
     design_velocity_loop,
 )
 
-RESERVE = 1.3
-"""Largest static friction on which a compensator is tried, over the largest in the log."""
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""
 CAUTIOUS = (0.4, 60.0)
@@ -137,15 +136,20 @@ def known_friction(estimation: Estimation) -> Known:
             ranges[name] = (low, high)
     values = (bounded_by(one, space, largest) for one in estimation.plausible)
     plausible = tuple(map(_of_drive, values))
-    rivals = {}
-    least = min((prediction.force for prediction in estimation.predictions), default=0.0)
-    for prediction in estimation.predictions:
+    rivals, better = {}, set()
+    found = estimation.predictions
+    least = min((one.force for one in found), default=0.0)
+    same = (one.force for one in found if one.candidate.law.name == estimation.law.name)
+    own = min(same, default=0.0)
+    for prediction in found:
         law = prediction.candidate.law
         is_rival = law.name != estimation.law.name and not prediction.candidate.is_level
         if is_rival and prediction.force <= RULED_OUT * least:
             bounded = bounded_by(prediction.parameters, ParameterSpace.of(law), largest)
             rivals[law.name] = _of_drive(bounded)
-    return Known(plausible, ranges, rivals)
+            if prediction.force < own:
+                better.add(law.name)
+    return Known(plausible, ranges, rivals, frozenset(better))
 
 
 def _of_drive(values: Mapping[str, float]) -> dict[str, float]:

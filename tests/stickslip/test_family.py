@@ -69,6 +69,19 @@ def test_a_family_has_rivals_and_what_the_log_leaves_open(law):
         assert drives["F_c = 7 N"].parameters["F_s"] >= 7.0
 
 
+def test_a_rival_that_predicts_better_is_tried_with_more_friction_at_rest():
+    """Its rise is 30 % higher, and does not end below the slowest command."""
+    gms = {"F_s": 9.0, "F_c": 6.0, "v_s": 1e-6, "sigma_0": 4e5}
+    known = replace(KNOWN, rivals={**KNOWN.rivals, "gms": gms})
+    for better in (frozenset(), frozenset({"gms"}), frozenset({"dahl"})):
+        drives = family(LUGRE, TABLE_2, VALIDATION, replace(known, better=better))
+        more = [drive for drive in drives if drive.name.endswith("more at rest")]
+        assert [drive.law for drive in more] == (["gms"] if "gms" in better else [])  # Dahl's none
+        for drive in more:
+            rise = {"F_s": 1.3 * 9.0, "v_s": 0.01 * VALIDATION.height}
+            assert drive.parameters == pytest.approx(gms | rise)
+
+
 @pytest.mark.parametrize("top", [2e-3, 0.04, 0.3])
 def test_commands_are_the_trapezoid_at_three_speeds_and_small_moves(top):
     command = replace(VALIDATION, height=top, slope=top / VALIDATION.height * VALIDATION.slope)

@@ -29,6 +29,8 @@ MOVES = {"micro-steps": (3.0, 20.0, 0.01), "short moves": (30.0, 200.0, 0.1)}
 share of the travel."""
 LEVELS = (0.5, 1.5)
 """Shares of the fitted friction."""
+RESERVE = 1.3
+"""Largest static friction on which a compensator is tried, over the largest in the log."""
 UNEVEN = 0.1
 """Share by which friction differs by direction, and along the guide."""
 PERIOD = 0.4
@@ -85,11 +87,13 @@ class Known:
     plausible : values that the log supports: the fit first, and draws from its covariance
     ranges : interval by name for parameters that are poorly identified
     rivals : values by name for other laws fitted to the same log, by name of the law
+    better : names of those that predict the force better than the law of the compensator
     """
 
     plausible: Sequence[Values] = ()
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rivals: Mapping[str, Values] = field(default_factory=dict)
+    better: frozenset[str] = frozenset()
 
 
 def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tuple[Drive, ...]:
@@ -120,7 +124,12 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Known) -> tupl
     }
     drives = [Drive(name, law.name, values) for name, values in own.items()]
     for other, values in known.rivals.items():
-        drives.append(Drive(f"{friction_law(other).title} friction", other, values))
+        rival = friction_law(other)
+        name = f"{rival.title} friction"
+        drives.append(Drive(name, other, values))
+        if other in known.better:
+            more = _more_at_rest(rival, values, SPEEDS[-1] * command.height)
+            drives += [Drive(f"{name}, more at rest", other, more)] if more != values else []
     return tuple(drives)
 
 
@@ -163,6 +172,16 @@ def deflection(friction: Values, command: Trapezoid) -> float:
     if "sigma_0" in friction:
         return friction["F_c"] / friction["sigma_0"]
     return _DEFLECTION * abs(command.height)
+
+
+def _more_at_rest(law: Law, values: Values, slow: float) -> Values:
+    """Return friction with a higher rise towards rest, which begins at a slow speed [m/s] at least.
+
+    Where the log has little slow motion, a fit puts the rise below the speeds that it has.
+    """
+    higher = {name: RESERVE * values[name] for name in ParameterSpace.of(law).bounded}
+    speeds = [one.name for one in law.parameters.values() if one.shown_by and one.unit == "m/s"]
+    return {**values, **higher, **{name: max(values[name], slow) for name in speeds}}
 
 
 def _corners(
