@@ -96,6 +96,8 @@ def kalman(
     return {"L_x": found.L_x, "L_v": found.L_v, "L_d": found.L_d, **rest}
 
 
+_TAKEN = {"controller", "drive", "filter", "nominal"}
+"""Components of a loop."""
 _PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
 DESIGNS: dict[str, Design] = {"kalman": kalman}
 
@@ -394,6 +396,8 @@ def own_part(fmu: Path, ports: Path) -> Part:
         if not (isinstance(span, list) and len(span) == 3 and span[0] <= span[1] <= span[2]):
             raise UsageError(f"{ports}: genes: {name}: expected [lowest, start, highest]")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
+    if name in {*parts(), *_TAKEN}:
+        raise UsageError(f"{ports}: the name '{name}' is taken; give another one as name")
     return Part(
         name,
         table.get("title", fmu.name),
