@@ -443,8 +443,8 @@ def _ranges(model: models.Model) -> dict[str, tuple[float, float, float]]:
         if variable.name in model.ports.tuned and variable.name not in friction:
             low, high = variable.minimum or 0.0, variable.maximum or np.inf
             start = variable.start
-            if start > 0.0 and high > 1.0:
+            if high > 1.0:  # not a share
                 low, high = max(low, start / RANGE), min(high, start * RANGE)
-            if low < high < np.inf:
+            if low < high:
                 found[variable.name] = low, start, high
     return found
