@@ -29,9 +29,10 @@ static inline Period period_of(const Parameters *p) {
 }
 
 /* One sample: predict from the forces of the period that ends, correct by the encoder. F_ff is what
- * is commanded against known friction for the period that begins. */
-static inline void axis_sample(Memory *w, double x_enc, double F_m, double F_ff,
-                               const Parameters *p) {
+ * is commanded against known friction for the period that begins. Returns the unexpected way [m].
+ */
+static inline double axis_sample(Memory *w, double x_enc, double F_m, double F_ff,
+                                 const Parameters *p) {
     const Period a = period_of(p);
     const NetForce N = net_force(w, F_m, F_ff, a.keep);
     const double force = N.held + w->d;
@@ -41,6 +42,7 @@ static inline void axis_sample(Memory *w, double x_enc, double F_m, double F_ff,
     w->x = x + p->L_x * r;
     w->v = v + p->L_v * r;
     w->d += p->L_d * r;
+    return r;
 }
 
 #endif

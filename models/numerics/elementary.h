@@ -27,6 +27,11 @@ static inline double nearest(double x) {
 /* x, limited to -1 .. 1 */
 static inline double clipped(double x) { return x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x; }
 
+/* x, limited to -most .. most */
+static inline double limited(double x, double most) {
+    return x > most ? most : x < -most ? -most : x;
+}
+
 /* e^r for |r| <= ln(2) / 2: Taylor to r^13, summed in pairs. */
 static inline double exp_reduced(double r) {
     const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;

@@ -27,7 +27,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Tune every compensator on every drive, with the same algorithm and budget and from"
         " measured signals only, and validate it on motions that it was not tuned on. Writes"
-        " arena.csv and arena.html."
+        " arena.csv, arena.html, and the winner of each drive as FMU, C and structured text."
     )
     laws = f"only drives with these friction laws: {', '.join(models.law_names())}"
     add_options(parser, {"--laws LAW": laws}, **SEVERAL)
@@ -103,6 +103,8 @@ def _plan(options: argparse.Namespace) -> Plan:
     own = tuple(map(own_part, options.compensator, options.ports))
     names = options.compensators or default_names()
     names = list(dict.fromkeys([*names, *(part.name for part in own)]))
+    if not options.seconds > 0.0:
+        raise UsageError(f"--seconds {options.seconds:g}: expected a number above 0")
     budget = Budget(options.evaluations, options.seconds)
     plan = Plan(chosen, names, budget, options.seeds, options.seed, own)
     for name in names:
@@ -114,7 +116,7 @@ def _print(arena: Arena, table: pd.DataFrame) -> None:
     """Print what became of each entrant over all drives."""
     found = ranking(table, arena.plan)
     width = max(map(len, found.index))
-    print("errors relative to the tuned PI controller: geometric mean and worst over the drives")
+    print(f"errors relative to {arena.plan.reference}: geometric mean and worst over the drives")
     print(f"{'':{width}} {'tuned on the drive':>20} {'carried over':>20}")
     for name, row in found.iterrows():
         cells = "".join(f"{value:10.3f}" for value in row)

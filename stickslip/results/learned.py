@@ -386,6 +386,7 @@ class LearnedFile:
         try:
             axis = Axis(**{name: values[name] for name in _AXIS})
             gains = {name: values[name] for name in _GAINS}
+            gains["L_1"] = values.get("L_1", 0.0)
             return Observer(VelocityFilter(axis, values["T_s"], **gains), values["share"])
         except KeyError as error:
             raise UsageError(f"{self.path}: observer: {error} is missing") from None

@@ -82,6 +82,7 @@ def design_observer(
     force_noise: float | None = None,
     masses: Sequence[float] = MASSES,
     limit: float = LIMIT,
+    order: int = 1,
 ) -> DesignedObserver:
     """Design the disturbance observer of a velocity loop.
 
@@ -93,6 +94,7 @@ def design_observer(
         default ``FORCE_NOISE`` of the friction
     masses : true masses at which the limit must hold, relative to that of the loop's axis
     limit : largest peak sensitivity
+    order : of the random walk that the disturbance is taken for, 1 or 2
 
     Raises
     ------
@@ -102,10 +104,11 @@ def design_observer(
     check("encoder_step", encoder_step, "m", encoder_step > 0.0, "above 0")
     check("friction", friction, "N", friction > 0.0, "above 0")
     check("limit", limit, "1", limit > 1.0, "above 1")
+    check("order", order, "1", order in (1, 2), "1 or 2")
     noise = FORCE_NOISE * friction if force_noise is None else force_noise
     check("force_noise", noise, "N", noise >= 0.0, "0 or above")
     opened = [Opened(loop, share * loop.axis.m) for share in masses]
-    search = _Search(loop, opened, encoder_step, friction, noise, limit)
+    search = _Search(loop, opened, encoder_step, friction, noise, limit, order)
     without = search.tried(None)
     if not (without.peak <= limit and all(one.stable() for one in opened)):
         raise ControlError(
@@ -150,6 +153,7 @@ class _Search:
     friction: float
     noise: float
     limit: float
+    order: int = 1
     loudest: float | None = None
 
     def best(self, start: _Candidate) -> _Candidate:
@@ -198,7 +202,8 @@ class _Search:
     def _designed(self, rate: float, noise: float) -> Observer:
         T_s, axis = self.loop.T_s, self.loop.axis
         unit = axis.m * self.step / T_s**2
-        weights = FilterSpecification(self.step, noise * unit, rate * unit / np.sqrt(T_s))
+        per_time = np.sqrt(T_s) * T_s ** (self.order - 1)
+        weights = FilterSpecification(self.step, noise * unit, rate * unit / per_time, self.order)
         return Observer(design_velocity_filter(axis, T_s, weights))
 
     def _errors(self, opened: Opened, response: Response) -> tuple[float, float]:

@@ -3,6 +3,8 @@
     x' = v,   m v' = F - F_known - b v + d,   d' = white noise
     x_enc = x + error of the encoder's step
 
+Of order 2, d is constant between samples and changes by T_s d_1 at each, and d_1' = white noise.
+
 Between samples the force F moves as a current loop with the lag tau_i lets it, so it is known
 throughout from its values at the samples. Then the prediction is exact, and without disturbance
 and quantisation the estimate is the velocity itself.
@@ -14,6 +16,7 @@ from dataclasses import dataclass
 
 import control
 import numpy as np
+from scipy.linalg import block_diag
 
 from stickslip.servo.axis import Axis, check
 
@@ -27,7 +30,8 @@ class FilterSpecification:
     encoder_step : resolution of the encoder [m]
     force_noise : standard deviation of the force from sample to sample [N]
     disturbance_rate : standard deviation of the change of the unknown force in a second, which
-        grows with the square root of the time [N/s^0.5]
+        grows with the square root of the time [N/s^0.5]; of its rate if the order is 2 [N/s^1.5]
+    order : of the random walk of the unknown force, 1 or 2
 
     Raises
     ------
@@ -38,12 +42,14 @@ class FilterSpecification:
     encoder_step: float
     force_noise: float
     disturbance_rate: float
+    order: int = 1
 
     def __post_init__(self) -> None:
         check("encoder_step", self.encoder_step, "m", self.encoder_step > 0.0, "above 0")
         check("force_noise", self.force_noise, "N", self.force_noise >= 0.0, "0 or above")
         rate = self.disturbance_rate
         check("disturbance_rate", rate, "N/s^0.5", rate > 0.0, "above 0")
+        check("order", self.order, "1", self.order in (1, 2), "1 or 2")
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,7 @@ class VelocityFilter:
     axis, T_s : what it was designed for
     L_x, L_v, L_d : gains from the innovation of the position [m] to position [1],
         velocity [1/s] and disturbing force [N/m]
+    L_1 : gain to the rate of the disturbing force [N/(m s)]; 0 if the order is 1
     """
 
     axis: Axis
@@ -62,6 +69,7 @@ class VelocityFilter:
     L_x: float
     L_v: float
     L_d: float
+    L_1: float = 0.0
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters of the velocity-filter FMU."""
@@ -72,7 +80,8 @@ class VelocityFilter:
         """Return the filter from displacement per sample [m] and net force [N] to velocity [m/s].
 
         Its states are the innovation left after the last sample [m], v [m/s], d [N] and the
-        net force at the last sample [N]; all differences, so that none drifts.
+        net force at the last sample [N], and the rate of d [N/s] if the order is 2; all
+        differences, so that none drifts.
         """
         return self._system(1, "v_est")
 
@@ -91,8 +100,15 @@ class VelocityFilter:
         row[1:3] += np.outer(gain[1:], unexpected)
         row[3, 5] = 1.0
         A_f, B_f = row[:, :4], row[:, 4:]
+        if self.L_1:  # d_1 += L_1 r, d += T_s d_1
+            by_rate = np.array([[0.0], [0.0], [self.T_s], [0.0], [1.0]])
+            A_f = np.hstack([np.vstack([A_f, np.zeros(4)]), by_rate])
+            B_f = np.vstack([B_f, np.zeros(2)])
+            A_f[:, :4] += self.L_1 * by_rate * unexpected[:4]
+            B_f += self.L_1 * by_rate * unexpected[4:]
+        row = np.hstack([A_f, B_f])[[state]]
         names = {"name": "estimator", "inputs": ["d", "N"], "outputs": output}
-        return control.ss(A_f, B_f, row[[state], :4], row[[state], 4:], self.T_s, **names)
+        return control.ss(A_f, B_f, row[:, :-2], row[:, -2:], self.T_s, **names)
 
 
 @dataclass(frozen=True)
@@ -110,7 +126,8 @@ class Observer:
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters of the FMU."""
-        return {**self.filter.parameters(), "share": self.share}
+        order = {"L_1": self.filter.L_1} if self.filter.L_1 else {}
+        return {**self.filter.parameters(), **order, "share": self.share}
 
 
 def design_velocity_filter(
@@ -124,6 +141,8 @@ def design_velocity_filter(
     ------
     ControlError
         When T_s is not positive.
+    numpy.linalg.LinAlgError
+        When no gains follow from the weights.
     """
     s = specification
     check("T_s", T_s, "s", T_s > 0.0, "above 0")
@@ -135,8 +154,15 @@ def design_velocity_filter(
     walk = np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]])
     reach = np.array([T_s**2 / axis.m, T_s / axis.m, 1.0])
     Q = s.disturbance_rate**2 * T_s * walk * np.outer(reach, reach)
+    if s.order == 2:
+        ramp = np.eye(4)
+        ramp[2, 3] = T_s  # changes d at the sample, before the period
+        A, held = block_diag(A, np.eye(1)) @ ramp, np.append(held, 0.0)
+        unit = np.append(unit, unit[2] / T_s)
+        Q = np.diag([0.0, 0.0, 0.0, s.disturbance_rate**2 * T_s])
     Q += s.force_noise**2 * np.outer(held, held)
-    C, R = np.array([[1.0, 0.0, 0.0]]), np.array([[1 / 12]])
-    _, P, _ = control.dlqe(A / unit[:, None] * unit, np.eye(3), C, Q / np.outer(unit, unit), R)
+    n = len(unit)
+    C, R = np.eye(1, n), np.array([[1 / 12]])
+    _, P, _ = control.dlqe(A / unit[:, None] * unit, np.eye(n), C, Q / np.outer(unit, unit), R)
     gain = unit / unit[0] * P[:, 0] / (P[0, 0] + R[0, 0])
     return VelocityFilter(axis, T_s, *(float(value) for value in gain))

@@ -281,6 +281,8 @@ def plant_and_estimator(
         return _plant(axis, T_s), _estimator(T_s, tau_f)
     same = velocity_filter.T_s == T_s
     check("T_s of the velocity filter", velocity_filter.T_s, "s", same, f"{T_s:g}")
+    L_1 = velocity_filter.L_1
+    check("L_1 of the velocity filter", L_1, "N/(m s)", L_1 == 0.0, "0: a filter of order 1")
     return _plant_with_force(axis, T_s), velocity_filter.system()
 
 

@@ -34,6 +34,7 @@ TOLERANCE = {
     "lffc": {"F": 1e-9},
     "lugre_network": {"F": 1e-9},
     "rbf": {"F": 1e-9},
+    "mlp": {"F": 1e-9},
     "lugre_observer": {"F": 1e-8, "z_hat": 1e-14},
 }
 

@@ -39,6 +39,26 @@ def test_gains_are_where_the_kalman_recursion_ends(rate, tau_i):
     np.testing.assert_allclose([found.L_x, found.L_v, found.L_d], gain, rtol=2e-3)
 
 
+def test_gains_of_order_2_are_where_the_recursion_ends():
+    """A force that is constant in each period and has a rate that wanders."""
+    specification = dataclasses.replace(SPECIFICATION, disturbance_rate=300.0, order=2)
+    found = design_velocity_filter(Axis(5.557, 6.6135), T_S, specification)
+    rates = np.zeros((3, 3))
+    rates[0, 1], rates[1, 1:] = 1.0, np.array([-6.6135, 1.0]) / 5.557
+    move = expm(rates * T_S)
+    A = np.vstack([np.hstack([move, T_S * move[:, 2:]]), [0.0, 0.0, 0.0, 1.0]])
+    noise = np.append(move[:2, 2] * specification.force_noise, [0.0, 0.0])
+    Q = np.outer(noise, noise) + np.diag([0.0, 0.0, 0.0, 300.0**2 * T_S])
+    P = np.diag([1e-12, 1e-6, 1.0, 1e4])
+    for _ in range(3000):
+        ahead = A @ P @ A.T + Q
+        gain = ahead[:, 0] / (ahead[0, 0] + specification.encoder_step**2 / 12)
+        P = ahead - np.outer(gain, ahead[0])
+    np.testing.assert_allclose([found.L_x, found.L_v, found.L_d, found.L_1], gain, rtol=1e-6)
+    with pytest.raises(ControlError, match="order is 3 1; expected 1 or 2"):
+        dataclasses.replace(specification, order=3)
+
+
 @pytest.fixture(params=[(1e-4, 0.0), (1e-4, 5.557), (0.0, 5.557)], ids=str)
 def filtered(request: pytest.FixtureRequest) -> VelocityLoop:
     tau_i, m_ff = request.param
@@ -141,6 +161,9 @@ def test_a_filter_of_another_sample_period_is_refused():
     loop = design_velocity_loop(axis, LoopSpecification(125.0, 50.0, T_S, 5e-4))
     with pytest.raises(ControlError, match=r"velocity filter is 0.001 s; expected 0.0005"):
         loop.changed(velocity_filter=design_velocity_filter(axis, 1e-3, SPECIFICATION))
+    second = dataclasses.replace(SPECIFICATION, order=2)
+    with pytest.raises(ControlError, match=r"expected 0: a filter of order 1"):
+        loop.changed(velocity_filter=design_velocity_filter(axis, T_S, second))
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ ROOT = Path(models.__file__).parent
 
 Columns = dict[str, np.ndarray]
 Parameters = dict[str, float]
+Network = Callable[..., np.ndarray]
 STEP = 5e-4  # s
 GMS_SHARES = ("alpha", "kappa")
 Z_UNIT = 1e-6  # the solver sees the bristle in um, so that one absolute tolerance fits all
@@ -470,17 +471,11 @@ def lffc(p: Parameters) -> Columns:
     return {**given, "F": np.array(F)}
 
 
-def rbf(p: Parameters) -> Columns:
-    """Learn with Gaussian functions whose shares are an outer product."""
-    given = learning_signals(p)
-    v_r, w, F, old = given["v_r"], np.zeros((11, 8)), [0.0], []
+def network(p: Parameters, w: np.ndarray, force: Network, gradient: Network) -> Columns:
+    """Learn the weights w of force(w, y_v, y_q) along gradient(w, y_v, y_q)."""
+    given, F, old = learning_signals(p), [0.0], []
+    v_r = given["v_r"]
     v_last, u_r, q, direction = v_r[0], 0.0, 0.0, 0.0
-
-    def shares(place: float, n: int) -> np.ndarray:
-        centres = np.linspace(-1.0, 1.0, n)
-        share = np.exp(-(((place - centres) / (p["width"] * 2.0 / (n - 1))) ** 2) / 2)
-        return share / share.sum()
-
     for k in range(400):
         error = given["u"][k] - F[-1] - u_r
         slope, mean = (v_r[k] - v_last) / STEP, (v_r[k] + v_last) / 2
@@ -491,13 +486,40 @@ def rbf(p: Parameters) -> Columns:
         middle, q = q + abs(v) * STEP / 2, q + abs(v) * STEP
         speed = np.log1p(abs(v) / p["v_0"]) / np.log1p(p["v_max"] / p["v_0"])
         way = (middle - p["q_0"]) / (middle + p["q_0"])
-        mu = np.outer(shares(direction * min(speed, 1.0), 11), shares(direction * way, 8))
-        F.append(given["F_in"][k] + (mu * w).sum())
-        old.append(mu)
+        old.append((direction * min(speed, 1.0), direction * way))
+        F.append(given["F_in"][k] + force(w, *old[-1]))
         if k >= p["D"]:
-            before = old[k - int(p["D"])]
-            w += p["gamma"] * error * before / (before**2).sum()
+            by = gradient(w, *old[k - int(p["D"])])
+            w = w + p["gamma"] * error * by / (by**2).sum()
     return {**given, "F": np.array(F)}
+
+
+def rbf(p: Parameters) -> Columns:
+    """Learn with Gaussian functions whose shares are an outer product."""
+
+    def shares(place: float, n: int) -> np.ndarray:
+        centres = np.linspace(-1.0, 1.0, n)
+        share = np.exp(-(((place - centres) / (p["width"] * 2.0 / (n - 1))) ** 2) / 2)
+        return share / share.sum()
+
+    def both(_: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
+        return np.outer(shares(y_v, 11), shares(y_q, 8))
+
+    return network(p, np.zeros((11, 8)), lambda w, *place: (w * both(w, *place)).sum(), both)
+
+
+def mlp(p: Parameters) -> Columns:
+    """Learn with a hidden layer, whose gradient is from complex steps."""
+    start = [[p[f"w_0[{i},{j}]"] for j in range(1, 5)] for i in range(1, 9)]
+
+    def force(w: np.ndarray, y_v: float, y_q: float) -> np.ndarray:
+        return p["F_max"] * np.tanh(w[:, :3] @ [y_v, y_q, 1.0]) @ w[:, 3]
+
+    def gradient(w: np.ndarray, *place: float) -> np.ndarray:
+        moved = (w + 1e-30j * one.reshape(8, 4) for one in np.eye(32))
+        return np.reshape([force(each, *place).imag / 1e-30 for each in moved], (8, 4))
+
+    return network(p, np.array(start), force, gradient)
 
 
 def lugre_network(p: Parameters) -> Columns:
@@ -573,6 +595,7 @@ def main(folder: Path) -> None:
         lugre_observer,
         lffc,
         rbf,
+        mlp,
         lugre_network,
         nominal_loop,
     ):

@@ -14,7 +14,8 @@ from stickslip.models.export.reference import reference_file
 
 CALCULATED = (
     *("velocity_controller", "velocity_filter", "nominal_loop", "static_feedforward", "dob"),
-    *("coulomb_observer", "momentum_observer", "lugre_observer", "lffc", "rbf", "lugre_network"),
+    *("coulomb_observer", "momentum_observer", "lugre_observer", "lffc", "rbf", "mlp"),
+    "lugre_network",
 )
 
 

@@ -52,6 +52,7 @@ def test_the_papers_loop_is_a_chain_of_one(fmus, loop):
         (["lugre_observer"], 0.4),
         (["lffc"], 0.9),
         (["rbf"], 0.95),
+        (["mlp"], 0.95),
         (["lugre_network"], 0.4),
         (["static_feedforward", "dob"], 0.6),
     ],
@@ -67,11 +68,18 @@ def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
         np.testing.assert_array_equal(result["dob.F"], before - result["dob.d_hat"])
 
 
-@pytest.mark.parametrize("model", ["dob", "coulomb_observer", "momentum_observer"])
-def test_an_observer_without_a_share_leaves_the_loop_as_it_is(fmus, loop, model):
-    """Bit for bit; in a chain it passes the force before it on one sample late."""
+@pytest.mark.parametrize(
+    ("model", "nothing"),
+    [
+        *((name, {"share": 0.0}) for name in ("dob", "coulomb_observer", "momentum_observer")),
+        ("static_feedforward", {"F_c": 0.0}),
+        *((name, {"gamma": 0.0}) for name in ("lffc", "rbf", "mlp")),
+    ],
+)
+def test_a_compensator_that_adds_nothing_leaves_the_loop_as_it_is(fmus, loop, model, nothing):
+    """Bit for bit; in a chain an observer passes the force before it on one sample late."""
     without = run(build_loop(fmus, loop, []))
-    beside = run(build_loop(fmus, loop, [Compensator("observer", model, {"share": 0.0})]))
+    beside = run(build_loop(fmus, loop, [Compensator("beside", model, nothing)]))
     for name in without.names:
         assert without[name].tobytes() == beside[name].tobytes()
 
@@ -119,9 +127,10 @@ def learned(fmus, loop, model, names, values, seconds=6.0, **drive):
 
 SPLINES = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in (1, 2) for j in range(1, 15)}
 GRID = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 12) for j in range(1, 9)}
+LAYERS = {f"w[{i},{j}]": f"w_0[{i},{j}]" for i in range(1, 9) for j in range(1, 5)}
 
 
-@pytest.mark.parametrize(("model", "names"), [("lffc", SPLINES), ("rbf", GRID)])
+@pytest.mark.parametrize(("model", "names"), [("lffc", SPLINES), ("rbf", GRID), ("mlp", LAYERS)])
 def test_weights_learn_the_friction_of_the_drive(fmus, loop, model, names):
     """In sliding the force is F_c; with the rate 0 it is a function of the command alone."""
     coulomb = {"drive.F_s": PAPER["F_c"]}

@@ -1,7 +1,8 @@
 #include "numerics/axis_filter.h"
 
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
-    axis_sample(w, u->x_enc, u->F_m, u->F_in, p);
+    w->d_1 += p->L_1 * axis_sample(w, u->x_enc, u->F_m, u->F_in, p);
+    w->d += p->T_s * w->d_1; /* in the period that begins */
 }
 
 #include "numerics/sampled.h"

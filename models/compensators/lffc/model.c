@@ -25,10 +25,8 @@ static void learn(Memory *w, double error, const Parameters *p) {
     const double next = w->knot[old] - (double)i;
     const double share[2] = {1.0 - next, next};
     const double step = p->gamma * error / (share[0] * share[0] + next * next);
-    for (int j = 0; j < 2; j++) {
-        const double trial = row[i + j] + step * share[j];
-        row[i + j] = trial > p->F_max ? p->F_max : trial < -p->F_max ? -p->F_max : trial;
-    }
+    for (int j = 0; j < 2; j++)
+        row[i + j] = limited(row[i + j] + step * share[j], p->F_max);
 }
 
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {

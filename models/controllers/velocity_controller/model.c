@@ -2,10 +2,6 @@
 
 #include "numerics/elementary.h"
 
-static double limited(double force, double limit) {
-    return force > limit ? limit : force < -limit ? -limit : force;
-}
-
 /* An integral after this sample. Anti-windup: it stands still while the error would push the force
  * further past its limit. */
 static double integrated(double before, double after, double error, double demanded, double u) {

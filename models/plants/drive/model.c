@@ -49,7 +49,7 @@ static double quantised(double value, double step) { return nearest(value / step
 static double amplified(double u, const Parameters *p) {
     if (p->dac != 0.0)
         u = quantised(u, p->dac_step);
-    return u > p->u_max ? p->u_max : u < -p->u_max ? -p->u_max : u;
+    return limited(u, p->u_max);
 }
 
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {

@@ -43,7 +43,7 @@ function show(place) {
   const other = data.cells[`${drive}|${data.reference}|${drive}`] || {};
   let inside = `<button class="close" autofocus>Close</button><h3></h3>` +
     `<p class="key">Error over time [s], first run: <b style="color:#3584c4">${name}</b>, ` +
-    `<b style="color:#c96e00">tuned PI</b></p>`;
+    `<b style="color:#c96e00">${data.reference}</b></p>`;
   for (const [key, motion] of Object.entries(data.motions))
     if (own[key])
       inside += `<h4>${motion.title}. ${motion.unit}</h4>` + plot(motion, own[key], other[key]);

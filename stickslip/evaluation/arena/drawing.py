@@ -20,7 +20,7 @@ def draw_pareto(points: pd.DataFrame) -> Figure:
     figure = style.new_figure(style.PAGE, 105.0)
     panels = figure.subplots(1, 2, sharey=True)
     _front(panels[0], points["effort"], points["error"])
-    panels[0].set(xlabel="Control effort, relative", ylabel="Error relative to the tuned PI")
+    panels[0].set(xlabel="Control effort, relative", ylabel="Relative error")
     _front(panels[1], points["time"].clip(lower=1.0), points["error"])
     panels[1].set(xlabel="Learning time [s], 1 for none")
     for axes, letter, title in zip(panels, "ab", ("effort", "learning time"), strict=True):

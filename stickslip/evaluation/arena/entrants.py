@@ -9,7 +9,7 @@ import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -86,18 +86,25 @@ Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[s
 
 
 def kalman(
-    genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
+    genes: Mapping[str, float],
+    loop: VelocityLoop,
+    coarse: Coarse,
+    sheet: Datasheet,
+    order: int = 1,
 ) -> dict[str, float]:
     """Return the gains of a stationary Kalman filter; rate and noise are in units of friction."""
     rate, noise = genes["rate"] * coarse.friction, genes["noise"] * coarse.friction
-    weights = FilterSpecification(sheet.encoder_step, noise, rate)
+    weights = FilterSpecification(sheet.encoder_step, noise, rate, order)
     found = design_velocity_filter(loop.axis, loop.T_s, weights)
     rest = {name: value for name, value in genes.items() if name not in ("rate", "noise")}
-    return {"L_x": found.L_x, "L_v": found.L_v, "L_d": found.L_d, **rest}
+    gains = {"L_x": found.L_x, "L_v": found.L_v, "L_d": found.L_d}
+    return gains | ({"L_1": found.L_1} if order == 2 else {}) | rest
 
 
+_TAKEN = {"controller", "drive", "filter", "nominal"}
+"""Components of a loop."""
 _PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
-DESIGNS: dict[str, Design] = {"kalman": kalman}
+DESIGNS: dict[str, Design] = {"kalman": kalman, "kalman_2": partial(kalman, order=2)}
 
 
 @dataclass(frozen=True)
@@ -272,7 +279,8 @@ class Entrant:
             prefix = f"{part.name}."
             own = {n.removeprefix(prefix): x for n, x in genes.items() if n.startswith(prefix)}
             if part.controller:
-                gains = {name: getattr(loop, name) * factor for name, factor in own.items()}
+                factors = {**part.values, **own}
+                gains = {name: getattr(loop, name) * factor for name, factor in factors.items()}
                 loop = close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **gains)
             elif part.model:
                 found = part.parameters(own, loop, coarse, sheet)
@@ -394,6 +402,8 @@ def own_part(fmu: Path, ports: Path) -> Part:
         if not (isinstance(span, list) and len(span) == 3 and span[0] <= span[1] <= span[2]):
             raise UsageError(f"{ports}: genes: {name}: expected [lowest, start, highest]")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
+    if name in {*parts(), *_TAKEN}:
+        raise UsageError(f"{ports}: the name '{name}' is taken; give another one as name")
     return Part(
         name,
         table.get("title", fmu.name),
@@ -439,8 +449,8 @@ def _ranges(model: models.Model) -> dict[str, tuple[float, float, float]]:
         if variable.name in model.ports.tuned and variable.name not in friction:
             low, high = variable.minimum or 0.0, variable.maximum or np.inf
             start = variable.start
-            if start > 0.0 and high > 1.0:
+            if high > 1.0:  # not a share
                 low, high = max(low, start / RANGE), min(high, start * RANGE)
-            if low < high < np.inf:
+            if low < high:
                 found[variable.name] = low, start, high
     return found

@@ -13,7 +13,7 @@ from stickslip.evaluation.arena.commands import COMMANDS, RADIUS
 from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
 from stickslip.evaluation.arena.entrants import Entrant
 from stickslip.evaluation.arena.protocol import Arena
-from stickslip.evaluation.arena.table import ALL, PI, budget_text, ranking, relative_errors
+from stickslip.evaluation.arena.table import ALL, budget_text, ranking, relative_errors
 from stickslip.evaluation.arena.validation import POINTS
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Illustration, Section, made_with
@@ -25,7 +25,7 @@ FIGURES = ("pareto", "circle")
 DEEP = 3.0
 """Factor on the error at which the colour of a cell is the deepest."""
 _BETTER, _WORSE = (0, 79, 134), (224, 123, 0)
-"""Colours of errors below and above those of the tuned PI controller."""
+"""Colours of errors below and above those of the reference."""
 
 
 def sections(arena: Arena, found: pd.DataFrame) -> list[Section]:
@@ -58,11 +58,6 @@ def _head(arena: Arena, found: pd.DataFrame) -> Section:
             f" {starts} {'run' if starts == 1 else 'runs'} each."
         )
     ]
-    if PI not in plan.entrants:
-        texts.append(
-            paragraph("The heat maps need the entrant “pi”, to which errors are relative.")
-        )
-        return Section("", *texts)
     tiles = []
     for column, name in (("mean here", "tuned on each drive"), ("mean carried", "carried over")):
         ranked = order[column].dropna()
@@ -70,7 +65,7 @@ def _head(arena: Arena, found: pd.DataFrame) -> Section:
             best = str(ranked.idxmin())
             worst = float(order[column.replace("mean", "worst")][best])
             beside = (
-                f"{number(float(ranked[best]), 3)} times the error of the tuned PI controller",
+                f"{number(float(ranked[best]), 3)} times the error of {plan.reference}",
                 f"at worst {number(worst, 3)}",
             )
             tiles.append(tile(f"Best over all drives, {name}", best, *beside))
@@ -79,12 +74,11 @@ def _head(arena: Arena, found: pd.DataFrame) -> Section:
 
 def _heat_maps(arena: Arena, found: pd.DataFrame) -> Section | None:
     plan = arena.plan
-    if PI not in plan.entrants:
-        return None
     parts: list[Html | Illustration | list[Illustration]] = [
         paragraph(
-            "Error relative to that of the PI controller tuned on the same drive: geometric mean"
-            f" over {', '.join(c.title for c in COMMANDS.values() if c.ranked)}. Blue is better,"
+            f"Error relative to that of {plan.reference}"
+            f" ({plan.entrant(plan.reference).title}), tuned on the same drive: geometric mean over"
+            f" {', '.join(c.title for c in COMMANDS.values() if c.ranked)}. Blue is better,"
             " orange worse. Entrants without knowledge of friction come first. A cell shows its"
             " errors over time when it is clicked."
         ),
@@ -183,13 +177,11 @@ def _cell(value: float, mark: str, place: str, figure: str = "") -> Html:
 
 
 def _pareto(arena: Arena, found: pd.DataFrame) -> Section | None:
-    if PI not in arena.plan.entrants:
-        return None
     points = _points(arena, found)
     text = (
         "Error is that of the first heat map, the mean over the drives. Control effort is the mean"
         " rate at which the force command changes along the trapezoid, relative to that of the"
-        " controller alone or, where it is missing, of the tuned PI controller. Learning time is"
+        " controller alone or, where it is missing, of the reference. Learning time is"
         " the motion of the drive after which the training error was within 5 % of that at the"
         " end. The line joins entrants that no other one surpasses in both."
     )
@@ -220,7 +212,7 @@ def _points(arena: Arena, found: pd.DataFrame) -> pd.DataFrame:
         return rows.pivot_table("median", "compensator", "drive")
 
     variation = wide("variation", "T")
-    base = variation.loc["none" if "none" in variation.index else PI]
+    base = variation.loc["none" if "none" in variation.index else arena.plan.reference]
     order = ranking(found, arena.plan)
     columns = {
         "error": order["mean here"],
@@ -232,13 +224,14 @@ def _points(arena: Arena, found: pd.DataFrame) -> pd.DataFrame:
 
 
 def _circle(arena: Arena, found: pd.DataFrame) -> Section | None:
-    """Return the polar picture of a circle on the nominal drive: none, tuned PI, the best."""
+    """Return the polar picture of a circle on the nominal drive: none, the reference, the best."""
     drive = (arena.plan.nominal or arena.plan.drives[0]).name
     order = ranking(found, arena.plan)["mean here"].dropna()
-    best = [str(name) for name in order.sort_values().index if str(name) not in ("none", PI)]
+    plain = dict.fromkeys(("none", arena.plan.reference))
+    best = [str(name) for name in order.sort_values().index if str(name) not in plain]
     shown = {
         name: arena.documents[drive, name]["validated"][drive]["circle"]
-        for name in ("none", PI, *best[:1])
+        for name in (*plain, *best[:1])
         if (drive, name) in arena.documents
     }
     shown = {name: values for name, values in shown.items() if values}
@@ -319,7 +312,8 @@ def _script(arena: Arena, found: pd.DataFrame) -> Html:
         }
         for name, one in COMMANDS.items()
     }
-    data = {"cells": cells, "motions": motions, "points": POINTS, "reference": PI}
+    data = {"cells": cells, "motions": motions, "points": POINTS}
+    data["reference"] = arena.plan.reference
     data["errors"], data["deep"] = _errors(arena, found), DEEP
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     folder = files(__package__)

@@ -32,6 +32,8 @@ from stickslip.results.learned import versions
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.jobs import Outcome, ended_by_signals, run_jobs
 
+REFERENCES = ("pi", "none")
+"""Entrants to which errors are relative, the preferred one first."""
 UNFINISHED = "unfinished"
 """The folder of what is known while an arena runs."""
 
@@ -65,6 +67,11 @@ class Plan:
             When one of its parts is unknown, or cannot follow the one before it.
         """
         return entrant(name, {part.name: part for part in self.own})
+
+    @property
+    def reference(self) -> str:
+        """The entrant to which errors are relative: the tuned PI controller where it competes."""
+        return next((name for name in REFERENCES if name in self.entrants), self.entrants[0])
 
     @property
     def nominal(self) -> Drive | None:

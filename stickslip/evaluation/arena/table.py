@@ -17,9 +17,7 @@ COLUMNS = [
     *("drive", "law", "compensator", "command", "metric", "unit", "median", "worst"),
     *("tuned_on", "budget", "reason"),
 ]
-PI = "pi"
-"""The entrant to which errors are relative: the tuned controller without any compensator."""
-RELATIVE = "error relative to pi"
+RELATIVE = "relative error"
 ALL = "all"
 """The command of a row that is a mean over all commands."""
 TUNING = {
@@ -35,13 +33,13 @@ _NAMES = {"cost": "training error", "seconds": "motion", "soon": "motion until t
 def arena_table(arena: Arena) -> pd.DataFrame:
     """Return the table, in SI units.
 
-    ``worst`` is the largest value of all starts. ``error relative to pi`` is the error over the
-    median of the tuned PI controller on the same drive; for the command ``all`` the geometric mean
-    of those of all commands.
+    ``worst`` is the largest value of all starts. ``relative error`` is the error over the median
+    of the plan's reference, tuned on the same drive; for the command ``all`` the geometric mean of
+    those of all commands.
     """
     rows = [row for place in arena.documents for row in _rows(arena, place)]
     table = pd.DataFrame(rows, columns=COLUMNS).astype({"median": float, "worst": float})
-    table = pd.concat([table, _relative(table)], ignore_index=True)
+    table = pd.concat([table, _relative(table, arena.plan.reference)], ignore_index=True)
     failed = [
         {
             "drive": drive,
@@ -63,7 +61,7 @@ def arena_table(arena: Arena) -> pd.DataFrame:
 def relative_errors(
     table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
 ) -> pd.DataFrame:
-    """Return the errors relative to the tuned PI controller, a row an entrant, a column a drive.
+    """Return the errors relative to the reference, a row an entrant, a column a drive.
 
     Parameters
     ----------
@@ -126,20 +124,20 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
             yield {**same, "metric": metric, "unit": unit, "median": value, "worst": value}
 
 
-def _relative(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of the errors relative to those of the tuned PI controller."""
+def _relative(table: pd.DataFrame, reference: str) -> pd.DataFrame:
+    """Return the rows of the errors relative to those of an entrant tuned on the same drive."""
     errors = table[table["metric"] == ERROR]
-    own = errors[(errors["compensator"] == PI) & (errors["tuned_on"] == errors["drive"])]
-    reference: Mapping[Any, float] = own.set_index(["drive", "command"])["median"].to_dict()
+    own = errors[(errors["compensator"] == reference) & (errors["tuned_on"] == errors["drive"])]
+    known: Mapping[Any, float] = own.set_index(["drive", "command"])["median"].to_dict()
     places = list(zip(errors["drive"], errors["command"], strict=True))
-    scale = np.array([reference.get(place, np.nan) for place in places])
+    scale = np.array([known.get(place, 0.0) for place in places])
+    errors, scale = errors[scale > 0.0], scale[scale > 0.0]
     found = errors.assign(
         metric=RELATIVE,
         unit="1",
         median=errors["median"].to_numpy(float) / scale,
         worst=errors["worst"].to_numpy(float) / scale,
     )
-    found = found[np.isfinite(scale)]
     keys = [name for name in COLUMNS if name not in ("command", "median", "worst")]
     ranked = found["command"].isin([name for name, one in COMMANDS.items() if one.ranked])
     groups = found[ranked].groupby(keys, sort=False)[["median", "worst"]]
@@ -149,4 +147,5 @@ def _relative(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _geometric(values: pd.Series[float]) -> float:
-    return float(np.exp(np.mean(np.log(values.to_numpy(float)))))
+    numbers = values.to_numpy(float)
+    return float(np.exp(np.mean(np.log(numbers)))) if (numbers > 0.0).all() else float("nan")

@@ -77,7 +77,7 @@ def _write(arena: Arena, drive: Drive, name: str, error: float, folder: Path) ->
     document = {
         "compensator": name,
         "drive": drive.name,
-        "error_relative_to_pi": error,
+        "relative_error": error,
         "controller": {"K_p": tuned.loop.K_p, "K_i": tuned.loop.K_i},
         "components": components,
         "tuned": asdict(tuned_on),

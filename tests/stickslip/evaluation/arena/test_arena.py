@@ -220,6 +220,7 @@ def test_an_entrant_above_the_limit_is_marked(tmp_path):
         (["--compensators", "static+static"], "each part can be there once only"),
         (["--laws", "luger"], "there is no friction law 'luger'"),
         (["--only", "nobody"], "there are the drives"),
+        (["--seconds", "-1"], "expected a number above 0"),
     ],
 )
 def test_what_is_unknown_is_named(options, message, tmp_path, capsys):
@@ -271,7 +272,7 @@ def test_the_winner_of_a_drive_is_exported_with_what_it_was_tuned_to(arena):
         winner = json.loads((folder / "winners" / drive.name / "winner.json").read_text())
         errors = relative_errors(arena_table(found), found.plan, carried=False)[drive.name]
         assert winner["compensator"] == errors.idxmin()
-        assert winner["error_relative_to_pi"] == errors.min()
+        assert winner["relative_error"] == errors.min()
         for name, component in winner["components"].items():
             exported = cosim.Fmu(folder / "winners" / drive.name / f"{name}.fmu")
             for parameter, value in component["parameters"].items():
@@ -308,6 +309,7 @@ def test_a_compensator_of_the_user_competes_like_the_others(tmp_path):
             "genes: F_c: expected",
         ),
         ('output = "F"\ncolour = 1\n', "'colour' is unknown"),
+        ('name = "drive"\noutput = "F"\ninputs = { v = "v_ref" }\n', "the name 'drive' is taken"),
     ],
 )
 def test_bad_ports_are_one_line(text, message, tmp_path, built):
