@@ -15,6 +15,7 @@ import pytest
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
 from stickslip.models.firmware import write_compensator
+from stickslip.models.firmware.structured_text import st_file
 
 sys.path.insert(0, str(Path(__file__).parent))  # structured_text
 import structured_text
@@ -179,3 +180,40 @@ def test_what_structured_text_has_not_is_refused(tmp_path):
     with pytest.raises(models.ModelError, match="is not available in structured text"):
         write_compensator(tmp_path, "st", model="stage")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("statement", "reason"),
+    [
+        ("do { w->v_last = u->v; } while (h < 0.0);", "model_step: cannot translate 'do {"),
+        ("goto end; end: w->v_last = u->v;", "model_step: cannot translate 'goto end;'"),
+        ("w->v_last = *(&u->v + 1);", r"model_step: cannot translate '\*\(\(&u->v\) \+ 1\)'"),
+        ("w->v_last = fabs(u->v);", "model_step: fabs is not known"),
+        ("static double kept = 0.0;", "model_step: cannot translate 'static double kept = 0.0'"),
+        ("while (h > 0.0 ? 1 : 0) h -= 1.0;", "the condition of a loop has a choice in it"),
+        ("uint64_t bits = 0;", "cannot translate the type 'uint64_t'"),
+        ("w->v_last = (;", "cannot read "),
+    ],
+)
+def test_a_refusal_tells_what_structured_text_has_not(tmp_path, statement, reason):
+    model = models.load_model("static_feedforward")
+    code = (model.folder / "model.c").read_text()
+    assert "w->v_last = u->v;" in code
+    (tmp_path / "model.c").write_text(code.replace("w->v_last = u->v;", statement))
+    with pytest.raises(models.ModelError, match=reason):
+        st_file(replace(model, folder=tmp_path))
+
+
+def test_a_loop_counts_only_where_c_does(tmp_path):
+    """FOR has a fixed bound and a step of 1; other loops become WHILE."""
+    model = models.load_model("static_feedforward")
+    code = (model.folder / "model.c").read_text()
+    for loop, shown in (
+        ("int i = 0; i < 9; i++", "FOR i := 0 TO 8 DO"),
+        ("int i = 9; i >= 2; i--", "FOR i := 9 TO 2 BY -1 DO"),
+        ("int i = 0; i < 9; i += 2", "WHILE i < 9 DO"),
+        ("int i = 9; i < 9; i--", "WHILE i < 9 DO"),
+    ):
+        loops = f"for ({loop}) w->v_last = u->v;"
+        (tmp_path / "model.c").write_text(code.replace("w->v_last = u->v;", loops))
+        assert shown in st_file(replace(model, folder=tmp_path))["static_feedforward.st"]
