@@ -114,6 +114,48 @@ def test_a_held_position_gives_way_as_its_gains_say(fmus, gains, stiffness):
     assert result["drive.x"][-1] - x_cmd[-1] == pytest.approx(20.0 / stiffness, abs=1e-6)
 
 
+LIGHT = {"K_i": 0.0, "P_x": 89010.0, "K_p": 2 * 0.3 * 2 * np.pi * 20 * 5.557 - 6.6135}
+
+
+def test_nonlinear_feedback_moves_as_fast_without_overshoot(fmus):
+    """The linear part has a damping ratio of 0.3 at 20 Hz, hence 37 % of overshoot."""
+    over, rise = [], []
+    for gamma_v in (0.0, 4300.0):
+        _, result = follow_position(fmus, {**LIGHT, "gamma_v": gamma_v, "alpha": 2.0}, stop=0.5)
+        x = result["drive.x"] / 1e-3
+        over.append(x.max() - 1.0)
+        rise.append(result.time[np.argmax(x > 0.5)] - 0.1)
+    assert over[0] == pytest.approx(np.exp(-np.pi * 0.3 / np.sqrt(1 - 0.3**2)), abs=0.06)
+    assert over[1] < 0.005
+    assert rise[1] < 1.6 * rise[0]
+
+
+def test_nonlinear_damping_is_a_function_of_the_relative_error(alone):
+    """The command steps to 1 mm while the encoder goes there, and then goes on."""
+    with alone(NAME, RECORD, step=T_S, stop=0.2) as simulation:
+        t = simulation.time
+        inputs = {"x_enc": 2e-3 * t / 0.2, "x_cmd": 1e-3 * (t > 0), "v_hat": 0.01 + 0 * t}
+        gains = {"K_p": 0.0, "K_i": 0.0, "use_v_hat": True, "alpha": 2.0, "gamma_v": 3000.0}
+        u = simulation.run({f"{NAME}.{k}": v for k, v in gains.items()}, inputs)[f"{NAME}.u"]
+    e = np.abs(1e-3 - inputs["x_enc"])[1:-1]
+    rho = np.expm1(2.0 * (1.0 - np.minimum(e / e[0], 1.0))) / np.expm1(2.0)
+    np.testing.assert_allclose(u[2:], -3000.0 * rho * 0.01, rtol=1e-9, atol=1e-9)
+
+
+def test_pd_of_position_is_pi_of_velocity(alone):
+    """With the position command the sum of the velocities, P_x is K_i."""
+    with alone(NAME, RECORD, step=T_S, stop=0.3) as simulation:
+        t = simulation.time
+        v_cmd = 0.02 * np.sin(30 * t)
+        x_enc = np.round(6e-4 * (1 - np.cos(30 * t)) / 4e-7) * 4e-7
+        inputs = {"v_cmd": v_cmd, "x_enc": x_enc, "x_cmd": T_S * np.cumsum(v_cmd)}
+        gains = {"tau_f": 0.0, "K_i": 0.0, "P_x": START["K_i"]}
+        pd = simulation.run({f"{NAME}.{k}": v for k, v in gains.items()}, inputs)[f"{NAME}.u"]
+        pi = simulation.run({f"{NAME}.tau_f": 0.0}, inputs)[f"{NAME}.u"]
+    assert np.ptp(pi) > 10.0
+    np.testing.assert_allclose(pd, pi, atol=1e-9)
+
+
 @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0, 3.0, 7.0])
 def test_it_samples_at_its_own_period_whatever_the_step(alone, ratio):
     """Under held inputs the samples are the same, and their number is that of periods begun."""

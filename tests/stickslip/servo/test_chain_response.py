@@ -7,15 +7,18 @@ from stickslip import models
 from stickslip.servo import Axis, design_velocity_loop
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
 from stickslip.servo.datasheet import LOOP
+from stickslip.servo.observer import LIMIT
 from stickslip.servo.sensitivity import Opened, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
+
+COMPENSATORS = [name for name in models.model_names() if models.load_model(name).ports]
 
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fmus")
-    for name in ("dob", "static_feedforward", "coulomb_observer"):
+    for name in COMPENSATORS:
         models.build_fmu(name, folder)
     return folder
 
@@ -68,3 +71,14 @@ def test_a_faster_observer_lets_more_noise_of_the_encoder_through(fmus, loop):
     with ChainResponse(fmus, loop, [Compensator("observer", "dob")]) as response:
         noise = [response.of(loop, values(observer(loop, r)), 6.0).noise for r in (0.05, 5.0, 50.0)]
     assert np.all(np.diff(noise) > 0.1 * noise[0])
+
+
+@pytest.mark.parametrize("model", COMPENSATORS)
+def test_start_values_leave_the_papers_loop_robust(fmus, loop, model):
+    """What feeds back costs sensitivity, pure feedforward none."""
+    with ChainResponse(fmus, loop, [Compensator("one", model)]) as response:
+        peak = response.of(loop, {}, 6.0).peak
+    alone = peak_sensitivity(loop)
+    assert alone * 0.999 < peak <= LIMIT
+    takes = set(models.load_model(model).ports.inputs.values())
+    assert (peak > 1.0002 * alone) == bool(takes & {"x_enc", "F_motor", "u"})
