@@ -16,9 +16,9 @@ from stickslip.servo.velocity_loop import design_velocity_loop
 AXIS = Axis(5.557, 6.6135, 1e-4)
 
 
-def document(rate: float = 1.5, refusal: str = "") -> dict:
-    """Return a learned.json with the observer of a disturbance rate [N/s^0.5]."""
-    kalman = design_velocity_filter(AXIS, LOOP.T_s, FilterSpecification(4e-7, 0.05, rate))
+def document(rate: float = 1.5, refusal: str = "", order: int = 1) -> dict:
+    """Return a learned.json with the observer of a disturbance rate [N/s^0.5], or [N/s^1.5]."""
+    kalman = design_velocity_filter(AXIS, LOOP.T_s, FilterSpecification(4e-7, 0.05, rate, order))
     values = Observer(kalman, 0.75).parameters()
     return {
         "loop": loop_document(design_velocity_loop(AXIS, LOOP)),
@@ -41,9 +41,10 @@ def export(tmp_path, capsys):
     return run
 
 
-def test_it_writes_the_gains_in_each_form(export, tmp_path):
-    content = document()
-    gain = repr(content["observer"]["parameters"]["L_d"]["value"])
+@pytest.mark.parametrize(("rate", "order", "name"), [(1.5, 1, "L_d"), (300.0, 2, "L_1")])
+def test_it_writes_the_gains_in_each_form(export, tmp_path, rate, order, name):
+    content = document(rate, order=order)
+    gain = repr(content["observer"]["parameters"][name]["value"])
     for form, names in (("fmu", ["fmu"]), ("c", ["h", "c"]), ("st", ["st"])):
         status, out, error = export(content, "--as", form)
         assert (status, error) == (0, "")

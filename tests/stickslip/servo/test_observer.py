@@ -165,6 +165,15 @@ def test_a_faster_observer_than_the_limit_allows_is_not_taken():
     assert max(peak_sensitivity(PAPER, designed.observer, s * 5.557) for s in (0.8, 1.25)) > 1.9
 
 
+def test_an_observer_of_order_2_is_designed_within_the_limit():
+    designed = design_observer(PAPER, 4e-7, 6.0, order=2)
+    assert designed.observer.filter.L_1 > 0.0
+    assert designed.reversal < 0.5 * designed.reversal_without
+    worst = max(peak_sensitivity(PAPER, designed.observer, s * 5.557) for s in MASSES)
+    assert worst == pytest.approx(designed.sensitivity, rel=1e-6)
+    assert worst <= LIMIT
+
+
 def test_a_coarse_encoder_slows_the_observer():
     rates = [design_observer(PAPER, q, 6.0).observer.filter.L_d for q in (1e-8, 4e-7, 2e-6)]
     assert rates[0] > 4 * rates[1] > 4 * rates[2]
