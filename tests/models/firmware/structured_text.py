@@ -8,29 +8,77 @@ from __future__ import annotations
 
 import contextlib
 import math
-import operator
-import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from copy import deepcopy
+from dataclasses import dataclass
+from functools import reduce
+from operator import add, and_, eq, ge, gt, le, lt, mul, ne, neg, not_, or_, sub, truediv
 from typing import Any
+
+from lark import Lark, Transformer, v_args
+from lark.exceptions import VisitError
 
 Scope = dict[str, Any]
 Expression = Callable[[Scope], Any]
 Place = Callable[[Scope], tuple[Any, Any]]  # where a value is: a dict or list, and the key in it
 
-_TOKEN = re.compile(
-    r"(?P<space>\s+|\(\*.*?\*\))|(?P<real>\d+\.\d+(?:E[+-]?\d+)?)|(?P<dots>\.\.)|(?P<whole>\d+)|"
-    r"(?P<word>[A-Za-z](?:_?[A-Za-z0-9])*)|(?P<sign>:=|<=|>=|<>|[-+*/()\[\]=<>,;:.])",
-    re.DOTALL,
-)
+_GRAMMAR = r"""
+start: (struct | function | function_block)*
+struct: "TYPE" NAME ":" "STRUCT" (NAME ":" type ";")* "END_STRUCT" ";" "END_TYPE"
+function: "FUNCTION" NAME ":" type section* block "END_FUNCTION"
+function_block: "FUNCTION_BLOCK" NAME section* block "END_FUNCTION_BLOCK"
+section: SECTION variable* "END_VAR"
+variable: NAME ":" type [":=" constant] ";"
+type: NAME | "ARRAY" "[" WHOLE ".." WHOLE "]" "OF" type -> array
+?constant: expression | "[" constant ("," constant)* "]" -> constants
+
+block: (statement | ";")*
+?statement: LEAVE ";" -> leave
+    | place ":=" expression ";" -> assignment
+    | "IF" branch ("ELSIF" branch)* ["ELSE" block] "END_IF" ";" -> choice
+    | "FOR" NAME ":=" expression "TO" expression ["BY" expression] "DO" block "END_FOR" ";" -> loop
+    | "WHILE" expression "DO" block "END_WHILE" ";" -> repetition
+
+branch: expression "THEN" block
+
+?expression: left{conjunction, OR}
+?conjunction: left{equation, AND}
+?equation: left{comparison, EQUAL}
+?comparison: left{sum, ORDER}
+?sum: left{product, SIGN}
+?product: left{factor, TIMES}
+?left{term, sign}: term (sign term)*
+?factor: "(" expression ")"
+    | (SIGN | NOT) factor -> unary
+    | (REAL | WHOLE | BOOL) -> literal
+    | NAME "(" expression ")" -> standard
+    | NAME "(" [NAME ":=" expression ("," NAME ":=" expression)*] ")" -> call
+    | place -> value
+place: NAME ("." member | "[" expression "]")*
+member: NAME
+
+SECTION.2: /VAR(_INPUT|_IN_OUT|_OUTPUT)?\b/
+LEAVE.2: /(RETURN|EXIT)\b/
+OR: "OR"
+AND: "AND"
+NOT: "NOT"
+EQUAL.2: "=" | "<>"
+ORDER: "<=" | ">=" | "<" | ">"
+SIGN: "+" | "-"
+TIMES: "*" | "/"
+BOOL.2: /(TRUE|FALSE)\b/
+REAL: /\d+\.\d+(E[+-]?\d+)?/
+WHOLE: /\d+/
+NAME: /[A-Za-z](_?[A-Za-z0-9])*/
+%ignore /\s+|\(\*.*?\*\)/s
+"""
 _STARTS = {"LREAL": 0.0, "INT": 0, "BOOL": False}
-_LEVELS = (  # of operators, those that bind least first
-    {"OR": operator.or_},
-    {"AND": operator.and_},
-    {"=": operator.eq, "<>": operator.ne},
-    {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge},
-    {"+": operator.add, "-": operator.sub},
-    {"*": operator.mul, "/": operator.truediv},
+_OPERATORS = dict(
+    zip(
+        ("OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/"),
+        (or_, and_, eq, ne, lt, le, gt, ge, add, sub, mul, truediv),
+        strict=True,
+    )
 )
 _STANDARD: dict[str, tuple[type, Callable[[Any], Any]]] = {
     "ABS": (float, abs),
@@ -51,20 +99,16 @@ class Exit(Exception):
     """EXIT was met."""
 
 
+@dataclass
 class Unit:
     """A function, or an instance of a function block: it keeps its variables between calls."""
 
-    def __init__(
-        self,
-        name: str,
-        keeps: bool,
-        variables: Scope,
-        inputs: set[str],
-        shared: set[str],
-        body: Any,
-    ):
-        self.name, self.keeps, self.inputs, self.body = name, keeps, inputs, body
-        self.variables, self.shared = variables, shared
+    name: str
+    keeps: bool
+    variables: Scope
+    inputs: set[str]
+    shared: set[str]
+    body: Callable[[Scope], None]
 
     def __call__(self, **arguments: Any) -> Scope:
         """Run it; what is shared is given as the place where it is."""
@@ -112,181 +156,84 @@ def store(scope: Any, name: Any, value: Any) -> None:
 
 def load(text: str) -> dict[str, Unit]:
     """Return the functions and function blocks of a file by name."""
-    return _Parser(text).units()
+    program = _Program()
+    try:
+        program.transform(_PARSER.parse(text))
+    except VisitError as error:
+        raise error.orig_exc from None
+    return program.units
 
 
-class _Parser:
-    def __init__(self, text: str) -> None:
-        self.tokens: list[tuple[str, str]] = []
-        place = 0
-        while place < len(text):
-            match = _TOKEN.match(text, place)
-            assert match, f"not structured text: {text[place : place + 40]!r}"
-            place = match.end()
-            if match.lastgroup != "space":
-                self.tokens.append((str(match.lastgroup), match[0]))
-        self.tokens.append(("end", ""))
-        self.known: dict[str, Unit] = {}
-        self.types: dict[str, Any] = {}
+@v_args(inline=True)
+class _Program(Transformer):
+    """Makes functions of Python, callees first, of the tree of structured text."""
 
-    def peek(self) -> str:
-        return self.tokens[0][1]
+    def __init__(self) -> None:
+        super().__init__()
+        self.types: dict[str, Any] = dict(_STARTS)
+        self.units: dict[str, Unit] = {}
 
-    def take(self, *expected: str) -> str:
-        kind, word = self.tokens.pop(0)
-        assert not expected or word in expected or kind in expected, f"{word!r}, not {expected}"
-        return word
+    def NAME(self, token):  # noqa: N802 - as in the grammar
+        return str(token)
 
-    def accept(self, word: str) -> bool:
-        return self.peek() == word and bool(self.take())
+    def struct(self, name, *members):
+        self.types[name] = _distinct(zip(members[::2], members[1::2], strict=True))
 
-    def units(self) -> dict[str, Unit]:
-        while self.peek():
-            kind = self.take("FUNCTION", "FUNCTION_BLOCK", "TYPE")
-            name = self.take("word")
-            if kind == "TYPE":
-                self.struct(name)
-                continue
-            variables: Scope = {}
-            if kind == "FUNCTION":
-                self.take(":")
-                variables[name] = self.type()
-            inputs, shared = self.declarations(variables)
-            body = self.block(f"END_{kind}")
-            self.take(f"END_{kind}")
-            _check_case(variables)
-            keeps = kind == "FUNCTION_BLOCK"
-            self.known[name] = Unit(name, keeps, variables, inputs, shared, body)
-        return self.known
+    def type(self, name):
+        return deepcopy(self.types[name])
 
-    def struct(self, name: str) -> None:
-        self.take(":")
-        self.take("STRUCT")
-        members: Scope = {}
-        while not self.accept("END_STRUCT"):
-            member = self.take("word")
-            self.take(":")
-            members[member] = self.type()
-            self.take(";")
-        self.take(";")
-        self.take("END_TYPE")
-        _check_case(members)
-        self.types[name] = members
+    def array(self, first, last, element):
+        assert first == "0"
+        return [deepcopy(element) for _ in range(int(last) + 1)]
 
-    def type(self) -> Any:
-        """Return a value of a type, as it starts."""
-        if not self.accept("ARRAY"):
-            return deepcopy((_STARTS | self.types)[self.take(*_STARTS, *self.types)])
-        self.take("[")
-        self.take("0")
-        self.take("..")
-        last = int(self.take("whole"))
-        self.take("]")
-        self.take("OF")
-        element = self.type()
-        return [deepcopy(element) for _ in range(last + 1)]
+    def constants(self, *values):
+        return lambda scope: [value(scope) for value in values]
 
-    def declarations(self, variables: Scope) -> tuple[set[str], set[str]]:
-        named: dict[str, set[str]] = {"VAR_INPUT": set(), "VAR_IN_OUT": set()}
-        while self.peek() in (*named, "VAR_OUTPUT", "VAR"):
-            section = self.take()
-            while not self.accept("END_VAR"):
-                name = self.take("word")
-                assert name not in variables, f"{name} is declared twice"
-                self.take(":")
-                variables[name] = self.type()
-                if self.accept(":="):
-                    store(variables, name, self.start())
-                self.take(";")
-                named.get(section, set()).add(name)
-        return named["VAR_INPUT"], named["VAR_IN_OUT"]
+    def variable(self, name, value, start):
+        variable = {name: value}
+        if start:
+            store(variable, name, start({}))
+        return name, variable[name]
 
-    def start(self) -> Any:
-        if not self.accept("["):
-            return self.expression()({})
-        values = []
-        while not self.accept("]"):
-            values.append(self.start())
-            self.accept(",")
-        return values
+    def section(self, *parts):
+        return parts
 
-    def block(self, *ends: str) -> Callable[[Scope], None]:
-        statements = []
-        while self.peek() not in ends:
-            statements.append(self.statement())
+    def function(self, name, result, *parts):
+        self._unit(name, [("", (name, result)), *parts], keeps=False)
 
+    def function_block(self, name, *parts):
+        self._unit(name, parts, keeps=True)
+
+    def _unit(self, name, parts, *, keeps):
+        *sections, body = parts
+        variables = _distinct([variable for _, *own in sections for variable in own])
+        inputs, shared = (
+            {own for kind, *some in sections if kind == wanted for own, _ in some}
+            for wanted in ("VAR_INPUT", "VAR_IN_OUT")
+        )
+        self.units[name] = Unit(name, keeps, variables, inputs, shared, body)
+
+    def block(self, *statements):
         def run(scope: Scope) -> None:
             for statement in statements:
                 statement(scope)
 
         return run
 
-    def statement(self) -> Callable[[Scope], None]:
-        if self.accept("IF"):
-            return self.choice()
-        if self.accept("FOR"):
-            return self.loop()
-        if self.accept("RETURN"):
-            self.take(";")
-
-            def leave(_: Scope) -> None:
-                raise Return
-
-            return leave
-        if self.accept("WHILE"):
-            return self.repetition()
-        if self.accept("EXIT"):
-            self.take(";")
-
-            def end(_: Scope) -> None:
-                raise Exit
-
-            return end
-        if self.accept(";"):
-            return lambda _: None
-        place = self.place(self.take("word"))
-        self.take(":=")
-        value = self.expression()
-        self.take(";")
-        return lambda scope: store(*place(scope), value(scope))
-
-    def place(self, name: str) -> Place:
-        """Read what is behind the name of a variable: members and elements."""
-        found: Place = lambda scope: (scope, name)  # noqa: E731
-        while self.peek() in (".", "["):
-            if self.take() == ".":
-                member = self.take("word")
-                found = _inside(found, lambda _, member=member: member)
-            else:
-                found = _inside(found, self.expression())
-                self.take("]")
-        return found
-
-    def repetition(self) -> Callable[[Scope], None]:
-        condition = self.expression()
-        self.take("DO")
-        block = self.block("END_WHILE")
-        self.take("END_WHILE")
-        self.take(";")
-
-        def run(scope: Scope) -> None:
-            with contextlib.suppress(Exit):
-                while condition(scope):
-                    block(scope)
+    def leave(self, word):
+        def run(_: Scope) -> None:
+            raise {"RETURN": Return, "EXIT": Exit}[word]
 
         return run
 
-    def choice(self) -> Callable[[Scope], None]:
-        branches = []
-        while True:
-            condition = self.expression()
-            self.take("THEN")
-            branches.append((condition, self.block("ELSIF", "ELSE", "END_IF")))
-            if not self.accept("ELSIF"):
-                break
-        otherwise = self.block("END_IF") if self.accept("ELSE") else lambda _: None
-        self.take("END_IF")
-        self.take(";")
+    def assignment(self, place, value):
+        return lambda scope: store(*place(scope), value(scope))
+
+    def branch(self, *parts):
+        return parts
+
+    def choice(self, *parts):
+        *branches, otherwise = parts
 
         def run(scope: Scope) -> None:
             for condition, block in branches:
@@ -294,24 +241,13 @@ class _Parser:
                 assert type(holds) is bool
                 if holds:
                     return block(scope)
-            return otherwise(scope)
+            return otherwise and otherwise(scope)
 
         return run
 
-    def loop(self) -> Callable[[Scope], None]:
-        name = self.take("word")
-        self.take(":=")
-        first = self.expression()
-        self.take("TO")
-        last = self.expression()
-        step = self.expression() if self.accept("BY") else lambda _: 1
-        self.take("DO")
-        block = self.block("END_FOR")
-        self.take("END_FOR")
-        self.take(";")
-
+    def loop(self, name, first, last, step, block):
         def run(scope: Scope) -> None:
-            by = step(scope)
+            by = step(scope) if step else 1
             with contextlib.suppress(Exit):
                 for k in range(first(scope), last(scope) + (1 if by > 0 else -1), by):
                     store(scope, name, k)
@@ -319,66 +255,71 @@ class _Parser:
 
         return run
 
-    def expression(self, level: int = 0) -> Expression:
-        if level == len(_LEVELS):
-            return self.factor()
-        left = self.expression(level + 1)
-        while self.peek() in _LEVELS[level]:
-            left = _applied(_LEVELS[level][self.take()], left, self.expression(level + 1))
-        return left
+    def repetition(self, condition, block):
+        def run(scope: Scope) -> None:
+            with contextlib.suppress(Exit):
+                while holds := condition(scope):
+                    assert type(holds) is bool
+                    block(scope)
 
-    def factor(self) -> Expression:
-        kind, word = self.tokens.pop(0)
-        if word == "(":
-            inner = self.expression()
-            self.take(")")
-            return inner
-        if word in ("-", "NOT"):
-            inner = self.factor()
-            apply = operator.neg if word == "-" else operator.not_
-            return lambda scope: apply(inner(scope))
-        if kind in ("real", "whole") or word in ("TRUE", "FALSE"):
-            value = (
-                word == "TRUE" if kind == "word" else float(word) if kind == "real" else int(word)
-            )
-            return lambda _: value
-        assert kind == "word", f"{word!r} in an expression"
-        if self.accept("("):
-            return self.call(word)
-        place = self.place(word)
+        return run
 
+    def member(self, name):
+        return lambda _: name
+
+    def place(self, name, *inside):
+        """Return where a variable, a member or an element is."""
+        return reduce(_inside, inside, lambda scope: (scope, name))
+
+    def value(self, place):
         def value(scope: Scope) -> Any:
             holder, key = place(scope)
             assert not isinstance(holder, list) or 0 <= key < len(holder)
             return holder[key]
 
+        value.place = place
         return value
 
-    def call(self, name: str) -> Expression:
-        if name in _STANDARD:
-            expected, function = _STANDARD[name]
-            inner = self.expression()
-            self.take(")")
+    def left(self, first, *others):
+        for sign, second in zip(others[::2], others[1::2], strict=True):
+            first = _applied(_OPERATORS[sign], first, second)
+        return first
 
-            def standard(scope: Scope) -> Any:
-                value = inner(scope)
-                assert type(value) is expected, f"{name} of {value!r}"
-                return function(value)
+    def unary(self, sign, inner):
+        apply = {"-": neg, "NOT": not_}[sign]
+        return lambda scope: apply(inner(scope))
 
-            return standard
-        unit, arguments = self.known[name], {}
-        while not self.accept(")"):
-            argument = self.take("word")
-            self.take(":=")
-            shared = argument in unit.shared
-            arguments[argument] = self.place(self.take("word")) if shared else self.expression()
-            self.accept(",")
+    def literal(self, word):
+        value = {"REAL": float, "WHOLE": int, "BOOL": "TRUE".__eq__}[word.type](word)
+        return lambda _: value
+
+    def standard(self, name, inner):
+        expected, function = _STANDARD[name]
+
+        def standard(scope: Scope) -> Any:
+            value = inner(scope)
+            assert type(value) is expected, f"{name} of {value!r}"
+            return function(value)
+
+        return standard
+
+    def call(self, name, *parts):
+        unit, arguments = self.units[name], dict(zip(parts[::2], parts[1::2], strict=True))
         assert arguments.keys() == unit.inputs | unit.shared
+        arguments |= {one: arguments[one].place for one in unit.shared}
         return lambda scope: unit(**{a: e(scope) for a, e in arguments.items()})[name]
 
 
-def _check_case(names: Scope) -> None:
-    assert len({word.upper() for word in names}) == len(names)
+_PARSER = Lark(_GRAMMAR, parser="lalr", lexer="basic")
+
+
+def _distinct(variables: Iterable[tuple[str, Any]]) -> Scope:
+    """Return variables by name, of which none differ by case only."""
+    found: Scope = {}
+    for name, value in variables:
+        assert name.upper() not in {known.upper() for known in found}, f"{name} is declared twice"
+        found[name] = value
+    return found
 
 
 def _inside(outer: Place, key: Expression) -> Place:
