@@ -30,7 +30,7 @@ share of the travel."""
 LEVELS = (0.5, 1.5)
 """Shares of the fitted friction."""
 RESERVE = 1.3
-"""Largest static friction on which a compensator is tried, over the largest in the log."""
+"""Largest static friction on which a compensator is tried, over that which the log shows."""
 UNEVEN = 0.1
 """Share by which friction differs by direction, and along the guide."""
 PERIOD = 0.4
