@@ -36,6 +36,9 @@ LOOP = LoopSpecification(60.0, 45.0, T_S, T_S)
 NOISE = 0.008
 """Standard deviation of the logged force, in F_c."""
 SHARES = (1.0, 0.1, 0.01)
+RUNS = 2, 96
+"""Levels of friction over which errors are averaged, and where the ratio of two is close to 1."""
+CLOSE = 0.97, 1.25
 LENGTHS = (3.0, 10.0, 30.0)
 """Of moves, in presliding deflections."""
 OWN = {"gms": "gms", "dahl": "dahl", "ideal_stiction": "coulomb_stribeck", "lugre": "lugre"}
@@ -68,18 +71,28 @@ class Drive:
         changes = {**self.changes, **friction, "K_p": loop.K_p, "K_i": loop.K_i}
         return drives.run(self.law, v_cmd, force, **changes)
 
-    def error(self, v_cmd: np.ndarray, force: np.ndarray | None) -> float:
-        """Return the RMS of v - v_cmd [m/s], over both directions and slightly other friction.
+    def ratio(self, v_cmd: np.ndarray, force: np.ndarray) -> float:
+        """Return the error with a feedforward force over that without it.
 
-        A single run that sticks and slips depends by some per cent on the last digit of anything.
+        A run that sticks and slips depends by some per cent on the last digit of anything: the mean
+        of 24 runs of GMS friction was 1.024, those of 96 to 192 runs 1.010 to 1.020, with standard
+        errors of 0.003 to 0.004.
         """
+        for runs in RUNS:
+            found = self.error(v_cmd, force, runs) / self.error(v_cmd, None, runs)
+            if not CLOSE[0] < found < CLOSE[1]:
+                break
+        return found
+
+    def error(self, v_cmd: np.ndarray, force: np.ndarray | None, runs: int) -> float:
+        """Return the RMS of v - v_cmd [m/s], over both directions and friction within 1 %."""
         squares = [
             np.mean(
                 (self.run(s * v_cmd, None if force is None else s * force, by)["v"] - s * v_cmd)
                 ** 2
             )
             for s in (1.0, -1.0)
-            for by in (0.998, 1.002)
+            for by in np.linspace(0.99, 1.01, runs)
         ]
         return float(np.sqrt(np.mean(squares)))
 
@@ -155,7 +168,7 @@ def tried(drive: Drive, law: str, compensator: dict[str, float]) -> dict[str, fl
             system, stop = feedforward(folder, loop, compensator), (len(v_cmd) - 1) * T_S
             with system.prepare(step=T_S, stop=stop, record=("compensator.F_mean",)) as simulation:
                 force = simulation.run({}, loop.commands(v_cmd))["compensator.F_mean"]
-            ratios[name] = drive.error(v_cmd, force) / drive.error(v_cmd, None)
+            ratios[name] = drive.ratio(v_cmd, force)
     return ratios
 
 

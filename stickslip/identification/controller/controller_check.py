@@ -23,6 +23,9 @@ SHARE = 1.0 / 50.0
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
 FACTOR = 0.1
 """Share of the force, and of the error, that a factor alone may leave, to be the error's cause."""
+LIMITED = "limit of the force as the log shows it"
+LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
+"""Quantiles of the force that are tried as its limit."""
 BETTER = 0.5
 """Share of the error that another form of the controller may leave, to be believed."""
 
@@ -56,8 +59,11 @@ def check_controller(
 ) -> ControllerCheck:
     """Run the controller FMU along the recorded motion and commands, in each of its forms."""
     system = cosim.System("controller")
-    limits = {"u_max": NO_LIMIT, "T_s": recording.T_s}
-    system.add("controller", fmus / "velocity_controller.fmu", {**limits, **gains})
+    system.add(
+        "controller",
+        fmus / "velocity_controller.fmu",
+        {"u_max": NO_LIMIT, "T_s": recording.T_s, **gains},
+    )
     inputs = {"x_enc": position_of(recording), **recording.controller_inputs}
     for name in inputs:
         system.expose(name, f"controller.{name}")
@@ -72,11 +78,18 @@ def check_controller(
         if recording.force is None:
             return ControllerCheck(commanded(gains), float("nan"), 0, gains)
         force, T_s = recording.force, recording.T_s
-        checks = [
-            _compared(force, T_s, commanded(trial), trial, form)
-            for form, trial in forms(gains, T_s).items()
-        ]
-    check = _believed(checks[0], min(checks, key=lambda check: check.error))
+
+        def compared(gains: Mapping[str, float], form: str) -> ControllerCheck:
+            return _compared(force, T_s, commanded(gains), gains, form)
+
+        trials = forms(gains, T_s)
+        checks = [compared(trial, form) for form, trial in trials.items()]
+        check = _believed(checks[0], min(checks, key=lambda check: check.error))
+        if check.error > AGREES and "u_max" not in gains:
+            form = ", ".join(filter(None, (check.form, LIMITED)))
+            limits = np.quantile(np.abs(force), LEVELS)
+            limited = [compared({**trials[check.form], "u_max": at}, form) for at in limits]
+            check = _believed(check, min(limited, key=lambda check: check.error))
     return replace(check, factor=_factor(force, T_s, check))
 
 

@@ -26,8 +26,11 @@ def motion():
     return t, x - x[0], 0.07 * np.cos(7.0 * t) + 0.02, 0.01 * np.sin(6.8 * t)
 
 
-def commanded(motion, share, weight, v=0.0, integral=0.0):
-    """Difference equations of a PI of velocity beside one of position."""
+def commanded(motion, share, weight, v=0.0, integral=0.0, u_max=np.inf):
+    """Difference equations of a PI of velocity beside one of position.
+
+    Where the force is limited, the integral does not grow towards the limit.
+    """
     t, x, v_cmd, x_cmd = motion
     force, last = np.empty(len(t)), x[0]
     for k in range(len(t)):
@@ -37,6 +40,9 @@ def commanded(motion, share, weight, v=0.0, integral=0.0):
         new = integral + T_S * (GAINS["K_i"] * e_v + GAINS["I_x"] * e_x)
         force[k] = GAINS["K_p"] * e_v + GAINS["P_x"] * e_x
         force[k] += share * new + (1.0 - share) * integral
+        if abs(force[k]) > u_max:
+            force[k] = np.clip(force[k], -u_max, u_max)
+            new = integral if (new - integral) * force[k] > 0.0 else new
         integral = new
     return force
 
@@ -68,6 +74,22 @@ def test_what_the_controller_remembers_is_found(candidates, motion, shift):
     assert (check.shift, check.form) == (shift, "")
     assert check.error < 1e-9
     np.testing.assert_allclose(check.force[:-1], force[:-1], atol=1e-9 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_a_limit_that_is_not_given_is_found(candidates, motion, noise):
+    t, x, v_cmd, x_cmd = motion
+    whole = commanded(motion, 1.0, WEIGHTS[""])
+    limit = float(np.quantile(np.abs(whole), 0.85))
+    force = commanded(motion, 1.0, WEIGHTS[""], u_max=limit)
+    logged = force + np.random.default_rng(5).normal(0.0, noise, len(t))
+    recording = Recording(
+        t, x, force=logged, velocity_command=v_cmd, position_command=x_cmd, source="here"
+    )
+    check = check_controller(candidates, recording, GAINS)
+    assert check.form == "limit of the force as the log shows it"
+    assert check.gains["u_max"] == pytest.approx(limit, rel=max(1e-9, 2.0 * noise / limit))
+    assert check.error < 0.01
 
 
 def test_another_controller_is_told_by_the_gains_given(candidates, motion):
