@@ -137,7 +137,7 @@ def main() -> None:
                 continue
             share = learned.trial.benefit.share if learned.trial else math.nan
             fate = {"refused": learned.refusal} if learned.refusal else {"share": share}
-            ratios = {} if learned.refusal else tried(drive, law, learned.compensator)
+            ratios = {} if learned.refusal else dict(tried(drive, law, learned.compensator))
             rows.append({"drive": name, "law": law, **fate, **ratios})
             worst = max([worst, *ratios.values()])
             shown = " ".join(f"{what} {ratio:.2f}" for what, ratio in ratios.items())
@@ -159,17 +159,16 @@ def learn(drive: Drive, law: str, path: Path) -> ss.Learned:
     return ss.learn(path, known, law=law)
 
 
-def tried(drive: Drive, law: str, compensator: dict[str, float]) -> dict[str, float]:
-    """Return the ratio of the errors with and without a compensator by command."""
-    loop, ratios = drive.loop, {}
+def tried(drive: Drive, law: str, compensator: dict[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield the name of a command and the ratio of the errors with and without a compensator."""
+    loop = drive.loop
     with temporary_folder() as folder:
         build_fmus(folder, {}, law)
         for name, v_cmd in commands(drive):
             system, stop = feedforward(folder, loop, compensator), (len(v_cmd) - 1) * T_S
             with system.prepare(step=T_S, stop=stop, record=("compensator.F_mean",)) as simulation:
                 force = simulation.run({}, loop.commands(v_cmd))["compensator.F_mean"]
-            ratios[name] = drive.ratio(v_cmd, force)
-    return ratios
+            yield name, drive.ratio(v_cmd, force)
 
 
 def commands(drive: Drive) -> Iterator[tuple[str, np.ndarray]]:

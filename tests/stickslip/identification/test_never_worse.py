@@ -31,11 +31,11 @@ def test_f_s_that_does_not_show_is_f_c(learned):
 
 def test_the_drive_is_not_worse_with_what_is_written_but_with_the_fit(learned):
     assert not learned.refusal
-    written = tried(DRIVES["gms"], "lugre", learned.compensator)
+    written = dict(tried(DRIVES["gms"], "lugre", learned.compensator))
     assert max(written.values()) <= WORSE
     assert np.exp(np.mean(np.log(list(written.values())))) < 0.75
     fit = {name: learned.estimation.plausible[0][name] for name in learned.friction}
-    assert max(tried(DRIVES["gms"], "lugre", fit).values()) > WORSE
+    assert any(ratio > WORSE for _, ratio in tried(DRIVES["gms"], "lugre", fit))
 
 
 def test_no_drive_of_the_family_is_beyond_the_log(learned):
