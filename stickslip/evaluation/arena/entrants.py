@@ -315,7 +315,7 @@ def _gene(name: str, span: Sequence[float], scale: float) -> ga.Gene:
 def parts() -> dict[str, Part]:
     """Return all parts by name: those of ``entrants.toml``, then what enters without an entry."""
     content = _content()
-    content.pop("combinations")
+    del content["combinations"], content["behind"]
     found = {name: _part(name, table) for name, table in content.items()}
     for name in models.law_names():
         law = models.load_law(name)
@@ -329,8 +329,10 @@ def parts() -> dict[str, Part]:
 
 
 def default_names() -> list[str]:
-    """Return the names of all entrants: every part, then the combinations."""
-    return [*parts(), *_content()["combinations"]]
+    """Return the names of all entrants: every part that adds a force, then the combinations."""
+    content = _content()
+    alone = [name for name in parts() if name not in content["behind"]]
+    return [*alone, *content["combinations"]]
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
