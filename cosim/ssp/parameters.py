@@ -116,6 +116,7 @@ def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     return {
         attribute(entry, "target"): _mapped(entry, given)
         for entry in root.iterfind("ssm:MappingEntry", NAMESPACES)
+        if entry.get("source") != ""  # the target keeps its value, as in OMSimulator
     }
 
 
