@@ -84,19 +84,23 @@ def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
     return _of_laws(found, laws)
 
 
-def read_drives(path: Path, laws: Sequence[str] | None = None) -> list[Drive]:
-    """Read the drives of a TOML file in the form of ``drives.toml``.
+def read_drives(
+    source: Path | Mapping[str, Mapping[str, Any]], laws: Sequence[str] | None = None
+) -> list[Drive]:
+    """Return the drives of a TOML file in the form of ``drives.toml``, or of its content.
 
     Raises
     ------
     UsageError
         When it cannot be read, or a drive is not well formed.
     """
+    if not isinstance(source, Path):
+        return _of_laws(_drives("drives", dict(source))[0], laws)
     try:
-        content = parse_toml(read_limited(path, MOST_TEXT))
+        content = parse_toml(read_limited(source, MOST_TEXT))
     except ValueError as error:
-        raise UsageError(f"{path}: {error}") from None
-    return _of_laws(_drives(str(path), content)[0], laws)
+        raise UsageError(f"{source}: {error}") from None
+    return _of_laws(_drives(str(source), content)[0], laws)
 
 
 def learned_drive(path: Path) -> Drive:

@@ -365,8 +365,12 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
     return found
 
 
-def own_part(fmu: Path, ports: Path) -> Part:
-    """Return a compensator of the user from its FMU and a TOML file that tells how to connect it.
+def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
+    """Return a compensator of the user from its FMU and how it is connected.
+
+    Parameters
+    ----------
+    ports : a TOML file, or its content
 
     Raises
     ------
@@ -375,16 +379,17 @@ def own_part(fmu: Path, ports: Path) -> Part:
     CosimError
         When the FMU cannot be read.
     """
+    where = str(ports) if isinstance(ports, Path) else f"ports of {fmu.name}"
     try:
-        table = parse_toml(read_limited(ports, MOST_TEXT))
+        table = parse_toml(read_limited(ports, MOST_TEXT)) if isinstance(ports, Path) else ports
     except ValueError as error:
-        raise UsageError(f"{ports}: {error}") from None
+        raise UsageError(f"{where}: {error}") from None
     if unknown := sorted(table.keys() - _PORTS):
         raise UsageError(
-            f"{ports}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
+            f"{where}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
         )
     if not {"inputs", "output"} <= table.keys():
-        raise UsageError(f"{ports}: expected inputs and output")
+        raise UsageError(f"{where}: expected inputs and output")
     inputs, axis, genes = (table.get(key, {}) for key in ("inputs", "axis", "genes"))
     learned, frozen = table.get("learned", {}), table.get("frozen", {})
     for key, words, known in (
@@ -393,19 +398,20 @@ def own_part(fmu: Path, ports: Path) -> Part:
     ):
         if unknown := sorted(set(words) - known):
             raise UsageError(
-                f"{ports}: {key}: '{unknown[0]}' is unknown; expected {', '.join(sorted(known))}"
+                f"{where}: {key}: '{unknown[0]}' is unknown; expected {', '.join(sorted(known))}"
             )
     variables = cosim.Fmu(fmu).variables
     named = [*inputs, table["output"], *axis, *genes, *learned, *learned.values(), *frozen]
     if absent := [name for name in (*named, *table.get("values", {})) if name not in variables]:
         hint = suggestion(absent[0], variables)
-        raise UsageError(f"{ports}: {fmu.name} has no variable '{absent[0]}'{hint}")
+        raise UsageError(f"{where}: {fmu.name} has no variable '{absent[0]}'{hint}")
     for name, span in genes.items():
-        if not (isinstance(span, list) and len(span) == 3 and span[0] <= span[1] <= span[2]):
-            raise UsageError(f"{ports}: genes: {name}: expected [lowest, start, highest]")
+        three = isinstance(span, list | tuple) and len(span) == 3
+        if not (three and span[0] <= span[1] <= span[2]):
+            raise UsageError(f"{where}: genes: {name}: expected [lowest, start, highest]")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
     if name in {*parts(), *_TAKEN}:
-        raise UsageError(f"{ports}: the name '{name}' is taken; give another one as name")
+        raise UsageError(f"{where}: the name '{name}' is taken; give another one as name")
     return Part(
         name,
         table.get("title", fmu.name),
