@@ -92,3 +92,11 @@ def test_a_slow_scale_does_not_change_it(fmus, loop):
         slow, fast = (response.of(loop, {"scale.rate": rate}, 5.0) for rate in (0.05, 500.0))
     assert slow.peak == pytest.approx(peak_sensitivity(loop), rel=1e-3)
     assert fast.peak > 1.05 * slow.peak
+
+
+def test_margins_are_those_of_the_open_loop(fmus, loop):
+    with ChainResponse(fmus, loop, []) as response:
+        found = response.of(loop, {}, 6.0)
+    margins = loop.margins()
+    assert np.degrees(found.phase_margin) == pytest.approx(margins["phase_margin_deg"], abs=0.05)
+    assert 20.0 * np.log10(found.gain_margin) == pytest.approx(margins["gain_margin_dB"], abs=0.05)
