@@ -7,7 +7,7 @@ NOT_SANITIZED := --ignore tests/conformance/test_platforms.py \
 SPREAD := --numprocesses auto --maxprocesses 8 --dist loadfile
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test quick test-platforms check format sanitize bench clean
+.PHONY: help setup reproduce test quick test-platforms check format notebooks sanitize bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
@@ -38,6 +38,9 @@ format: .venv/checked ## format Python and C
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $$(git ls-files '*.c' '*.h')
+
+notebooks: .venv/tested ## execute the notebooks and store their outputs
+	$(BIN)/python -m tests.stored_notebooks
 
 sanitize: .venv/tested ## run the tests of the C, built by gcc with its sanitizers (Linux)
 	STICKSLIP_CC=gcc STICKSLIP_CFLAGS="-O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-error" \

@@ -17,17 +17,34 @@ from stickslip.cosim import write_fmu as write_fmu
 from stickslip.cosim import write_ssp as write_ssp
 from stickslip.cosim.control import linearise as linearise
 from stickslip.cosim.control import measure_response as measure_response
+from stickslip.evaluation.arena.comparison import arena as arena
+from stickslip.evaluation.phenomena import phenomena as phenomena
+from stickslip.fmi.errors import Fault as Fault
 from stickslip.fmucheck import check as check
+from stickslip.laws import run_law as run_law
+from stickslip.logs import Column as Column
+from stickslip.logs import Description as Description
 from stickslip.models import build_fmu as build_fmu
 from stickslip.models import export_lti as export_lti
+from stickslip.models import law_names as law_names
+from stickslip.models.firmware import write_compensator as write_compensator
 from stickslip.pipeline.log_learning import learn as learn
+from stickslip.planning import Limits as Limits
 from stickslip.planning import plan as plan
+from stickslip.report.bode import draw_bode as draw_bode
 from stickslip.results.learned_folder import write_learned as write_learned
 from stickslip.servo import Axis as Axis
 from stickslip.servo import LoopSpecification as LoopSpecification
 from stickslip.servo import VelocityLoop as VelocityLoop
 from stickslip.servo import design_velocity_filter as design_velocity_filter
 from stickslip.servo import design_velocity_loop as design_velocity_loop
+from stickslip.servo.closed_loop import closed_loop as closed_loop
+from stickslip.servo.closed_loop import robustness as robustness
+from stickslip.servo.observer import design_observer as design_observer
+from stickslip.servo.systems import Compensator as Compensator
+from stickslip.servo.systems import nominal_parameters as nominal_parameters
 from stickslip.simulation import simulate as simulate
+from stickslip.sweeping import optimise as optimise
+from stickslip.sweeping import sweep as sweep
 
 __version__: str

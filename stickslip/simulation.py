@@ -1,4 +1,4 @@
-"""Run one FMU or one system of FMUs from its file."""
+"""Run one FMU or one system of FMUs, from its file or from Python."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _STEPS = 500  # of an FMU that proposes no step
 
 
 def simulate(
-    path: Path | str,
+    path: cosim.System | Path | str,
     *,
     stop: float | None = None,
     step: float | None = None,
@@ -25,11 +25,11 @@ def simulate(
     record: Iterable[str] | None = None,
     **options: Any,
 ) -> cosim.Result:
-    """Run an FMU or a system structure package once and return what it recorded.
+    """Run a system, an FMU or a system structure package once and return what it recorded.
 
     Parameters
     ----------
-    path : FILE.fmu or FILE.ssp
+    path : a system, FILE.fmu or FILE.ssp
     stop, step : [s], instead of those that the file proposes; an FMU without a step gets 1/500 of
         the time from start to stop
     parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
@@ -40,11 +40,11 @@ def simulate(
     Raises
     ------
     UsageError
-        When the path has another suffix, or the file proposes no stop time and none is given.
+        When the path has another suffix, or no stop time is given and the file proposes none.
     CosimError
         When the file cannot be read or the run fails.
     """
-    model = Model.open(Path(path))
+    model = Model.of(path)
     for name, value in (parameters or {}).items():
         model.system.set(model.qualified(name), value)
     with model.prepare(stop=stop, step=step, record=model.record(record), **options) as simulation:
@@ -65,6 +65,13 @@ class Model:
     system: cosim.System
     experiment: cosim.DefaultExperiment
     inputs: Mapping[str, cosim.Table] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, source: cosim.System | Path | str) -> Model:
+        """Return a copy of a system, or read a file."""
+        if isinstance(source, cosim.System):
+            return cls(Path(source.name), source.copy(), cosim.DefaultExperiment())
+        return cls.open(Path(source))
 
     @classmethod
     def open(cls, path: Path, variant: str | None = None) -> Model:
@@ -107,6 +114,8 @@ class Model:
             experiment = replace(experiment, step=(experiment.stop - start) / _STEPS)
         if experiment.stop is None or experiment.step is None:
             missing = "stop" if experiment.stop is None else "step"
+            if not self.path.suffix:
+                raise UsageError(f"system '{self.path}': give {missing}=, a time [s]")
             raise UsageError(f"{self.path}: the file proposes no {missing}; give --{missing}")
         try:
             return self.system.prepare(

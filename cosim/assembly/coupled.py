@@ -21,6 +21,7 @@ from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.coupling import Coupling
 from stickslip.cosim.system.loops import Group
 from stickslip.cosim.system.system import System
+from stickslip.fmi.description.variables import Variable
 from stickslip.fmi.messages import suggestion
 
 _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
@@ -198,10 +199,12 @@ class Coupled:
         solved = group.iterated and component in group.components
         return solved or self._is_earlier(source, component)
 
+    def _variable(self, name: str) -> Variable:
+        """Return an output; of an exposed input the variable that it is like."""
+        return self._system.variable(self._system.inputs.get(name, (name,))[0])
+
     def _nominal(self, name: str) -> float:
-        is_input = name in self._system.inputs
-        variable = self._system.variable(self._system.inputs[name][0] if is_input else name)
-        return abs(variable.nominal or 1.0)
+        return abs(self._variable(name).nominal or 1.0)
 
     def _all_loops(self) -> Any:
         loops = []
@@ -246,7 +249,7 @@ class Coupled:
             link.column = self._layout.columns[sources[target]]
             link.fresh = self._is_fresh(sources[target], name)
             variable = self._system.variable(target)
-            link.holds = variable.is_discrete
+            link.holds = variable.is_discrete or self._variable(sources[target]).is_discrete
             link.feeds_through = any(
                 variable.owner in fmu.feedthrough.get(output, ()) for output in shown
             )

@@ -28,7 +28,7 @@ _TAGS: Mapping[Interface, str] = {
     "co_simulation": "CoSimulation",
     "model_exchange": "ModelExchange",
 }
-_C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
+_IDENTIFIER = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,199}")
 
 
 @contextmanager
@@ -176,11 +176,13 @@ class Fmu(Component):
             raise FmuError(f"{self.path}: {_DESCRIPTION}: {fault}") from fault
 
     def _find_binary(self) -> Path:
-        if not _C_IDENTIFIER.fullmatch(self.identifier) or is_device(self.identifier):
+        if not _IDENTIFIER.fullmatch(self.identifier) or is_device(self.identifier):
             raise FmuError(
                 f"{self.path}: modelIdentifier is {shown(self.identifier)}, expected a C identifier"
                 " of at most 200 characters that names no device of Windows; export it again"
             )
+        if not self.identifier.isidentifier():
+            _log.info("%s: modelIdentifier %r is no C identifier", self.path, self.identifier)
         platform = toolchain.host_platform()
         place = platform.fmi2 if self.version == 2 else platform.tuple
         binaries = self.folder / "binaries"

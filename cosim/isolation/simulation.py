@@ -7,6 +7,7 @@ import inspect
 import logging
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
@@ -110,7 +111,8 @@ class IsolatedSimulation(Simulation):
         del arguments["self"]
         self.pacing = None
         progress, real_time = arguments["progress"], arguments["real_time"]
-        slack = max(self.spec.step, 1.0) / real_time if real_time and real_time > 0 else 0.0
+        pacing = None if real_time is None else RealTimePacing.of(real_time)
+        slack = max(self.spec.step, pacing.interval, 1.0) / pacing.speed if pacing else 0.0
         if how == "resume":
             arguments["path"] = str(Path(arguments["path"]).absolute())
         else:
@@ -135,9 +137,9 @@ class IsolatedSimulation(Simulation):
             self._used_again |= process is self._process and process.runs > 0
             self._living().runs += 1
             self._effort = reply["effort"]
-            if real_time and reply["pacing"]:
+            if pacing and reply["pacing"]:
                 looks, overruns, worst = reply["pacing"]
-                self.pacing = RealTimePacing(real_time, looks=looks, overruns=overruns, worst=worst)
+                self.pacing = replace(pacing, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:

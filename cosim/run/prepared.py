@@ -296,6 +296,8 @@ class Prepared:
             t = run.start + run.done * run.step
             when = f"in the step from t = {t:.9g} s (step {run.done} of {run.n_steps})"
         message = f"{subject}: {call.decode()} {what} {when}{_message_of(slot)}"
+        if run.status == kernel.NOT_FINITE:
+            message += "; allow_nan (--allow-nan) continues"
         if fault := self._libraries[name].fault:
             self._libraries[name].fault = None
             if not isinstance(fault, Exception):

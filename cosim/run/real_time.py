@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
+
+from stickslip.cosim.errors import ExperimentError
 
 
 @dataclass
@@ -14,7 +18,7 @@ class RealTimePacing:
     Attributes
     ----------
     speed : simulated s per s
-    interval : of looks at the clock, simulated s
+    interval : of looks at the clock, simulated s; at least one step
     looks : how often it looked
     overruns : how often the simulation was late by more than an interval
     worst : the most by which it was late, s on the clock
@@ -27,6 +31,20 @@ class RealTimePacing:
     worst: float = 0.0
     clock: Callable[[], float] = time.perf_counter
     sleep: Callable[[float], None] = time.sleep
+
+    def __post_init__(self) -> None:
+        if not (0 < self.speed < math.inf and 0 < self.interval < math.inf):
+            raise ExperimentError(
+                f"real time with the speed {self.speed} and the interval {self.interval} s:"
+                " expected positive numbers"
+            )
+
+    @classmethod
+    def of(cls, real_time: Self | float) -> Self:
+        """Return pacing that has counted nothing yet, given as itself or as its speed."""
+        if not isinstance(real_time, cls):
+            return cls(real_time)  # type: ignore[arg-type]
+        return replace(real_time, looks=0, overruns=0, worst=0.0)
 
     def begin(self, t: float) -> None:
         """Start the clock at a simulated time (s)."""

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stickslip.cosim.run.display import draw, summary
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
 from stickslip.fmi.files import atomic_write
@@ -15,10 +16,13 @@ from stickslip.fmi.messages import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
 
 class Result:
     """Signals over time; ``result["drive.v"]`` is an array (n,) float64.
+
+    Where only one component has a variable ``v``, ``result["v"]`` is the same array.
 
     Attributes
     ----------
@@ -46,12 +50,13 @@ class Result:
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
-        try:
-            return self.values[:, self._columns[name]]
-        except KeyError:
-            if (array := self._array(name)) is not None:
-                return array
-            raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}") from None
+        if (column := self._column(name)) is not None:
+            return self.values[:, column]
+        if (array := self._array(name)) is not None:
+            return array
+        if same := [known for known in self.names if known.endswith(f".{name}")]:
+            raise KeyError(f"{name!r} was recorded of several components: {', '.join(same)}")
+        raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}")
 
     def _array(self, name: str) -> Array | None:
         """Return an array of which all elements were recorded, (n, *dimensions)."""
@@ -66,13 +71,54 @@ class Result:
         return self.values[:, columns].reshape(-1, *variable.dimensions)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._columns
+        return isinstance(name, str) and self._column(name) is not None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.names)
 
     def __len__(self) -> int:
         return len(self.names)
+
+    def __repr__(self) -> str:
+        signals = ", ".join(f"{name} [{unit or ''}]" for name, unit in self.units.items())
+        return f"Result({len(self.time)} points: {signals})"
+
+    def _repr_html_(self) -> str:
+        """Return the table that a notebook shows."""
+        return summary(self.time, self._all(), self.units, self.stopped)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names)
+
+    def plot(self, *names: str, axes: Sequence[Axes] | None = None) -> list[Axes]:
+        """Draw signals over time with matplotlib, those of one unit in one panel.
+
+        Values and time are shown in the SI prefix that makes numbers between 1 and 1000 of them.
+
+        Parameters
+        ----------
+        names : of signals; all by default
+        axes : one for each unit, in the order of the names; by default those of a new figure
+
+        Returns
+        -------
+        the axes, from top to bottom
+
+        Raises
+        ------
+        KeyError
+            When a signal was not recorded.
+        """
+        columns = [self._column(name) for name in names] if names else range(len(self.names))
+        chosen = {}
+        for name, column in zip(names or self.names, columns, strict=True):
+            if column is None:
+                raise KeyError(f"{name!r} was not recorded{suggestion(name, self.names)}")
+            chosen[self.names[column]] = self.values[:, column]
+        return draw(self.time, chosen, self.units, axes)
+
+    def _all(self) -> dict[str, Array]:
+        return dict(zip(self.names, self.values.T, strict=True))
 
     @cached_property
     def units(self) -> dict[str, str | None]:
@@ -108,3 +154,15 @@ class Result:
     @cached_property
     def _columns(self) -> dict[str, int]:
         return {name: column for column, name in enumerate(self.names)}
+
+    def _column(self, name: str) -> int | None:
+        """Return the column of a signal, by its name or that of the variable alone."""
+        return self._columns.get(name, self._short.get(name))
+
+    @cached_property
+    def _short(self) -> dict[str, int]:
+        """The columns of variables that one component alone has."""
+        found: dict[str, list[int]] = {}
+        for name, column in self._columns.items():
+            found.setdefault(name.partition(".")[2], []).append(column)
+        return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}

@@ -12,6 +12,7 @@ from stickslip.cosim.assembly.disturbances import held_values, hold_values
 from stickslip.cosim.errors import ExperimentError, SimulationError
 from stickslip.cosim.fmu.state import StateAccess
 from stickslip.cosim.run.checkpoint import Checkpoint, differences
+from stickslip.cosim.run.real_time import RealTimePacing
 from stickslip.cosim.run.repeated import RESUMED, Repeated
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.termination import last_outputs
@@ -41,7 +42,7 @@ class Simulation(Repeated):
         *,
         scenario: Scenario | None = None,
         until: float | None = None,
-        real_time: float | None = None,
+        real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
@@ -60,8 +61,8 @@ class Simulation(Repeated):
         scenario : what happens to signals on the way
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
-        real_time : simulated s per s; as fast as can be if left out. ``pacing`` tells how well the
-            clock was kept
+        real_time : simulated s per s, or a RealTimePacing that also says how often to look at the
+            clock; as fast as can be if left out. ``pacing`` tells how well the clock was kept
         progress : is called with the time reached (s) now and then
 
         Raises
@@ -134,7 +135,7 @@ class Simulation(Repeated):
         *,
         scenario: Scenario | None = None,
         until: float | None = None,
-        real_time: float | None = None,
+        real_time: RealTimePacing | float | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Result:
         """Go on from a saved state; return what follows, the time of the state included.

@@ -124,13 +124,11 @@ class Stepping(Prepared):
         self,
         first: int,
         last: int,
-        real_time: float | None,
+        real_time: RealTimePacing | float | None,
         progress: Callable[[float], object] | None,
     ) -> Result:
         """Step to the last of the points in time, and look up on the way if asked to."""
-        if real_time is not None and not 0 < real_time < math.inf:
-            raise ExperimentError(f"real_time is {real_time}, expected a positive number")
-        self.pacing = None if real_time is None else RealTimePacing(real_time)
+        self.pacing = None if real_time is None else RealTimePacing.of(real_time)
         look = last - first
         if self.pacing:
             look = max(1, round(self.pacing.interval / self.spec.step))

@@ -10,21 +10,10 @@ from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.markup import attribute, find, integer, local, number, place
 from stickslip.cosim.ssp.names import NAMESPACES, tag
 from stickslip.fmi.description.units import BASE_UNITS, Unit
+from stickslip.fmi.description.variables import FAMILY
 
 Items = Mapping[str, int]
 """Names of the values of an enumeration."""
-
-_FAMILIES = {
-    "number": ("Real", "Float64", "Float32"),
-    "integer": ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))),
-    "enumeration": ("Enumeration",),
-    "Boolean": ("Boolean",),
-    "string": ("String",),
-    "binary": ("Binary",),
-    "clock": ("Clock",),
-}
-FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
-"""Type of SSP or FMI -> the kind of value it holds; only types of one family can be connected."""
 
 
 @dataclass(frozen=True)

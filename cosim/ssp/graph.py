@@ -11,14 +11,14 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.fmu.fmu import Fmu
-from stickslip.cosim.ssp.connectors import FAMILY, Connector, Items
+from stickslip.cosim.ssp.connectors import Connector, Items
 from stickslip.cosim.ssp.markup import attribute, place, truth
 from stickslip.cosim.ssp.names import NAMESPACES, Path, component
 from stickslip.cosim.ssp.structure import Node
 from stickslip.cosim.ssp.transformation import check_types, transform_of
 from stickslip.cosim.system.scaling import IDENTITY, PLAIN, Link, Scaling, Transform, conversion
 from stickslip.fmi.description.units import Unit
-from stickslip.fmi.description.variables import Variable, parse_element
+from stickslip.fmi.description.variables import FAMILY, Variable, converts, parse_element
 from stickslip.fmi.messages import suggestion
 
 End = tuple[Path, str]
@@ -214,8 +214,11 @@ class Graph:
         if variable is None or connector is None:
             return
         roles = {connector.kind, variable.causality}
-        declared, is_ = FAMILY.get(connector.type or ""), FAMILY.get(variable.type)
-        differ = declared and declared != is_ and not {declared, is_} <= {"integer", "enumeration"}
+        declared, is_ = FAMILY.get(connector.type or ""), variable.family
+        differ = declared and not (
+            (connector.kind not in _GIVES and converts(declared, is_))
+            or (connector.kind not in _TAKES and converts(is_, declared))
+        )
         if roles == {"input", "output"} or differ:
             raise SspError(
                 f"{place(element)}: {label(end)} is declared as {connector.kind}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.cosim.errors import SspError
-from stickslip.cosim.ssp.connectors import FAMILY, Definitions, Items
+from stickslip.cosim.ssp.connectors import Definitions, Items
 from stickslip.cosim.ssp.graph import End, Graph
 from stickslip.cosim.ssp.markup import (
     attribute,
@@ -26,7 +26,7 @@ from stickslip.cosim.ssp.transformation import pairs_of_names, transform_of
 from stickslip.cosim.system.scaling import IDENTITY, Transform, ValueMap, conversion
 from stickslip.fmi.archive import unpack
 from stickslip.fmi.description.units import Unit
-from stickslip.fmi.description.variables import Value
+from stickslip.fmi.description.variables import FAMILY, Value
 from stickslip.fmi.messages import suggestion
 
 _SET, _MAPPING = "application/x-ssp-parameter-set", "application/x-ssp-parameter-mapping"
@@ -116,6 +116,7 @@ def _read_binding(binding: Any, node: Node) -> dict[str, Given]:
     return {
         attribute(entry, "target"): _mapped(entry, given)
         for entry in root.iterfind("ssm:MappingEntry", NAMESPACES)
+        if entry.get("source") != ""  # the target keeps its value, as in OMSimulator
     }
 
 

@@ -6,11 +6,11 @@ from typing import Any
 
 from stickslip.cosim.errors import SspError
 from stickslip.cosim.ssp.compose import add
-from stickslip.cosim.ssp.connectors import FAMILY, Items
+from stickslip.cosim.ssp.connectors import Items
 from stickslip.cosim.ssp.markup import attribute, integer, local, number, place
 from stickslip.cosim.ssp.names import NAMESPACES, tag
 from stickslip.cosim.system.scaling import IDENTITY, Scaling, Transform, ValueMap
-from stickslip.fmi.description.variables import Variable
+from stickslip.fmi.description.variables import FAMILY, Variable, converts
 from stickslip.fmi.messages import suggestion
 
 _WORDS = {"true": 1, "1": 1, "false": 0, "0": 0}
@@ -59,23 +59,26 @@ def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
 
     Parameters
     ----------
-    ends : name, for messages, and type of SSP or FMI, None where nothing is known
+    ends : of source and target the name, for messages, and the type of SSP or FMI, None where
+        nothing is known
     """
-    known = [(name, kind, FAMILY[kind]) for name, kind in ends if kind in FAMILY]
     found = _transformation(element)
-    if found is not None:
-        wanted = _FITS[_kind(found)]
-        for name, kind, family in known:
-            if family not in wanted:
-                raise SspError(
-                    f"{place(found)}: {local(found)} is for {' and '.join(sorted(wanted))} values,"
-                    f" {name} is of the type {kind}"
-                )
-    if (found is None or _kind(found) == "Linear") and len({family for *_, family in known}) > 1:
-        both = " and ".join(f"{name} ({kind})" for name, kind, _ in known)
+    wanted = _FITS[_kind(found)] if found is not None else ()
+    families = [FAMILY.get(kind or "") for _, kind in ends]
+    for (name, kind), family, comes_out in zip(ends, families, (False, True), strict=True):
+        fits = (converts(w, family) if comes_out else converts(family, w) for w in wanted if family)
+        if family and wanted and not any(fits):
+            raise SspError(
+                f"{place(found)}: {local(found)} is for {' and '.join(sorted(wanted))} values,"
+                f" {name} is of the type {kind}"
+            )
+    start, end = families
+    mapped = found is not None and _kind(found) != "Linear"
+    if start and end and not mapped and not converts(start, end):
+        both = " to ".join(f"{name} ({kind})" for name, kind in ends)
         raise SspError(
-            f"{place(element)}: cannot connect {both}: only equal types connect; integers and"
-            " enumerations do by an IntegerMappingTransformation"
+            f"{place(element)}: cannot connect {both}: only types that lose nothing connect: a"
+            " Boolean to integers and numbers, an integer to numbers and enumerations and back"
         )
 
 

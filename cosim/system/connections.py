@@ -9,7 +9,7 @@ from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.values import converted
 from stickslip.cosim.system.scaling import Link, Transform, ValueMap, conversion
 from stickslip.fmi.description.units import Unit
-from stickslip.fmi.description.variables import Variable
+from stickslip.fmi.description.variables import Variable, converts
 
 
 @dataclass(frozen=True)
@@ -69,20 +69,20 @@ def check_connection(source: End, target: End, link: Link) -> None:
     purpose = f"cannot connect {source.name} to {target.name}"
     target.check("input", purpose)
     start, end = source.variable, target.variable
+    types = f"{source.name} is a {start.type}, {target.name} a {end.type}"
     if isinstance(link.scaling, ValueMap):
-        if not (start.is_mapped and end.is_mapped):
+        if start.family == end.family == "number":
             raise ConnectionFault(
-                f"{purpose}: {source.name} is a {start.kind}, {target.name} a {end.kind}; values"
-                " are mapped between integers, Booleans and enumerations"
+                f"{purpose}: {types}; pairs of values need an integer, Boolean or enumeration"
             )
         for _, value in link.scaling.pairs:
             try:
                 converted(end, value, target.name)
             except ParameterError as fault:
                 raise ConnectionFault(f"{purpose}: {fault}") from None
-    elif start.kind != end.kind:
+    elif not converts(start.family, end.family):
         raise ConnectionFault(
-            f"{purpose}: {source.name} is a {start.kind}, {target.name} a {end.kind}; only equal"
-            " types connect, others with pairs of values (ValueMap)"
+            f"{purpose}: {types}, which loses a part of the value; give pairs of values (ValueMap);"
+            " a number without a pair then loses what follows its decimal point"
         )
     transform(source, target, link)

@@ -68,11 +68,12 @@ def conversion(unit: Unit, other: Unit) -> Scaling | None:
 
 @dataclass(frozen=True)
 class ValueMap:
-    """Pairs for signals that are integers, Booleans (0 and 1) or enumerations.
+    """Pairs of values; one end at least is an integer, a Boolean (0 and 1) or an enumeration.
 
     Attributes
     ----------
-    pairs : (x, y), each x once; any other x stays as it is
+    pairs : (x, y), each x once; any other x stays as it is, or what the type of the target makes of
+        it: an integer part, true unless it is 0
     """
 
     pairs: tuple[tuple[int, int], ...]

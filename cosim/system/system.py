@@ -15,6 +15,7 @@ from stickslip.cosim.fmu.names import check_name, component_of, variable_of
 from stickslip.cosim.fmu.values import converted, resized
 from stickslip.cosim.system.connections import End, check_connection, pairs, transform
 from stickslip.cosim.system.coupling import Coupling, Method
+from stickslip.cosim.system.display import html_table
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.record import Record
 from stickslip.cosim.system.scaling import PLAIN, Link, Transform
@@ -69,6 +70,28 @@ class System:
         self.outputs: dict[str, str] = {}
         self.parameters: dict[str, Value] = {}
         self.origin: Origin | None = None
+
+    def __repr__(self) -> str:
+        return f"System({self.name}: {', '.join(self.components) or 'empty'})"
+
+    def _repr_html_(self) -> str:
+        """Return the tables that a notebook shows: components, and what is connected to what."""
+        values = {
+            name: ", ".join(
+                f"{variable_of(key)} = {value!r}"
+                for key, value in self.parameters.items()
+                if component_of(key) == name
+            )
+            for name in self.components
+        }
+        parts = [(name, part.label, values[name]) for name, part in self.components.items()]
+        exposed = [(name, target) for name, targets in self.inputs.items() for target in targets]
+        pairs = [*exposed, *((source, target) for target, source in self.connections.items())]
+        pairs += [(source, f"output {name}") for name, source in self.outputs.items()]
+        wires = [(source, target, self.unit(source) or "") for source, target in pairs]
+        return html_table(("component", "", "set"), parts, self.name, words=3) + html_table(
+            ("from", "to", "unit"), wires, words=3
+        )
 
     def add(
         self,

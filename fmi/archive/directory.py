@@ -19,8 +19,12 @@ METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _REGULAR = (0, stat.S_IFREG, stat.S_IFDIR)
 
 
-def check_members(members: Sequence[zipfile.ZipInfo], stated: int) -> list[PurePosixPath]:
+def check_members(
+    members: Sequence[zipfile.ZipInfo], stated: int
+) -> list[tuple[PurePosixPath, zipfile.ZipInfo]]:
     """Check what the archive's directory says; return where each member goes.
+
+    A file that occurs again with the same size and CRC-32 is left out.
 
     Parameters
     ----------
@@ -31,14 +35,16 @@ def check_members(members: Sequence[zipfile.ZipInfo], stated: int) -> list[PureP
             f"damaged zip archive: {len(members)} members listed, {stated} stated at its end; copy"
             " or export it again"
         )
-    places = [place(member.orig_filename) for member in members]
     for member in members:
+        place(member.orig_filename)
         if fault := _fault(member):
             raise Refused(f"member {shown(member.orig_filename)} {fault}")
     _check_size("the archive", sum(m.file_size for m in members), _packed(members))
-    check_distinct((path, is_folder(member)) for path, member in zip(places, members, strict=True))
     _check_apart(members)
-    return places
+    different = {(m.orig_filename, m.file_size, m.CRC): m for m in reversed(members)}
+    placed = [(place(m.orig_filename), m) for m in reversed(different.values())]
+    check_distinct((path, is_folder(member)) for path, member in placed)
+    return placed
 
 
 def is_folder(member: zipfile.ZipInfo) -> bool:

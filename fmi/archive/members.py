@@ -32,11 +32,11 @@ def extract(file: IO[bytes], folder: Path) -> dict[str, int]:
         archive = zipfile.ZipFile(file)
     with archive:
         members = archive.infolist()
-        places = directory.check_members(members, stated)
+        placed = directory.check_members(members, stated)
         _check_room(members, folder.parent)
         folder.mkdir()
         checks: dict[str, int] = {}
-        for path, member in zip(places, members, strict=True):
+        for path, member in placed:
             target = folder / path
             if directory.is_folder(member):
                 target.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,8 @@
-"""Names of members: which can become files below a folder, the same ones on every system."""
+"""Names of members: which can become files below a folder."""
 
 from __future__ import annotations
 
+import os
 import re
 import unicodedata
 from collections.abc import Iterable
@@ -54,7 +55,7 @@ def _fault(name: str) -> str | None:
     length = len(name.encode())
     if length > MAX_LENGTH or any(len(part.encode()) > _MAX_PART for part in parts):
         return f"has a path of {length} bytes, expected at most {MAX_LENGTH}, {_MAX_PART} in a part"
-    if any(part.endswith((".", " ")) and part != "." for part in parts):
+    if os.name == "nt" and any(p.endswith((".", " ")) and p != "." for p in parts):
         return "has a name with a dot or blank at its end, which Windows drops; rename it"
     if any(map(is_device, parts)):
         return "has the name of a device of Windows; rename it"

@@ -62,8 +62,24 @@ MAX_ELEMENTS = 1_000_000  # of all arrays together; each is a signal of its own
 FLOATS = {"Real", "Float64", "Float32"}
 NOT_NUMBERS = {"String", "Binary", "Clock"}
 _ELEMENT = re.compile(r"(?P<array>.+)\[(?P<indices>[0-9]+(, ?[0-9]+)*)\]")
-# The same type under the name of FMI 2.0 and of FMI 3.0.
-_TWINS = {"Real": "Float64", "Integer": "Int32"}
+_FAMILIES = {
+    "number": ("Real", "Float64", "Float32"),
+    "integer": ("Integer", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))),
+    "enumeration": ("Enumeration",),
+    "Boolean": ("Boolean",),
+    "string": ("String",),
+    "binary": ("Binary",),
+    "clock": ("Clock",),
+}
+FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
+"""Type of FMI or SSP -> the kind of value it holds."""
+
+# What a value becomes without loss; a Boolean becomes 0 or 1. Every family becomes itself.
+_WIDER = {
+    "Boolean": {"integer", "number"},
+    "integer": {"enumeration", "number"},
+    "enumeration": {"integer"},
+}
 
 
 @dataclass(frozen=True)
@@ -119,9 +135,9 @@ class Variable:
         return self.type not in FLOATS or self.variability != "continuous"
 
     @property
-    def is_mapped(self) -> bool:
-        """Whether pairs of values can be given for it: an integer, Boolean or enumeration."""
-        return self.type not in FLOATS | NOT_NUMBERS
+    def family(self) -> str:
+        """The kind of value that it holds."""
+        return FAMILY[self.type]
 
     @cached_property
     def is_settable(self) -> bool:
@@ -129,11 +145,6 @@ class Variable:
         settable = {"parameter", "structuralParameter", "input"}
         given = self.causality in settable or self.initial in {"exact", "approx"}
         return given and self.variability != "constant"
-
-    @property
-    def kind(self) -> str:
-        """Its type under the name of FMI 3.0; only equal kinds can be connected."""
-        return _TWINS.get(self.type, self.type)
 
     @property
     def owner(self) -> str:
@@ -172,6 +183,11 @@ class Variable:
             element=place,
             start=self.start[place] if isinstance(self.start, tuple) else None,
         )
+
+
+def converts(family: str, wanted: str) -> bool:
+    """Tell whether values of one family become those of another on a connection, without loss."""
+    return wanted == family or wanted in _WIDER.get(family, ())
 
 
 def parse_element(name: str) -> tuple[str, tuple[int, ...]] | None:

@@ -52,7 +52,7 @@ class SimulatedCost:
         return (cosim.CosimError,)
 
     def __call__(self, values: Array) -> float:
-        """Run one candidate.
+        """Run one candidate and return its cost.
 
         Parameters
         ----------
@@ -64,12 +64,21 @@ class SimulatedCost:
         cosim.CosimError : the system, a name or an input is wrong, whatever the candidate
         Exception : what `cost` raises
         """
+        return float(self.cost(self.result(values)))
+
+    def result(self, values: Array) -> cosim.Result:
+        """Run one candidate (k,) and return what was recorded.
+
+        Raises
+        ------
+        CandidateFailed, cosim.CosimError
+            As a call.
+        """
         parameters = dict(zip(self.names, values.tolist(), strict=True))
         try:
-            result = self._simulation().run(parameters=parameters, inputs=self.inputs)
+            return self._simulation().run(parameters=parameters, inputs=self.inputs)
         except cosim.SimulationError as error:
             raise CandidateFailed(str(error)) from error
-        return float(self.cost(result))
 
     def close(self) -> None:
         """Free this cost's simulations in this process; a later call prepares them again."""

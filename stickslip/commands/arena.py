@@ -12,8 +12,7 @@ from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
-from stickslip.evaluation.arena.entrants import default_names, own_part
+from stickslip.evaluation.arena.comparison import make_plan
 from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
 from stickslip.evaluation.arena.table import arena_table, ranking
 from stickslip.evaluation.arena.tuning import Budget
@@ -80,36 +79,21 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _plan(options: argparse.Namespace) -> Plan:
-    """Return what the options choose.
-
-    Raises
-    ------
-    UsageError
-        When a law, a compensator or a drive is unknown.
-    """
-    drives = [learned_drive(path) for path in options.drive]
-    if options.drives is not None:
-        drives += read_drives(options.drives, options.laws)
-    elif not drives:
-        drives = default_drives(options.laws)
-    known = [drive.name for drive in drives]
-    if unknown := [name for name in options.only if name not in known]:
-        raise UsageError(f"--only {unknown[0]}: there are the drives {', '.join(known)}")
-    chosen = [drive for drive in drives if not options.only or drive.name in options.only]
-    if len(set(known)) < len(known):
-        raise UsageError(f"--drive: two drives have the same name, of {', '.join(known)}")
+    """Return what the options choose."""
     if len(options.compensator) != len(options.ports):
         raise UsageError("--compensator and --ports: expected one file of ports for each FMU")
-    own = tuple(map(own_part, options.compensator, options.ports))
-    names = options.compensators or default_names()
-    names = list(dict.fromkeys([*names, *(part.name for part in own)]))
-    if not options.seconds > 0.0:
-        raise UsageError(f"--seconds {options.seconds:g}: expected a number above 0")
-    budget = Budget(options.evaluations, options.seconds)
-    plan = Plan(chosen, names, budget, options.seeds, options.seed, own)
-    for name in names:
-        plan.entrant(name)
-    return plan
+    return make_plan(
+        options.compensators,
+        options.drives,
+        laws=options.laws,
+        learned=options.drive,
+        only=options.only,
+        own=dict(zip(options.compensator, options.ports, strict=True)),
+        evaluations=options.evaluations,
+        seconds=options.seconds,
+        seeds=options.seeds,
+        seed=options.seed,
+    )
 
 
 def _print(arena: Arena, table: pd.DataFrame) -> None:

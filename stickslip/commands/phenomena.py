@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
 from pathlib import Path
 
+import pandas as pd
+
 from stickslip import models
-from stickslip.evaluation.phenomena import PHENOMENA, phenomena
+from stickslip.evaluation.phenomena import phenomena
 from stickslip.fmi.files import atomic_write
 
 
@@ -31,18 +32,18 @@ def run(options: argparse.Namespace) -> None:
 
         atomic_write(options.published, draw_published())
         return
-    laws = options.laws or models.law_names()
-    print(table_of({law: phenomena(models.load_law(law).name) for law in laws}))
+    print(table_of(phenomena(*options.laws)))
 
 
-def table_of(found: Mapping[str, Mapping[str, float]]) -> str:
+def table_of(found: pd.DataFrame) -> str:
     """Return the table of laws and what each shows, as printed."""
-    widths = {law: max(len(law), 8) for law in found}
+    widths = {str(law): max(len(str(law)), 8) for law in found}
     titles = [f"{law:>{width}}" for law, width in widths.items()]
     lines = ["  ".join([f"{'':40} {'':4}", *titles])]
-    for name, (unit, _, _) in PHENOMENA.items():
+    for (name, unit), *row in found.itertuples():
         values = [
-            f"{round(found[law][name], 4) + 0.0:>{width}.4g}" for law, width in widths.items()
+            f"{round(value, 4) + 0.0:>{width}.4g}"
+            for value, width in zip(row, widths.values(), strict=True)
         ]
         lines.append("  ".join([f"{name:40} {unit:4}", *values]))
     return "\n".join(lines)

@@ -26,6 +26,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--tolerance REL": "relative tolerance of the solvers, instead of that of the FMUs",
         "--until S": "halt at this time, before the stop",
         "--real-time FACTOR": "simulated seconds per second (default: full speed)",
+        "--look S": "simulated seconds between two looks at the clock (default: 0.01)",
     }
     add_options(parser, numbers, type=float)
     add_set_option(parser, "start values: component.variable=VALUE; arrays as 'x=1 2 3'")
@@ -64,6 +65,8 @@ def _simulate(options: argparse.Namespace) -> None:
     for name, value in split_assignments(options.set).items():
         model.system.set(model.qualified(name), value)
     inputs = model.inputs
+    if options.look is not None and options.real_time is None:
+        raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:
         raise UsageError("--hold names columns of --input; give one")
     if options.input:
@@ -78,7 +81,10 @@ def _simulate(options: argparse.Namespace) -> None:
         isolation=isolation_of(options),
     )
     with prepared as simulation:
-        how = {"inputs": inputs, "until": options.until, "real_time": options.real_time}
+        pace = options.real_time
+        if pace is not None and options.look is not None:
+            pace = cosim.RealTimePacing(pace, options.look)
+        how = {"inputs": inputs, "until": options.until, "real_time": pace}
         if options.resume:
             result = simulation.resume(options.resume, **how)
         else:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from stickslip import cosim, models
 from stickslip.servo.measurement import Array
@@ -180,13 +181,26 @@ PHENOMENA: dict[str, tuple[str, float, Callable[[Contact], float]]] = {
 """Name -> unit, how many of it an SI unit has, and the function that computes it in SI units."""
 
 
-def phenomena(law: str) -> dict[str, float]:
-    """Return the size of each phenomenon of ``PHENOMENA`` for a law, in the units given there.
+def phenomena(*laws: str) -> pd.DataFrame:
+    """Return the size of each phenomenon of ``PHENOMENA``, a row each, a column for each law.
+
+    Parameters
+    ----------
+    laws : names; all by default
+
+    Returns
+    -------
+    pandas.DataFrame
+        indexed by phenomenon and unit
 
     Raises
     ------
     models.UnknownLaw
         When there is no such law.
     """
-    with contact_of(law) as contact:
-        return {name: many * compute(contact) for name, (_, many, compute) in PHENOMENA.items()}
+    index = pd.MultiIndex.from_tuples([(name, unit) for name, (unit, *_) in PHENOMENA.items()])
+    columns = {}
+    for law in laws or models.law_names():
+        with contact_of(law) as contact:
+            columns[law] = [many * compute(contact) for _, many, compute in PHENOMENA.values()]
+    return pd.DataFrame(columns, index=index)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from html import escape
 from typing import NamedTuple
 
 import pandas as pd
 
 from stickslip import ga
 from stickslip.cosim import Trapezoid
+from stickslip.cosim.system.display import html_table
 from stickslip.evaluation.guards import Benefit, Drive
 from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import (
@@ -149,6 +151,27 @@ class LearnedFromRecording(Learned):
     implausible: str = ""
     tracking: Tracking | None = None
     asked: Choice | None = None
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each parameter in SI units, with its 95 % interval."""
+        return self.estimation.table()
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the parameters, what is written and what is warned of."""
+        rows = [
+            (
+                *(one["parameter"], one["unit"], one["sentence"]),
+                *(f"{one[key]:.5g}" for key in ("value", "low", "high")),
+            )
+            for one in self.table().to_dict("records")
+        ]
+        heads = ("parameter", "unit", "", "value", "low", "high")
+        refused = [f"compensator not written: {self.refusal}"] if self.refusal else []
+        lines = [f"written: {self.writes() or 'no compensation'}", *refused, *self.warnings]
+        caption = f"{self.estimation.law.title} in {self.estimation.recording.source}"
+        return html_table(heads, rows, caption, words=3) + "".join(
+            f"<p>{escape(line)}</p>" for line in lines
+        )
 
     @property
     def choice(self) -> Choice:

@@ -40,10 +40,26 @@ class Robustness:
     ----------
     peak : peak sensitivity Ms
     noise : RMS of the velocity by white noise of the encoder, relative to that of the noise [1/s]
+
+    gain_margin : smallest change of the gain at the command that makes it unstable, as a factor
+        above 1; infinite for none
+    phase_margin : smallest lag there that does [rad]; infinite for none
     """
 
     peak: float
     noise: float
+    gain_margin: float = 1.0
+    phase_margin: float = 0.0
+
+    @classmethod
+    def worst(cls, every: Sequence[Self]) -> Self:
+        """Return the worst of each over several loops."""
+        return cls(
+            max(one.peak for one in every),
+            max(one.noise for one in every),
+            min(one.gain_margin for one in every),
+            min(one.phase_margin for one in every),
+        )
 
 
 class ChainResponse:
@@ -86,7 +102,8 @@ class ChainResponse:
         if not stable:
             return Robustness(np.inf, np.inf)
         density = 2.0 * loop.T_s * np.abs(found.noisy) ** 2
-        return Robustness(found.peak, float(np.sqrt(np.trapezoid(density, opened.f))))
+        noise = float(np.sqrt(np.trapezoid(density, opened.f)))
+        return Robustness(found.peak, noise, *found.margins())
 
     def _opened_at(self, loop: VelocityLoop, m: float | None) -> Opened:
         """Return the loop without the chain; that of the last call where it is the same."""

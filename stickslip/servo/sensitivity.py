@@ -56,6 +56,23 @@ class Response:
         """The peak sensitivity Ms: the largest at either place."""
         return float(max(np.abs(self.at_command).max(), np.abs(self.at_encoder).max()))
 
+    def margins(self) -> tuple[float, float]:
+        """Return gain margin, as a factor, and phase margin [rad] at the command.
+
+        Linear between the frequencies. The gain margin is the nearest to 1 of all factors up and
+        down, as one above 1; infinite where the phase, or the gain, crosses nowhere.
+        """
+        L = 1.0 / self.at_command - 1.0
+        size, turned = np.log(np.abs(L)), np.angle(-L)
+        k = np.flatnonzero(np.sign(size[1:]) != np.sign(size[:-1]))
+        share = size[k] / (size[k] - size[k + 1])
+        at_one = L[k] + share * (L[k + 1] - L[k])
+        phases = np.abs(np.angle(-at_one))
+        k = np.flatnonzero((np.sign(turned[1:]) != np.sign(turned[:-1])) & (L.real[1:] < 0.0))
+        share = L.imag[k] / (L.imag[k] - L.imag[k + 1])
+        gains = np.abs(np.log(np.abs(L.real[k] + share * (L.real[k + 1] - L.real[k]))))
+        return float(np.exp(gains.min(initial=np.inf))), float(phases.min(initial=np.inf))
+
 
 class Opened:
     """A velocity loop on an axis, opened at the controller, for which observers are tried.

@@ -37,6 +37,7 @@ class Compensator:
     values : parameters by name; the rest follow from the axis, or are start values
     file : its FMU in the folder of the FMUs, without suffix; by default as the model
     own_ports : how an FMU is connected that is none of the models
+    law : friction law of a feedforward, by default LuGre
     """
 
     name: str
@@ -44,6 +45,7 @@ class Compensator:
     values: Mapping[str, float] = field(default_factory=dict)
     file: str = ""
     own_ports: models.Ports | None = None
+    law: str = ""
 
     @property
     def ports(self) -> models.Ports:

@@ -31,6 +31,7 @@ TOLERANCE = {
     "dob": {"F": 1e-8, "d_hat": 1e-8},
     "coulomb_observer": {"F": 1e-8, "a_hat": 1e-8},
     "momentum_observer": {"F": 1e-8, "a_hat": 1e-8},
+    "adaptive_scale": {"F": 1e-9},
     "lffc": {"F": 1e-9},
     "lugre_network": {"F": 1e-9},
     "rbf": {"F": 1e-9},

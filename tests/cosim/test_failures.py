@@ -56,6 +56,7 @@ def test_a_value_that_is_not_finite_ends_the_run(simulation, time):
     message = str(error.value)
     assert message.startswith("source.y: ")
     assert "not finite" in message
+    assert "--allow-nan" in message
     assert f"t = {time:g} s" in message
     simulation.run()
 

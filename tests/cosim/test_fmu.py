@@ -8,6 +8,7 @@ import zipfile
 import pytest
 
 from stickslip import cosim
+from stickslip.simulation import simulate
 
 
 def members(path):
@@ -79,6 +80,23 @@ def test_unusable_description(make, tmp_path, old, new, message):
         cosim.Fmu(path)
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_an_identifier_with_a_hyphen_names_a_file_all_the_same(make, tmp_path):
+    content = members(make("gain"))
+    (binary,) = (name for name in content if name.startswith("binaries/"))
+    text = content["modelDescription.xml"].decode()
+    text = text.replace('modelIdentifier="gain"', 'modelIdentifier="2-gain"')
+    content["modelDescription.xml"] = text.encode()
+    content[binary.replace("/gain", "/2-gain")] = content.pop(binary)
+    result = simulate(
+        pack(tmp_path / "2-gain.fmu", content),
+        stop=0.1,
+        step=0.1,
+        parameters={"k": 3.0},
+        inputs={"u": 2.0},
+    )
+    assert result["2-gain.y"][-1] == 6.0
 
 
 def test_no_file(tmp_path):

@@ -25,6 +25,17 @@ def test_real_time_passes_as_fast_as_asked_and_changes_no_value(simulation):
     assert simulation.pacing.clock() - simulation.pacing._start >= 0.05
 
 
+@pytest.mark.parametrize(("interval", "looks"), [(0.001, 100), (0.0001, 100), (0.05, 2)])
+def test_the_interval_of_looks_at_the_clock_is_chosen(simulation, interval, looks):
+    pacing = RealTimePacing(10.0, interval, sleep=lambda _: None)
+    for _ in range(2):
+        simulation.run(real_time=pacing)
+        assert simulation.pacing.looks == looks
+    assert pacing.looks == 0
+    with pytest.raises(cosim.ExperimentError, match="expected positive numbers"):
+        RealTimePacing(1.0, 0.0)
+
+
 def test_overruns_are_counted_and_the_worst_is_kept():
     now = [0.0]
     slept = []

@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+from io import StringIO
+
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot as plt
 
 from stickslip import cosim
+from stickslip.cosim.run.display import scaled_unit
 
 
 @pytest.fixture
@@ -53,3 +58,79 @@ def test_what_was_not_recorded_is_named(result):
         result["a.x"]
     assert "a.y" in result
     assert "a.x" not in result
+
+
+def test_a_variable_that_one_component_has_needs_no_component(result, make):
+    np.testing.assert_array_equal(result["y"], result["a.y"])
+    assert "y" in result
+    assert "x" not in result
+    system = cosim.System()
+    for name in "ab":
+        system.add(name, make("integrator"))
+    both = system.prepare(step=0.1, stop=0.2).run()
+    with pytest.raises(KeyError, match=r"'y' was recorded of several components: a\.y, b\.y"):
+        both["y"]
+    assert "y" not in both
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "expected"),
+    [
+        ("m/s", 0.04, (1e3, "mm/s")),
+        ("m", 2.0, (1.0, "m")),
+        ("m", 1e-3 * (1 - 1e-12), (1e3, "mm")),
+        ("m", 3e-6, (1e6, "µm")),
+        ("N/m", 4e5, (1e-3, "kN/m")),
+        ("N", 0.0, (1.0, "N")),
+        ("N", float("inf"), (1.0, "N")),
+        ("kg", 1e-3, (1.0, "kg")),
+        ("m2", 1e-6, (1.0, "m2")),
+        ("min", 1e-3, (1.0, "min")),
+        (None, 1e-3, (1.0, "1")),
+    ],
+)
+def test_the_unit_of_a_plot_has_the_prefix_of_its_values(unit, largest, expected):
+    factor, name = scaled_unit(unit, largest)
+    assert (factor, name) == (pytest.approx(expected[0]), expected[1])
+
+
+@pytest.fixture
+def drawing():
+    with mpl.rc_context({"backend": "agg"}):
+        yield
+        plt.close("all")
+
+
+@pytest.mark.usefixtures("drawing")
+def test_a_plot_has_a_panel_for_each_unit(result):
+    forces, gain = result.plot()
+    assert [line.get_label() for line in forces.lines] == ["force", "a.y"]
+    assert forces.get_ylabel() == "[N]"
+    assert gain.get_ylabel() == "a.k [1]"
+    assert gain.get_xlabel() == "time [s]"
+    np.testing.assert_allclose(forces.lines[1].get_ydata(), result["a.y"])
+    (one,) = result.plot("y")
+    assert one.get_ylabel() == "a.y [N]"
+    assert one.get_legend() is None
+    assert result.plot("force", axes=[one]) == [one]
+    assert len(one.lines) == 2
+    with pytest.raises(KeyError, match=r"'a\.z' was not recorded; did you mean"):
+        result.plot("a.z")
+    with pytest.raises(ValueError, match="expected axes for 2 units, got 1"):
+        result.plot(axes=[one])
+
+
+def test_a_notebook_shows_tables(result, make):
+    shown = result._repr_html_()
+    assert "11 points, 0 to 1 s" in shown
+    (row,) = pd.read_html(StringIO(shown))[0].query("signal == 'a.y'").to_dict("records")
+    assert row["unit"] == "N"
+    assert row["last"] == pytest.approx(result["a.y"][-1], rel=1e-5)
+    assert repr(result) == "Result(11 points: force [N], a.y [N], a.k [])"
+    system = cosim.System("loop")
+    system.add("a", make("integrator"), {"k": 2.0})
+    system.expose("<force>", "a.u")
+    parts, wires = pd.read_html(StringIO(system._repr_html_()))
+    assert parts["set"].tolist() == ["k = 2.0"]
+    assert wires.to_numpy().tolist() == [["<force>", "a.u", "N"]]
+    assert repr(system) == "System(loop: a)"

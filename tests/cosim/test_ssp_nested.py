@@ -194,6 +194,7 @@ def test_mapped_parameters_are_converted_scaled_and_looked_up(pack):
         + ENTRY.format("force", "k", ' suppressUnitConversion="true"', line(3))
         + ENTRY.format("mode", "n", "", "")
         + ENTRY.format("on", "flag", "", FLIP)
+        + '<ssm:MappingEntry source="" target="fault"/>'  # keeps its value
     )
     bindings = binding("resources/a.ssv", "resources/a.ssm").replace(
         'source="resources/a.ssv"', 'source="resources/a.ssv" prefix="p."'

@@ -1,18 +1,16 @@
-"""Every notebook is stored without outputs and runs from top to bottom."""
+"""Every notebook is stored with its outputs, uses public names only, and runs as stored."""
 
 from __future__ import annotations
 
-import json
+import ast
 import re
-import sys
-from pathlib import Path
+from functools import cache
 
 import nbformat
 import pytest
-from nbclient import NotebookClient
 
-NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
-KERNEL = "this-interpreter"
+import stickslip as ss
+from tests.stored_notebooks import NOTEBOOKS, execute
 
 # Jupyter's own, on some of its versions and systems: old calls into asyncio and zmq.
 pytestmark = [
@@ -21,78 +19,136 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::RuntimeWarning:zmq"),
 ]
 
-
-@pytest.fixture
-def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Name a kernel that is the interpreter of this test, whatever else is installed."""
-    folder = tmp_path / "jupyter" / "kernels" / KERNEL
-    folder.mkdir(parents=True)
-    command = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
-    spec = {"argv": command, "display_name": KERNEL, "language": "python"}
-    (folder / "kernel.json").write_text(json.dumps(spec), encoding="utf-8")
-    monkeypatch.setenv("JUPYTER_PATH", str(tmp_path / "jupyter"))
-    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
-    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
-    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
-    root = str(Path(__file__).parents[2])
-    monkeypatch.setenv("PYTHONPATH", root, prepend=":" if sys.platform != "win32" else ";")
-    return KERNEL
+OTHERS = {"control", "fmpy", "matplotlib", "numpy", "pandas", "pathlib", "subprocess", "sys"}
+"""What notebooks import beside stickslip."""
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+NAMES = {path.stem: path for path in NOTEBOOKS}
 
 
 def code_cells(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:
     return [cell for cell in notebook.cells if cell.cell_type == "code"]
 
 
-def test_there_are_notebooks():
-    assert [path.name for path in NOTEBOOKS] == ["loop_design.ipynb"]
+def texts(notebook: nbformat.NotebookNode) -> list[list[str]]:
+    """Return what each cell printed and showed as text."""
+    found = []
+    for cell in code_cells(notebook):
+        shown = ["".join(o.get("text", "")) for o in cell.outputs if o.output_type == "stream"]
+        shown += [o.data.get("text/plain", "") for o in cell.outputs if "data" in o]
+        found.append(shown)
+    return found
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_is_stored_without_outputs(path):
-    notebook = nbformat.read(path, as_version=4)
+def pictures(notebook: nbformat.NotebookNode) -> list[int]:
+    """Return how many pictures each cell shows."""
+    return [
+        sum("image/png" in output.get("data", {}) for output in cell.outputs)
+        for cell in code_cells(notebook)
+    ]
+
+
+@cache
+def stored(name: str) -> nbformat.NotebookNode:
+    return nbformat.read(NAMES[name], as_version=4)
+
+
+@cache
+def executed(name: str) -> nbformat.NotebookNode:
+    return execute(NAMES[name])
+
+
+def printed(name: str) -> str:
+    """Return the text that a notebook prints when it is executed."""
+    return "\n".join(text for cell in texts(executed(name)) for text in cell)
+
+
+def number(pattern: str, text: str) -> float:
+    """Return the number at # of a pattern in a text."""
+    match = re.search(pattern.replace("#", r"([\d.]+(?:e[-+]?\d+)?)"), text)
+    assert match, f"no {pattern!r} in:\n{text}"
+    return float(match[1])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_is_stored_with_outputs_and_without_traces_of_a_machine(name):
+    notebook = stored(name)
     nbformat.validate(notebook)
     assert set(notebook.metadata) <= {"kernelspec", "language_info"}
     for cell in code_cells(notebook):
-        assert not cell.outputs
         assert cell.execution_count is None
         assert not cell.metadata
+        assert not [
+            o for o in cell.outputs if o.output_type == "error" or o.get("name") == "stderr"
+        ]
+    assert sum(pictures(notebook)) >= 1
+    assert not re.search(r"/(home|work|tmp|root|usr|Users)/|[A-Z]:\\", nbformat.writes(notebook))
 
 
-def test_loop_design(kernel, tmp_path):
-    (path,) = (path for path in NOTEBOOKS if path.stem == "loop_design")
-    notebook = nbformat.read(path, as_version=4)
-    resources = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(notebook, timeout=60, kernel_name=kernel, resources=resources).execute()
+@pytest.mark.parametrize("name", NAMES)
+def test_uses_public_names_only(name):
+    for cell in code_cells(stored(name)):
+        tree = ast.parse(re.sub(r"(?m)^%.*", "", cell.source))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                for one in node.names:
+                    assert one.name.partition(".")[0] in OTHERS or one.name == "stickslip"
+            elif isinstance(node, ast.ImportFrom):
+                assert node.module.partition(".")[0] in OTHERS
+            elif isinstance(node, ast.Attribute):
+                if isinstance(node.value, ast.Name) and node.value.id == "ss":
+                    assert node.attr in ss.__all__
+                assert not node.attr.startswith("_")
 
-    outputs = [output for cell in code_cells(notebook) for output in cell.outputs]
-    text = "".join(output.text for output in outputs if output.output_type == "stream")
-    pictures = [output for output in outputs if "image/png" in output.get("data", {})]
-    assert len(pictures) == 6
-    assert not [output for output in outputs if output.get("name") == "stderr"]
 
-    def number(pattern: str) -> float:
-        match = re.search(pattern.replace("#", r"([\d.]+(?:e[-+]?\d+)?)"), text)
-        assert match, f"no {pattern!r} in:\n{text}"
-        return float(match[1])
+@pytest.mark.parametrize("name", NAMES)
+def test_gives_what_is_stored(name):
+    """Text is the same, and numbers agree; pictures are as many."""
+    now, then = executed(name), stored(name)
+    assert pictures(now) == pictures(then)
+    for new, old in zip(texts(now), texts(then), strict=True):
+        assert [NUMBER.sub("#", text) for text in new] == [NUMBER.sub("#", text) for text in old]
+        for here, there in zip(new, old, strict=True):
+            numbers = [[float(one) for one in NUMBER.findall(text)] for text in (here, there)]
+            assert numbers[0] == pytest.approx(numbers[1], rel=0.02, abs=1e-9)
 
-    assert number("crossover +# Hz") == pytest.approx(125.0)
-    assert number("phase margin +# deg") == pytest.approx(50.0)
-    assert number("FMU and python-control: # m/s") < 1e-9
-    assert number("= # % of the step") < 0.01
+
+def test_loop_design():
+    text = printed("loop_design")
+
+    def at(pattern: str) -> float:
+        return number(pattern, text)
+
+    assert at("crossover +# Hz") == pytest.approx(125.0)
+    assert at("phase margin +# deg") == pytest.approx(50.0)
+    assert at("FMU and python-control: # m/s") < 1e-9
+    assert at("= # % of the step") < 0.01
     without, with_compensation = (
-        number(rf"{label} compensation +largest difference from the prediction # mm/s")
+        at(rf"{label} compensation +largest difference from the prediction # mm/s")
         for label in ("without", "with")
     )
     assert with_compensation < 0.1 * without
     without, with_compensation = (
-        number(rf"{label} compensation +error # mm/s at most") for label in ("without", "with")
+        at(rf"{label} compensation +error # mm/s at most") for label in ("without", "with")
     )
     assert with_compensation < 0.2 * without
-    assert number("nothing quantised error # µm/s at most") < 10.0
-    assert number("without friction +differs from the design by # % at most") < 0.01
-    assert number("with friction, 2 mm/s +differs from the design by # % at most") > 30.0
-    assert number("linear axis and python-control: # m/s") < 1e-12
-    assert number(r"at rest expected -#, .* found") == pytest.approx(
-        number(r"at rest expected .* found -#, "), rel=1e-3
+    assert at("nothing quantised error # µm/s at most") < 10.0
+    assert at("without friction +differs from the design by # % at most") < 0.01
+    assert at("with friction, 2 mm/s +differs from the design by # % at most") > 30.0
+    assert at("linear axis and python-control: # m/s") < 1e-12
+    assert at(r"at rest expected -#, .* found") == pytest.approx(
+        at(r"at rest expected .* found -#, "), rel=1e-3
     )
-    assert number(r"sliding expected .* found -[\d.]+, -#, ") == pytest.approx(1.19)
+    assert at(r"sliding expected .* found -[\d.]+, -#, ") == pytest.approx(1.19)
+
+
+def test_laws():
+    """Laws agree with closed forms, and show what the literature says of them."""
+    text = printed("laws")
+    for law in ("coulomb_stribeck", "gms"):
+        assert number(rf"{law} +differs from the curve .* by # N", text) < 0.01
+    for law in ("lugre", "leuven", "elasto_plastic"):
+        assert number(rf"{law} +differs from the curve .* by # N", text) < 0.05
+    assert number("gms +the minor loop stays open by # N", text) < 0.01
+    assert number("lugre +the minor loop stays open by # N", text) > 0.2
+    assert number(r"dahl +slides: # to", text) == pytest.approx(6.0, abs=0.02)
+    assert text.count("sticks and slips") == 6

@@ -42,7 +42,23 @@ def test_a_stiffer_loop_errs_less(printed):
     assert errors == sorted(errors, reverse=True)
 
 
+def test_the_search_finds_what_the_sweep_encloses(printed):
+    """The velocity at the end is (u - F_c) / b (1 - exp(-b t / m))."""
+    table = [line.split() for line in printed[2].splitlines()]
+    ends = [float(row[3]) for row in table if len(row) == 4 and row[0].isdigit()]
+    m, b = 5.557, 6.6135
+    forces = [F_c for F_c in (1.0, 2.0, 4.0) for _ in range(2)]
+    masses = 3 * [5.0, 10.0]
+    expected = [
+        (12.0 - F) / b * (1 - np.exp(-b * 0.5 / m)) for F, m in zip(forces, masses, strict=True)
+    ]
+    assert ends == pytest.approx(expected, rel=0.02)
+    [F_c] = re.findall(r"F_c = ([\d.]+) N gives", printed[2])
+    gain = (1 - np.exp(-b * 0.5 / m)) / b
+    assert float(F_c) == pytest.approx(12.0 - 0.5 / gain, rel=0.02)
+
+
 def test_the_notch_comes_back_with_its_poles(printed):
-    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", printed[2])]
+    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", printed[3])]
     expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
     assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)

@@ -365,32 +365,72 @@ def coulomb_observer(p: Parameters) -> Columns:
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
 
 
-def momentum_observer(p: Parameters) -> Columns:
-    """Observe the same by the change of momentum; the force is weighted by quadrature."""
-    given = lagging_motion()
-    N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
-    fade = np.exp(-STEP / p["tau_i"])
-    weight = 1.0 - np.exp(-STEP / p["tau_f"])
-    before, v, force, a, F, a_hat = 0.0, 0.0, 0.0, 0.0, [0.0], [0.0]
-    for k in range(200):
-        ends = N[max(k - 1, 0)], N[k]
-        held = (ends[1] - fade * ends[0]) / (1.0 - fade)
+def momentum(p: Parameters) -> Callable[[np.ndarray, np.ndarray], tuple[float, float]]:
+    """Return a function: the last two net forces and positions -> friction [N], velocity [m/s].
 
-        def net(s: float, held: float = held, first: float = ends[0]) -> float:
-            return float(held + (first - held) * np.exp(-s * STEP / p["tau_i"]))
+    The force is weighted by quadrature.
+    """
+    fade, weight = np.exp(-STEP / p["tau_i"]), 1.0 - np.exp(-STEP / p["tau_f"])
+    before, v, force = 0.0, 0.0, 0.0
 
-        mean = before + quad(lambda s, net=net: (1.0 - s) * net(s), 0.0, 1.0, epsabs=1e-13)[0]
-        before = quad(lambda s, net=net: s * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+    def residual(N: np.ndarray, x: np.ndarray) -> tuple[float, float]:
+        nonlocal before, v, force
+        held = (N[1] - fade * N[0]) / (1.0 - fade)
+
+        def net(s: float) -> float:
+            return float(held + (N[0] - held) * np.exp(-s * STEP / p["tau_i"]))
+
+        mean = before + quad(lambda s: (1.0 - s) * net(s), 0.0, 1.0, epsabs=1e-13)[0]
+        before = quad(lambda s: s * net(s), 0.0, 1.0, epsabs=1e-13)[0]
         force += weight * (mean - force)
-        after = v + weight * ((x[k] - x[max(k - 1, 0)]) / STEP - v)
-        residual = force - p["b"] * (v + after) / 2 - p["m"] * (after - v) / STEP
-        s = np.clip((v + after) / 2 / p["v_t"], -1.0, 1.0)
-        a += (1.0 - np.exp(-p["w_q"] * STEP)) * s * (residual - a * s)
-        v, last = after, v_r[max(k - 1, 0)]
-        early = (v_r[k] + last) / 2 + p["lead"] * (v_r[k] - last) / STEP
+        last, v = v, v + weight * ((x[1] - x[0]) / STEP - v)
+        middle = (last + v) / 2
+        return force - p["b"] * middle - p["m"] * (v - last) / STEP, middle
+
+    return residual
+
+
+def momentum_observer(p: Parameters) -> Columns:
+    """Observe the same by the change of momentum."""
+    given, residual = lagging_motion(), momentum(p)
+    N, x, v_r = given.pop("N"), given["x_enc"], 2e-3 * np.sin(2 * np.pi * 20.0 * given["time"])
+    a, F, a_hat = 0.0, [0.0], [0.0]
+    for k in range(200):
+        last = max(k - 1, 0)
+        friction, v = residual(N[[last, k]], x[[last, k]])
+        s = np.clip(v / p["v_t"], -1.0, 1.0)
+        a += (1.0 - np.exp(-p["w_q"] * STEP)) * s * (friction - a * s)
+        early = (v_r[k] + v_r[last]) / 2 + p["lead"] * (v_r[k] - v_r[last]) / STEP
         F.append(given["F_in"][k] + p["share"] * a * np.clip(early / p["v_t"], -1.0, 1.0))
         a_hat.append(a)
     return {**given, "v_r": v_r, "F": np.array(F), "a_hat": np.array(a_hat)}
+
+
+def adaptive_scale(p: Parameters) -> Columns:
+    """Scale known friction beside a reference that reverses; the axis moves in one direction."""
+    given, residual = lagging_motion(), momentum(p)
+    given.pop("N")
+    x, f, F_m = given["x_enc"], given["F_in"], given["F_m"]
+    v_r = 0.05 * np.sin(2 * np.pi * 14.0 * given["time"] - 0.4) + 0.01
+    share, fade = 1.0 - np.exp(-p["rate"] * STEP), np.exp(-STEP / p["tau_i"])
+    s, square, known, sign, q, start = p["s_0"], 0.0, 0.0, 0.0, 0.0, 0.0
+    F, N = [0.0], [F_m[0]]
+    for k in range(200):
+        last = max(k - 1, 0)
+        if k:
+            known = F[-1] + (known - F[-1]) * fade
+            N.append(F_m[k] - known)
+        error, _ = residual(np.array([N[last], N[k]]), x[[last, k]])
+        F.append(s * f[k])
+        moves = sign * v_r[last] > p["v_min"] and q > p["q_min"]
+        if k and moves and sign * (x[k] - start) > q / 2 and sign * f[last] > 0.0:
+            square += share * (f[last] ** 2 - square) if square else f[last] ** 2
+            s = np.clip(s + share * error * f[last] / square, p["least"], p["most"])
+        mean = (v_r[k] + v_r[last]) / 2
+        if np.sign(mean) != sign:
+            sign, q, start = np.sign(mean), 0.0, x[k]
+        q += abs(mean) * STEP
+    return {**given, "v_r": v_r, "F": np.array(F)}
 
 
 def static_feedforward(p: Parameters) -> Columns:
@@ -592,6 +632,7 @@ def main(folder: Path) -> None:
         dob,
         coulomb_observer,
         momentum_observer,
+        adaptive_scale,
         lugre_observer,
         lffc,
         rbf,

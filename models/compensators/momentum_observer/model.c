@@ -1,23 +1,8 @@
-#include "numerics/net_force.h"
+#include "numerics/momentum.h"
 
-/* Net force less friction is the change of momentum. Differences of the encoder position are mean
- * velocities; from one to the next, the force counts with the weight t / T_s in the period before
- * and 1 - t / T_s in the one that ends. */
 static void sample(Memory *w, const Inputs *u, const Parameters *p) {
-    const NetForce force = net_force(w, u->F_m, u->F_in, force_kept(p));
-    const double q = p->tau_i > 0.0 ? p->T_s / p->tau_i : 0.0;
-    const double falling = q > 0.0 ? elementary_phi2(q) : 0.0;
-    const double rising = q > 0.0 ? elementary_phi(q) - falling : 0.0;
-    const double mean = w->N_before + 0.5 * force.held + falling * force.decaying; /* [N] */
-    w->N_before = 0.5 * force.held + rising * force.decaying;
-
-    const double weight = p->tau_f > 0.0 ? 1.0 - elementary_exp(-p->T_s / p->tau_f) : 1.0;
-    const double change = weight * ((u->x_enc - w->x_last) / p->T_s - w->v); /* [m/s] */
-    const double v = w->v + 0.5 * change;
-    w->x_last = u->x_enc;
-    w->v += change;
-    w->N += weight * (mean - w->N);
-    const double friction = w->N - p->b * v - p->m * change / p->T_s; /* [N] */
+    double v;
+    const double friction = unexplained(w, u->x_enc, u->F_m, u->F_in, &v, p); /* [N] */
 
     double s = 1.0, rate = p->w_q;
     if (p->coulomb != 0.0) {

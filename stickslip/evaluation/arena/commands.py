@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.cosim import Signal, SineSweep, Table
 from stickslip.evaluation.motions import BEGIN, Motion, Span, Stroke, strokes, windows
@@ -30,6 +31,8 @@ GLITCH = 0.3
 """How far after a reversal the error of a circle counts [rad]."""
 MOVES = {1e-6: 0.02, 2e-6: 0.02, 5e-6: 0.02, 1e-5: 0.02, 1e-4: 0.05, 1e-3: 0.2}
 """Lengths of the small moves [m], and how long each lasts [s]."""
+TRAINING_MOVES = {1.5e-6: 0.02, 3e-6: 0.02, 7e-6: 0.02, 2e-5: 0.02, 5e-5: 0.05, 3e-4: 0.1}
+"""As ``MOVES``, to tune what controls the position."""
 SETTLING = 0.4
 """Rest after each [s]."""
 MOVE_POINTS = 200
@@ -86,6 +89,36 @@ class _Scaled:
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) [s]."""
         return np.asarray(self.factor * self.signal.sample(t))
+
+
+@dataclass(frozen=True)
+class Training:
+    """A motion to tune with.
+
+    Attributes
+    ----------
+    v_cmd : (n,) [m/s], one a sample
+    counted : (n,) whether the error of a sample counts
+    """
+
+    v_cmd: Array
+    counted: NDArray[np.bool_]
+
+
+def moves(T_s: float, factor: float = 1.0) -> Training:
+    """Return small moves, whose rests count in the last pass, for what controls the position."""
+    motion = _small_moves(TRAINING_MOVES).motion
+    t = np.asarray(np.arange(round(motion.duration / T_s)) * T_s)
+    spans = [span for spans in motion.regions.values() for span in spans]
+    rests = np.any([(t >= begin) & (t < end) for begin, end in spans], axis=0)
+    v_cmd = np.tile(factor * motion.command.sample(t), PASSES)
+    return Training(v_cmd, np.append(np.zeros((PASSES - 1) * len(t), bool), rests))
+
+
+def sweep(T_s: float, factor: float = 1.0) -> Training:
+    """Return the sweep of ``training``, whose last pass counts."""
+    v_cmd = training(T_s, factor)
+    return Training(v_cmd, np.arange(len(v_cmd)) >= len(v_cmd) - len(v_cmd) // PASSES)
 
 
 def training(T_s: float, factor: float = 1.0) -> Array:
@@ -196,9 +229,10 @@ def _smooth_moves(
     return Table(np.concatenate(times), np.concatenate(values)), ends
 
 
-def _small_moves() -> Command:
-    moves = [(sign * length, lasts) for length, lasts in MOVES.items() for sign in (1.0, -1.0)]
-    table, ends = _smooth_moves(moves, SETTLING)
+def _small_moves(lengths: Mapping[float, float]) -> Command:
+    """Return moves there and back, by length [m] and how long it lasts [s]."""
+    pairs = [(sign * length, lasts) for length, lasts in lengths.items() for sign in (1.0, -1.0)]
+    table, ends = _smooth_moves(pairs, SETTLING)
     spans: dict[str, tuple[Span, ...]] = {}
     for distance, stopped, settled in ends:
         name = f"{1e6 * abs(distance):g} um"
@@ -227,7 +261,7 @@ COMMANDS = {
     command.name: command
     for command in (
         *(_trapezoid(), _creep(), _reversals()),
-        *(_circles(), _small_moves(), _hold(), _inner_loops()),
+        *(_circles(), _small_moves(MOVES), _hold(), _inner_loops()),
     )
 }
 """What entrants are validated with; none of it is tuned on."""

@@ -74,6 +74,9 @@ class Course:
             values |= {"controller.K_p": tuned.loop.K_p, "controller.K_i": tuned.loop.K_i}
             nominal = nominal_parameters(tuned.loop)
             values |= {f"nominal.{name}": value for name, value in nominal.items()}
+            if self.loop.K_x:
+                values["controller.K_x"] = tuned.loop.K_x
+        values |= {f"controller.{name}": value for name, value in tuned.damping.items()}
         values |= {f"drive.{name}": value for name, value in (drive or {}).items()}
         longer = np.pad(v_cmd, (0, self._n - len(v_cmd)), mode="edge")
         until = (len(v_cmd) - 1) * self.loop.T_s

@@ -23,6 +23,14 @@ AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
 """The axis for which the loop is designed, whatever the drive is: that of the paper's stage."""
 QUIET = 0.25
 """Noise of the encoder of a learned drive, relative to its step."""
+SHARES = {"friction": (0.5, 0.8, 1.2, 1.5), "mass": (0.5, 0.8, 1.25, 2.0), "lag": (5.0,)}
+"""Factors on what a drive has in robustness runs."""
+STEPS = {"encoder step x 0.25": 0.25, "encoder step x 5": 5.0}
+"""Factors on the step of the encoder."""
+NOISE = 3.0
+"""Factor on the noise."""
+Changes = Mapping[str, tuple[str, Mapping[str, float]]]
+"""What is changed -> command, and start values of the drive FMU."""
 _KEYS = {"title", "law", "parameters", "loop", "nominal"}
 
 
@@ -62,6 +70,38 @@ class Drive:
         gains = self.gains["K_p"], self.gains["K_i"]
         return close_velocity_loop(self.axis, self.T_s, self.tau_f, *gains)
 
+    def changes(self, robustness: str, resolution: str) -> Changes:
+        """Return changed drives, and the unchanged one under the names of the commands.
+
+        Parameters
+        ----------
+        robustness : command for other friction, mass and lag
+        resolution : command for another encoder and more noise
+        """
+        law, model = models.load_law(self.law), models.load_model("drive", self.law)
+        true = {**{v.name: v.start for v in model.variables}, **self.parameters}
+        powers = {
+            name: law.parameters[name.partition("[")[0]].force
+            for name in true
+            if name.partition("[")[0] in law.parameters
+        }
+        found: dict[str, tuple[str, dict[str, float]]] = {
+            robustness: (robustness, {}),
+            resolution: (resolution, {}),
+        }
+
+        def change(label: str, command: str, powers: Mapping[str, float], factor: float) -> None:
+            kept = {name: true[name] * factor**power for name, power in powers.items() if power}
+            found[label] = command, kept
+
+        for what, names in {"friction": powers, "mass": {"m": 1}, "lag": {"tau_i": 1}}.items():
+            for factor in SHARES[what]:
+                change(f"{what} x {factor:g}", robustness, names, factor)
+        for label, factor in STEPS.items():
+            change(label, resolution, {"encoder_step": 1}, factor)
+        change(f"noise x {NOISE:g}", resolution, {"noise_x": 1, "noise_F": 1}, NOISE)
+        return found
+
     @property
     def mass(self) -> float:
         """The true mass [kg]."""
@@ -84,19 +124,23 @@ def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
     return _of_laws(found, laws)
 
 
-def read_drives(path: Path, laws: Sequence[str] | None = None) -> list[Drive]:
-    """Read the drives of a TOML file in the form of ``drives.toml``.
+def read_drives(
+    source: Path | Mapping[str, Mapping[str, Any]], laws: Sequence[str] | None = None
+) -> list[Drive]:
+    """Return the drives of a TOML file in the form of ``drives.toml``, or of its content.
 
     Raises
     ------
     UsageError
         When it cannot be read, or a drive is not well formed.
     """
+    if not isinstance(source, Path):
+        return _of_laws(_drives("drives", dict(source))[0], laws)
     try:
-        content = parse_toml(read_limited(path, MOST_TEXT))
+        content = parse_toml(read_limited(source, MOST_TEXT))
     except ValueError as error:
-        raise UsageError(f"{path}: {error}") from None
-    return _of_laws(_drives(str(path), content)[0], laws)
+        raise UsageError(f"{source}: {error}") from None
+    return _of_laws(_drives(str(source), content)[0], laws)
 
 
 def learned_drive(path: Path) -> Drive:

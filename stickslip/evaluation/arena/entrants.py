@@ -19,10 +19,12 @@ import numpy as np
 from stickslip import cosim, ga, models
 from stickslip.catalog.parameters import PAPER, estimated, friction_law, parameter, scaled_start
 from stickslip.errors import UsageError
+from stickslip.evaluation.arena.commands import position_loop
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.fmi.messages import suggestion
-from stickslip.models.export.description import AXIS, ROLES
+from stickslip.models.export.description import AXIS, ROLES, Variable
 from stickslip.models.export.units import force_and_length
+from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
@@ -76,10 +78,39 @@ class Tuned:
     ----------
     loop : with the gains that it chooses
     parameters : start values of the FMUs of its chain, ``component.variable``
+    damping : parameters of the controller's nonlinear damping; empty for none
     """
 
     loop: VelocityLoop
     parameters: Mapping[str, float]
+    damping: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def linear_loops(self) -> list[VelocityLoop]:
+        """The loops between which nonlinear damping moves, undamped first.
+
+        Raises
+        ------
+        ControlError
+            When one is unstable.
+        """
+        if not self.damping:
+            return [self.loop]
+        return [self.loop, regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"])]
+
+    def robustness(
+        self, response: ChainResponse, friction: float, m: float | None = None
+    ) -> Robustness:
+        """Return the worst robustness of its linear loops.
+
+        Parameters
+        ----------
+        friction : force of sliding [N]
+        m : true mass [kg], by default that of the loop's axis
+        """
+        return Robustness.worst(
+            [response.of(loop, self.parameters, friction, m) for loop in self.linear_loops]
+        )
 
 
 Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[str, float]]
@@ -101,10 +132,55 @@ def kalman(
     return gains | ({"L_1": found.L_1} if order == 2 else {}) | rest
 
 
+def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float]:
+    """Return gains of composite nonlinear feedback from the poles of its linear part.
+
+    Proportional-integral control of the velocity and a position loop around it are a PID position
+    controller: stiffness m w_0^2 and damping 2 zeta w_0 m.
+
+    Parameters
+    ----------
+    genes : ``w_0`` relative to the crossover of the designed loop, K_p / m; ``gamma_v`` relative
+        to its K_p; ``K_x`` relative to its own
+    """
+    w_0 = genes["w_0"] * loop.K_p / loop.axis.m
+    gains = {
+        "K_p": 2.0 * genes["zeta"] * w_0 * loop.axis.m,
+        "K_i": loop.axis.m * w_0**2,
+        "K_x": genes["K_x"] * loop.K_x,
+    }
+    return {**gains, "gamma_v": genes["gamma_v"] * loop.K_p, "alpha": genes["alpha"]}
+
+
+def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
+    """Return a loop with other gains of its controller: K_p [N s/m], K_i [N/m], K_x [1/s].
+
+    Raises
+    ------
+    ControlError
+        When it is unstable.
+    """
+    kept = {name: getattr(loop, name) for name in ("K_p", "K_i", "K_x", "m_ff")}
+    return close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **{**kept, **gains})
+
+
 _TAKEN = {"controller", "drive", "filter", "nominal"}
 """Components of a loop."""
 _PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
 DESIGNS: dict[str, Design] = {"kalman": kalman, "kalman_2": partial(kalman, order=2)}
+DAMPING = ("gamma_v", "alpha")
+"""Parameters of the controller's nonlinear damping."""
+
+
+def factors(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float]:
+    """Return gains of a controller from factors on those of the design."""
+    return {name: getattr(loop, name) * factor for name, factor in genes.items()}
+
+
+REGULATORS: dict[str, Callable[[Mapping[str, float], VelocityLoop], dict[str, float]]] = {
+    "": factors,
+    "composite": composite,
+}
 
 
 @dataclass(frozen=True)
@@ -115,7 +191,8 @@ class Part:
     ----------
     ranges : lowest value, start and highest value of a gene, by name
     values : parameters that are not tuned
-    design : of ``DESIGNS``; empty where genes are parameters
+    design : of ``DESIGNS``, of a controller of ``REGULATORS``; empty where genes are parameters
+    positions : whether it controls the position, and is tuned on moves instead of a sweep
     own_ports, own_fmu : how an FMU of the user is connected, and its file
     """
 
@@ -127,6 +204,7 @@ class Part:
     ranges: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     design: str = ""
     controller: bool = False
+    positions: bool = False
     own_ports: models.Ports | None = None
     own_fmu: Path | None = None
 
@@ -159,6 +237,11 @@ class Part:
         own = {v.name for v in models.load_model(self.model).variables if v.role == "parameter"}
         return tuple(name for name in estimated(friction_law()) if name in own)
 
+    @property
+    def kept(self) -> list[str]:
+        """Return the names of the variables of its model that it keeps between samples."""
+        return [v.name for v in self._variables if v.role in ("state", "memory")]
+
     def elements(self, name: str) -> list[str]:
         """Return the names of the elements of an array, or a name that is no array."""
         return [one for one in self._units if one.partition("[")[0] == name] or [name]
@@ -189,17 +272,37 @@ class Part:
         """Return the parameters of its FMU for values of its genes."""
         coarsely = {name: coarse.start(name, self.law) for name in self.friction}
         designed = DESIGNS[self.design](genes, loop, coarse, sheet) if self.design else genes
-        return {**coarsely, **self.values, **designed}
+        fixed = {**self._fixed, **self.values}
+        scaled = {
+            name: value * coarse.scale(unit) if any(force_and_length(unit)) else value
+            for name, value in fixed.items()
+            for unit in [self._unit(name)]
+        }
+        return {**scaled, **coarsely, **designed}
 
     def _unit(self, name: str) -> str:
         return self._units.get(name, "1")
 
     @cached_property
+    def _fixed(self) -> dict[str, float]:
+        """Start values of its model that hold for the paper's stage, and nobody chooses."""
+        kept = self.ports.axis if self.ports else {}
+        return {
+            v.name: float(v.start)
+            for v in self._variables
+            if v.role == "parameter" and v.start and v.name not in kept
+            if any(force_and_length(v.unit or "1"))
+        }
+
+    @cached_property
     def _units(self) -> dict[str, str]:
+        return {v.name: v.unit or "1" for v in self._variables}
+
+    @cached_property
+    def _variables(self) -> tuple[Variable, ...]:
         if not self.model or self.own_ports is not None:
-            return {}
-        model = models.load_model(self.model, self.law.name if self.law else None)
-        return {v.name: v.unit or "1" for v in model.variables}
+            return ()
+        return models.load_model(self.model, self.law.name if self.law else None).variables
 
 
 @dataclass(frozen=True)
@@ -222,6 +325,17 @@ class Entrant:
     def chain(self) -> list[Compensator]:
         """Its compensators."""
         return [one for part in self.parts if (one := part.compensator) is not None]
+
+    @property
+    def positions(self) -> bool:
+        """Whether it controls the position by itself, and needs no loop around it."""
+        return any(part.positions for part in self.parts)
+
+    def base(self, loop: VelocityLoop) -> VelocityLoop:
+        """Return a designed velocity loop with what the entrant needs around it."""
+        if not self.positions:
+            return loop
+        return loop.changed(m_ff=loop.axis.m, K_x=position_loop(loop).K_x)
 
     @property
     def knows_friction(self) -> bool:
@@ -274,18 +388,19 @@ class Entrant:
         ControlError
             When the gains leave the loop unstable.
         """
-        values: dict[str, float] = {}
+        values, damping = dict[str, float](), dict[str, float]()
+        loop = self.base(loop)
         for part in self.parts:
             prefix = f"{part.name}."
             own = {n.removeprefix(prefix): x for n, x in genes.items() if n.startswith(prefix)}
             if part.controller:
-                factors = {**part.values, **own}
-                gains = {name: getattr(loop, name) * factor for name, factor in factors.items()}
-                loop = close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **gains)
+                gains = REGULATORS[part.design]({**part.values, **own}, loop)
+                damping = {name: gains.pop(name) for name in DAMPING if name in gains}
+                loop = regulated(loop, **gains)
             elif part.model:
                 found = part.parameters(own, loop, coarse, sheet)
                 values |= {f"{prefix}{name}": value for name, value in found.items()}
-        return Tuned(loop, values)
+        return Tuned(loop, values, damping)
 
 
 @dataclass(frozen=True)
@@ -315,7 +430,7 @@ def _gene(name: str, span: Sequence[float], scale: float) -> ga.Gene:
 def parts() -> dict[str, Part]:
     """Return all parts by name: those of ``entrants.toml``, then what enters without an entry."""
     content = _content()
-    content.pop("combinations")
+    del content["combinations"], content["behind"]
     found = {name: _part(name, table) for name, table in content.items()}
     for name in models.law_names():
         law = models.load_law(name)
@@ -329,8 +444,10 @@ def parts() -> dict[str, Part]:
 
 
 def default_names() -> list[str]:
-    """Return the names of all entrants: every part, then the combinations."""
-    return [*parts(), *_content()["combinations"]]
+    """Return the names of all entrants: every part that adds a force, then the combinations."""
+    content = _content()
+    alone = [name for name in parts() if name not in content["behind"]]
+    return [*alone, *content["combinations"]]
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
@@ -363,8 +480,12 @@ def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
     return found
 
 
-def own_part(fmu: Path, ports: Path) -> Part:
-    """Return a compensator of the user from its FMU and a TOML file that tells how to connect it.
+def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
+    """Return a compensator of the user from its FMU and how it is connected.
+
+    Parameters
+    ----------
+    ports : a TOML file, or its content
 
     Raises
     ------
@@ -373,16 +494,17 @@ def own_part(fmu: Path, ports: Path) -> Part:
     CosimError
         When the FMU cannot be read.
     """
+    where = str(ports) if isinstance(ports, Path) else f"ports of {fmu.name}"
     try:
-        table = parse_toml(read_limited(ports, MOST_TEXT))
+        table = parse_toml(read_limited(ports, MOST_TEXT)) if isinstance(ports, Path) else ports
     except ValueError as error:
-        raise UsageError(f"{ports}: {error}") from None
+        raise UsageError(f"{where}: {error}") from None
     if unknown := sorted(table.keys() - _PORTS):
         raise UsageError(
-            f"{ports}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
+            f"{where}: '{unknown[0]}' is unknown; expected {', '.join(sorted(_PORTS))}"
         )
     if not {"inputs", "output"} <= table.keys():
-        raise UsageError(f"{ports}: expected inputs and output")
+        raise UsageError(f"{where}: expected inputs and output")
     inputs, axis, genes = (table.get(key, {}) for key in ("inputs", "axis", "genes"))
     learned, frozen = table.get("learned", {}), table.get("frozen", {})
     for key, words, known in (
@@ -391,19 +513,20 @@ def own_part(fmu: Path, ports: Path) -> Part:
     ):
         if unknown := sorted(set(words) - known):
             raise UsageError(
-                f"{ports}: {key}: '{unknown[0]}' is unknown; expected {', '.join(sorted(known))}"
+                f"{where}: {key}: '{unknown[0]}' is unknown; expected {', '.join(sorted(known))}"
             )
     variables = cosim.Fmu(fmu).variables
     named = [*inputs, table["output"], *axis, *genes, *learned, *learned.values(), *frozen]
     if absent := [name for name in (*named, *table.get("values", {})) if name not in variables]:
         hint = suggestion(absent[0], variables)
-        raise UsageError(f"{ports}: {fmu.name} has no variable '{absent[0]}'{hint}")
+        raise UsageError(f"{where}: {fmu.name} has no variable '{absent[0]}'{hint}")
     for name, span in genes.items():
-        if not (isinstance(span, list) and len(span) == 3 and span[0] <= span[1] <= span[2]):
-            raise UsageError(f"{ports}: genes: {name}: expected [lowest, start, highest]")
+        three = isinstance(span, list | tuple) and len(span) == 3
+        if not (three and span[0] <= span[1] <= span[2]):
+            raise UsageError(f"{where}: genes: {name}: expected [lowest, start, highest]")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
     if name in {*parts(), *_TAKEN}:
-        raise UsageError(f"{ports}: the name '{name}' is taken; give another one as name")
+        raise UsageError(f"{where}: the name '{name}' is taken; give another one as name")
     return Part(
         name,
         table.get("title", fmu.name),
@@ -435,6 +558,7 @@ def _part(name: str, table: Mapping[str, Any]) -> Part:
         {gene: tuple(span) for gene, span in table.get("genes", {}).items()},
         table.get("design", ""),
         table.get("controller", False),
+        table.get("positions", False),
     )
     if part.model == FEEDFORWARD and part.law is None:
         return replace(part, law=models.load_model(FEEDFORWARD).law)

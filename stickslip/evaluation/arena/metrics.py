@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip import cosim
 from stickslip.evaluation.arena.commands import Command
 from stickslip.evaluation.motions import Span
 from stickslip.servo.measurement import Array
@@ -19,8 +20,8 @@ Figures = dict[str, tuple[float, str]]
 """Value and unit by name of the metric."""
 
 
-SETTLED = 1e-6
-"""Position error within which a move has settled [m]."""
+SETTLED, COUNTS = 1e-6, 2.0
+"""A move has settled within this position error [m], or so many steps of the encoder."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Trace:
     v, x : (n,) true velocity [m/s] and position [m]
     u : (n,) force command [N]
     v_r : (n,) velocity of the loop without friction [m/s]
+    encoder_step : resolution of the encoder [m]
     """
 
     T_s: float
@@ -43,13 +45,14 @@ class Trace:
     x: Array
     u: Array
     v_r: Array
+    encoder_step: float
 
     @classmethod
-    def of(cls, T_s: float, v_cmd: Array, recorded: Mapping[str, Array]) -> Trace:
+    def of(cls, T_s: float, v_cmd: Array, recorded: cosim.Result, encoder_step: float) -> Trace:
         """Return it from the recorded signals."""
         v, x, u, v_r = (np.asarray(recorded[name][: len(v_cmd)]) for name in RECORDED)
         x_cmd = T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
-        return cls(T_s, v_cmd, x_cmd, v, x, u, v_r)
+        return cls(T_s, v_cmd, x_cmd, v, x, u, v_r, encoder_step)
 
     @property
     def velocity_error(self) -> Array:
@@ -115,30 +118,38 @@ def _circle(command: Command, trace: Trace) -> Figures:
 
 
 def _settling(command: Command, trace: Trace) -> Figures:
-    """Return settling times after moves [s], what is left at the end of the rest [m]."""
+    """Return settling times [s], overshoots [1], and what is left at the end of the rest [m]."""
     found: Figures = {}
     every = []
+    settled = max(SETTLED, COUNTS * trace.encoder_step)
     for name, spans in command.motion.regions.items():
-        times, left = [], []
-        for span in spans:
+        times, left, beyond = [], [], [0.0]
+        there, back = (trace.within(trace.x_cmd, span)[0] for span in spans)
+        for span, length in zip(spans, (there - back, back - there), strict=True):
             inside = trace.within(trace.position_error, span)
-            outside = np.flatnonzero(np.abs(inside) > SETTLED)
+            outside = np.flatnonzero(np.abs(inside) > settled)
+            beyond.append(float((inside / length).max()))
             times.append((outside[-1] + 1) * trace.T_s if len(outside) else 0.0)
             left.append(abs(float(inside[-len(inside) // 4 :].mean())))
             every.append(inside)
         found[f"settling {name}"] = (float(max(times)), "s")
+        found[f"overshoot {name}"] = (max(beyond), "1")
         found[f"rest error {name}"] = (max(left), "m")
     return {ERROR: (_rms(np.concatenate(every)), "m"), **found}
 
 
 def _hunting(command: Command, trace: Trace) -> Figures:
-    """Return how far the position swings at rest [m], and how the force command changes [N/s]."""
+    """Return how far and how often the position swings at rest, and how the command changes.
+
+    A reversal is a change of direction after a swing of more than ``COUNTS`` steps of the encoder.
+    """
     ((span,),) = command.motion.regions.values()
     x, u = (trace.within(values, span) for values in (trace.x, trace.u))
     rate = float(np.abs(np.diff(u)).mean()) / trace.T_s
     left = float(np.abs(trace.within(trace.position_error, span).mean()))
     return {
         ERROR: (float(np.ptp(x)), "m"),
+        "reversals at rest": (float(_swings(x, COUNTS * trace.encoder_step)), "1"),
         "rest error": (left, "m"),
         "variation at rest": (rate, "N/s"),
     }
@@ -159,6 +170,21 @@ MEASURES: dict[str, Callable[[Command, Trace], Figures]] = {
     "path": _path,
 }
 """By the kind of the command."""
+
+
+def _swings(x: Array, size: float) -> int:
+    """Return how often x (n,) turns after a swing of more than a size."""
+    if np.ptp(x) <= size:
+        return 0
+    found, direction, low, high = 0, 0, x[0], x[0]
+    for value in x.tolist():
+        high = max(high, value) if direction >= 0 else high
+        low = min(low, value) if direction <= 0 else low
+        if direction >= 0 and high - value > size:
+            found, direction, low = found + direction, -1, value
+        elif direction <= 0 and value - low > size:
+            found, direction, high = found - direction, 1, value
+    return found
 
 
 def _rms(values: Array) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -22,8 +23,16 @@ from stickslip.evaluation.arena.commands import COMMANDS
 from stickslip.evaluation.arena.course import build_entrants
 from stickslip.evaluation.arena.drives import Drive
 from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Part, entrant
+from stickslip.evaluation.arena.running import footprint, seconds_per_step
 from stickslip.evaluation.arena.tuning import Budget, Found, tune
-from stickslip.evaluation.arena.validation import Validated, sensitivities, validate
+from stickslip.evaluation.arena.validation import (
+    RESOLUTION,
+    ROBUSTNESS,
+    Validated,
+    sensitivities,
+    validate,
+    validate_changed,
+)
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.fmi.process import temporary_folder
@@ -131,9 +140,14 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     plan, drive = cell.plan, cell.drive
     one, sheet, loop = plan.entrant(cell.entrant), drive.sheet, drive.loop
     document: dict[str, Any] = {"tuned": {}, "validated": {}}
+    begun, factor = time.thread_time(), drive.speed / SPEED
     found = tune(cell.fmus, loop, one, plan.budget, seed, sheet, drive.speed)
+    # What a clock shows is no result: it differs from run to run.
+    document["time"] = {"tuning": time.thread_time() - begun}
+    document["time"] |= seconds_per_step(cell.fmus, loop, one)
+    document["footprint"] = footprint(cell.fmus, one)
     tries = {drive.name: found}
-    commands = [command.scaled(drive.speed / SPEED) for command in COMMANDS.values()]
+    commands = [command.scaled(factor) for command in COMMANDS.values()]
     if cell.carried is not None:
         name, carried = cell.carried
         tries[name] = found_of(carried)
@@ -143,6 +157,10 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
             tuned = given.tuned(one, loop, sheet)
             peaks = sensitivities(cell.fmus, loop, one, tuned, given.coarse.friction, drive.mass)
             found_there = validate(cell.fmus, loop, one, tuned, commands, plan.starts, sheet)
+            if name == drive.name:
+                changes = drive.changes(ROBUSTNESS, RESOLUTION)
+                how = changes, plan.starts, sheet, factor
+                found_there.figures |= validate_changed(cell.fmus, loop, one, tuned, *how)
         except Fault as error:
             if name == drive.name:
                 raise

@@ -58,6 +58,18 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     return table.astype({"median": float, "worst": float}).reset_index(drop=True)
 
 
+def time_table(arena: Arena) -> pd.DataFrame:
+    """Return measured processor times: of tuning, and of a sample of the FMUs, overhead included.
+
+    They differ from run to run, and are no part of the result.
+    """
+    rows = [
+        (drive, name, document["time"]["tuning"], document["time"].get("step", 0.0))
+        for (drive, name), document in arena.documents.items()
+    ]
+    return pd.DataFrame(rows, columns=["drive", "compensator", "tuning [s]", "sample [s]"])
+
+
 def relative_errors(
     table: pd.DataFrame, plan: Plan, *, carried: bool, command: str = ALL
 ) -> pd.DataFrame:
@@ -117,8 +129,18 @@ def _rows(arena: Arena, place: tuple[str, str]) -> Iterator[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "worst": float(np.max(values)),
             }
-        found = {metric: (value, "1") for metric, value in validated["peaks"].items()}
+        margins = {"phase margin": "rad"}
+        found = {
+            metric: (value, margins.get(metric, "1"))
+            for metric, value in validated["peaks"].items()
+        }
+        found |= {
+            metric: (value, "B" if "size" in metric else "1")
+            for metric, value in document["footprint"].items()
+        }
         for key, unit in TUNING.items():
+            if key == "cost" and arena.plan.entrant(name).positions:
+                unit = "m"
             found[_NAMES.get(key, key)] = (document["tuned"][tuned_on][key], unit)
         for metric, (value, unit) in found.items():
             yield {**same, "metric": metric, "unit": unit, "median": value, "worst": value}

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim, ga
-from stickslip.evaluation.arena.commands import PASSES, training
+from stickslip.evaluation.arena.commands import Training, moves, sweep
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Tuned, entrant
 from stickslip.servo.axis import ControlError
@@ -58,7 +58,8 @@ class Found:
     genes : values by name; empty where nothing is tuned
     learned : parameters that it learned while it ran
     coarse : what the drive showed before
-    cost : RMS of v - v_r in the counted part of the training command [m/s]
+    cost : RMS of v - v_r in the counted part of the training command [m/s]; of x - x_cmd [m] where
+        the entrant controls the position
     evaluations : candidates that were evaluated
     seconds : of motion of the drive that were used [s]
     soon : seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
@@ -105,15 +106,17 @@ def tune(
     NothingLearned
         When no candidate of the first generation can be run within the limit of Ms.
     """
-    v_cmd = training(loop.T_s, speed / SPEED)
-    coarse = measure(fmus, loop, v_cmd, seed)
+    factor = speed / SPEED
+    coarse = measure(fmus, loop, sweep(loop.T_s, factor).v_cmd, seed)
+    motion = moves(loop.T_s, factor) if one.positions else sweep(loop.T_s, factor)
+    v_cmd, base = motion.v_cmd, one.base(loop)
     problem = one.problem(coarse)
     variables = one.learned
     with (
         ChainResponse(fmus, loop, one.chain) as response,
-        Course(fmus, loop, one, len(v_cmd), ("drive.x_enc", "nominal.v_r")) as course,
+        Course(fmus, base, one, len(v_cmd), ("drive.x_enc", "nominal.v_r")) as course,
     ):
-        trial = _Trial(one, course, response, coarse, v_cmd, sheet)
+        trial = _Trial(one, loop, course, response, coarse, motion, sheet)
         genes: dict[str, float] = {}
         if problem is not None:
             limits = ga.Limits(evaluations=budget.runs(trial.duration))
@@ -125,7 +128,7 @@ def tune(
     learned: dict[str, float] = {}
     if variables:
         record = cosim.Record(tuple(variables.values()), keep="last")
-        with Course(fmus, loop, one, len(v_cmd), record) as course:
+        with Course(fmus, base, one, len(v_cmd), record) as course:
             last = course.run(tuned, v_cmd)
             learned = {name: float(last[shown][-1]) for name, shown in variables.items()}
     spent = np.cumsum(np.isfinite(trial.costs)) * trial.duration
@@ -138,6 +141,8 @@ def tune(
 class _Trial:
     """The cost of a candidate: RMS of v - v_r [m/s], as measured and by noise.
 
+    Where the entrant controls the position, RMS of x - x_cmd [m] in the rests of small moves.
+
     An observer that makes the drive follow the steps of its encoder seems to track well, because
     the encoder shows it so. What the noise of the encoder adds to the true velocity is therefore
     computed, from the linear loop, and counts as well.
@@ -148,18 +153,19 @@ class _Trial:
     def __init__(
         self,
         one: Entrant,
+        loop: VelocityLoop,
         course: Course,
         response: ChainResponse,
         coarse: Coarse,
-        v_cmd: Array,
+        motion: Training,
         sheet: Datasheet,
     ) -> None:
-        self.one, self.course, self.response = one, course, response
-        self.coarse, self.v_cmd, self.sheet = coarse, v_cmd, sheet
+        self.one, self.loop, self.course, self.response = one, loop, course, response
+        self.coarse, self.motion, self.sheet = coarse, motion, sheet
         problem = one.problem(coarse)
         self.names = problem.names if problem else []
-        self.criterion = VelocityCost(course.loop.T_s)
-        self.duration = len(v_cmd) * course.loop.T_s
+        self.criterion = VelocityCost(loop.T_s)
+        self.duration = len(motion.v_cmd) * loop.T_s
         self.costs: list[float] = []
 
     def __call__(self, values: Array) -> float:
@@ -173,9 +179,9 @@ class _Trial:
         self.costs.append(float("inf"))
         try:
             tuned = self.tuned(values)
+            robust = self.robustness(tuned)
         except ControlError as error:
             raise ga.CandidateFailed(str(error)) from error
-        robust = self.robustness(tuned)
         if not robust.peak <= LIMIT:
             raise ga.CandidateFailed(f"Ms = {robust.peak:.3g}, expected at most {LIMIT:g}")
         self.costs[-1] = self.error(tuned, robust)
@@ -183,20 +189,23 @@ class _Trial:
 
     def robustness(self, tuned: Tuned) -> Robustness:
         """Return how robust the linear loop is."""
-        return self.response.of(tuned.loop, tuned.parameters, self.coarse.friction)
+        return tuned.robustness(self.response, self.coarse.friction)
 
     def tuned(self, values: Array) -> Tuned:
         """Return the entrant with the values (k,) of a candidate."""
         genes = dict(zip(self.names, values.tolist(), strict=True))
-        return self.one.tuned(genes, self.course.loop, self.coarse, self.sheet)
+        return self.one.tuned(genes, self.loop, self.coarse, self.sheet)
 
     def error(self, tuned: Tuned, robust: Robustness) -> float:
-        """Return the error of a run [m/s]."""
+        """Return the error of a run [m/s], or [m]."""
+        v_cmd, counted = self.motion.v_cmd, self.motion.counted
         try:
-            result = self.course.run(tuned, self.v_cmd)
+            result = self.course.run(tuned, v_cmd)
         except cosim.SimulationError as error:
             raise ga.CandidateFailed(str(error)) from error
-        gap = self.criterion.gap(result)
-        square = np.mean(gap[len(gap) - len(gap) // PASSES :] ** 2)
+        if self.one.positions:
+            gap = result["drive.x_enc"] - tuned.loop.commands(v_cmd)["x_cmd"]
+            return float(np.sqrt(np.mean(gap[counted] ** 2)))
+        square = np.mean(self.criterion.gap(result)[counted] ** 2)
         noise = robust.noise * self.sheet.encoder_step
         return float(np.sqrt(square + noise**2 / 12.0))

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas as pd
-
-from stickslip.catalog.parameters import unit_of
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.logs import Finding
@@ -15,29 +12,11 @@ from stickslip.report.learned import content
 from stickslip.report.learned.laws import laws
 from stickslip.report.page import Section, picture_files, write_page
 
-__all__ = ["FIGURES", "FILES", "parameter_table", "sections", "write_estimation_report"]
+__all__ = ["FIGURES", "FILES", "sections", "write_estimation_report"]
 
 FIGURES = ("recording", "force", "residual", "profiles")
 FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
 """What ``write_estimation_report`` writes."""
-
-
-def parameter_table(estimation: Estimation) -> pd.DataFrame:
-    """Return a row for each parameter, in SI units.
-
-    Returns
-    -------
-    DataFrame
-        parameter, unit, value, standard_error, low, high (95 %), identifiability, sentence
-    """
-    rotary = estimation.recording.motion == "rotary"
-    columns = ("value", "standard_error", "low", "high", "identifiability", "sentence")
-    rows = [
-        {"parameter": name, "unit": unit_of(name, rotary=rotary)}
-        | {column: getattr(known, column) for column in columns}
-        for name, known in estimation.known.items()
-    ]
-    return pd.DataFrame(rows)
 
 
 def sections(
@@ -81,7 +60,7 @@ def write_estimation_report(
     The page names learned.json and compensator.fmu if the folder contains them. Parameters are
     those of ``sections``, and ``write_page`` tells what is returned and raised.
     """
-    table = parameter_table(estimation).to_csv(index=False, lineterminator="\n")
+    table = estimation.table().to_csv(index=False, lineterminator="\n")
     written = [atomic_write(folder / "parameters.csv", table)]
     beside = [path.name for path in folder.iterdir()]
     title = f"Friction of a drive, learned from {estimation.recording.source}"

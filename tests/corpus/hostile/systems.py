@@ -103,7 +103,7 @@ CONNECTIONS = [
     _connected("unknown-element", "a connection to nowhere", "there is no component 'c'", connection("a.y", "c.u")),
     _connected("unknown-connector", "a connection to a variable that is none", "b has no connector 'w'", connection("a.y", "b.w")),
     _connected("unknown-end-of-system", "a connection to a connector that the system has not", "the system has no connector 'v'", connection("v", "b.u")),
-    _connected("types", "an integer led to a number", "only equal types connect", connection("a.count", "b.u")),
+    _connected("types", "a text led to a number", "only types that lose nothing connect", connection("v", "b.u"), connectors=connector("v", "input", "<ssc:String/>")),
     _connected("units", "metres led to metres per second", "'m' cannot be converted to 'm/s'", connection("a.y", "b.u", convert=True)),
     _connected("unit-unknown", "furlongs led to metres per second",
                "'furlong' cannot be converted .*no file defines what 'furlong' is",

@@ -83,7 +83,7 @@ def test_maps_follow_each_other():
 @pytest.mark.parametrize(
     ("source", "target", "pairs", "message"),
     [
-        ("Float64", "Int32", {}, "Float64_out is a Float64, .* mapped between integers"),
+        ("Float64", "Float32", {}, "Float64_out is a Float64, .* need an integer, Boolean"),
         ("Int32", "UInt8", {1: 256}, r"b\.UInt8_in: expected a value of type UInt8, got 256"),
         ("Int32", "Boolean", {1: 2}, "expected a value of type Boolean, got 2"),
     ],
@@ -91,3 +91,46 @@ def test_maps_follow_each_other():
 def test_pairs_that_do_not_fit_are_refused(export, source, target, pairs, message):
     with pytest.raises(cosim.ConnectionFault, match=message):
         chain(export, 3, source, target, Link(ValueMap.of(pairs)))
+
+
+@pytest.mark.parametrize(
+    ("version", "source", "target", "values"),
+    [
+        (2, "Boolean", "Float64", [0, 1, 1, 0]),
+        (3, "Boolean", "Float64", [0, 1, 1, 0]),
+        (2, "Boolean", "Int32", [0, 1, 1, 0]),
+        (2, "Int32", "Float64", [-(2**31), 3, 0, 2**31 - 1]),
+        (2, "Int32", "Enumeration", [1, 3, 2, 1]),
+        (3, "Enumeration", "UInt8", [1, 3, 2, 1]),
+        (3, "Float32", "Float64", [0.5, 0.25, -1.0, 2.0]),
+        (3, "UInt8", "Int64", [0, 255, 7, 1]),
+    ],
+)
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=str)
+def test_types_that_lose_nothing_connect_as_they_are(
+    export, version, coupling, source, target, values
+):
+    flags = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
+    system = chain(export, version, source, target, Link(), f'{flags}="true"')
+    result = seen(system, values, coupling)
+    given, delay = result[f"a.{source}_out"], int(coupling == "jacobi")
+    assert set(given[1:]) <= set(values)
+    np.testing.assert_array_equal(result[f"b.{target}_out"][1 + delay :], given[1 : 4 - delay])
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "values", "expected"),
+    [
+        ("Float64", "Int32", [0.0, 2.9, -2.9, 1e300], [2, -2, 2**31 - 1]),
+        ("Float64", "Boolean", [0.0, 0.25, 0.0, -3.0], [1, 0, 1]),
+        ("Int32", "Boolean", [0, 2, 0, -1], [1, 0, 1]),
+    ],
+)
+def test_what_loses_a_part_of_the_value_is_asked_for_by_pairs(
+    export, source, target, values, expected
+):
+    with pytest.raises(cosim.ConnectionFault, match=r"loses a part of the value; give pairs"):
+        chain(export, 3, source, target, Link())
+    system = chain(export, 3, source, target, Link(ValueMap.of({})))
+    result = seen(system, [*values[1:], 0.0])
+    np.testing.assert_array_equal(result[f"b.{target}_out"][1:], expected)

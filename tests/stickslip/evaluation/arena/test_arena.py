@@ -13,19 +13,25 @@ from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena import entrants as registry
-from stickslip.evaluation.arena.commands import COMMANDS, training
+from stickslip.evaluation.arena.commands import COMMANDS, moves, training
+from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
 from stickslip.evaluation.arena.protocol import UNFINISHED, Plan, build, run_arena
 from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.evaluation.arena.tuning import Budget, tune
-from stickslip.evaluation.arena.validation import validate
+from stickslip.evaluation.arena.validation import WORST, validate, validate_changed
 from stickslip.evaluation.arena.writing import write_arena
+from stickslip.models.export.units import force_and_length
+from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import servo_loop
+from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.tuning.execution import Execution
 
 SMALL = Budget(12, 1000.0)
+KEPT = ("state", "memory")
 NAMES = ("none", "pi", "static", "lugre", "lugre_network", "static+ekbf")
 
 
@@ -96,6 +102,85 @@ def test_start_values_follow_the_measured_friction_and_not_the_laws_own():
     assert abs(np.log(many["lugre.sigma_0"] / PAPER["sigma_0"])) > 0.05
 
 
+def test_forces_and_lengths_follow_the_drive_for_every_entrant(loop):
+    """No constant holds for the paper's stage only: forces by 50, lengths and speeds by 4."""
+
+    def parameters(part, coarse):
+        genes = {g.name.removeprefix(f"{part.name}."): g.start for g in part.genes(coarse)}
+        return part.parameters(genes, loop, coarse, Datasheet())
+
+    for part in registry.parts().values():
+        if not part.model or part.design:  # gains of a filter follow from force and encoder
+            continue
+        model = models.load_model(part.model, part.law.name if part.law else None)
+        units = {v.name: v.unit or "1" for v in model.variables}
+        starts = {v.name: v.start for v in model.variables if v.role == "parameter"}
+        here, there = (parameters(part, Coarse(*one)) for one in ((6.0, 0.04), (300.0, 0.16)))
+        for name, unit in units.items():
+            force, length = force_and_length(unit)
+            if not starts.get(name) or not (force or length) or name in part.ports.axis:
+                continue
+            expected = 50.0**force * 4.0**length
+            assert there[name] / here[name] == pytest.approx(expected), (part.name, name)
+
+
+def test_the_fmus_of_every_entrant_take_its_start_values(tmp_path, loop):
+    every, coarse = [entrant(name) for name in registry.parts()], Coarse(6.0, 0.04)
+    build(tmp_path, Plan(drives("lugre"), [*registry.parts()]))
+    for one in every:
+        problem = one.problem(coarse)
+        genes = {gene.name: gene.start for gene in problem.genes} if problem else {}
+        tuned = one.tuned(genes, loop, coarse, Datasheet())
+        with Course(tmp_path / "lugre", one.base(loop), one, 10, ("drive.x",)) as course:
+            assert np.isfinite(course.run(tuned, np.full(10, 0.01))["drive.x"]).all(), one.name
+
+
+def test_composite_feedback_is_as_robust_as_its_worst_linear_loop(built, loop):
+    one, coarse = entrant("cnf"), Coarse(6.0, 0.04)
+    genes = {gene.name: gene.start for gene in one.problem(coarse).genes}
+    for damping in (0.05, 1.6):
+        tuned = one.tuned({**genes, "cnf.gamma_v": damping}, loop, coarse, Datasheet())
+        stiff = replace(tuned.loop, K_x=0.0)
+        damped = close_velocity_loop(
+            loop.axis, loop.T_s, loop.tau_f, stiff.K_p + damping * loop.K_p, stiff.K_i
+        )
+        with ChainResponse(built, loop, one.chain) as response:
+            found = tuned.robustness(response, 6.0)
+        expected = max(peak_sensitivity(tuned.loop), peak_sensitivity(damped))
+        assert found.peak == pytest.approx(expected, rel=0.05)
+
+
+def test_composite_feedback_is_tuned_on_small_moves_and_damps_them(built, loop):
+    one, sheet = entrant("cnf"), Datasheet()
+    found = tune(built, loop, one, SMALL, 0, sheet)
+    duration = len(moves(loop.T_s).v_cmd) * loop.T_s
+    assert found.seconds <= found.evaluations * duration
+    tuned = found.tuned(one, loop, sheet)
+    chosen = [COMMANDS["M"]]
+    damped, plain = (
+        validate(built, loop, one, replace(tuned, damping=values), chosen, 1).figures
+        for values in (tuned.damping, {})
+    )
+    key = ("M", "rest error 100 um", "m")
+    assert damped[key] != plain[key]
+
+
+def test_changed_drives_have_other_errors(built, loop):
+    drive = drives("lugre")[0]
+    changes = drive.changes("T", "R")
+    assert changes["friction x 0.5"][1]["F_c"] == pytest.approx(0.5 * PAPER["F_c"])
+    assert changes["friction x 0.5"][1]["sigma_0"] == pytest.approx(0.5 * PAPER["sigma_0"])
+    assert "v_s" not in changes["friction x 0.5"][1]
+    found = validate_changed(built, loop, entrant("none"), Tuned(loop, {}), changes, 1, Datasheet())
+    ratios = {key[1].partition("ratio ")[2]: values[0] for key, values in found.items()}
+    assert ratios["friction x 0.5"] == pytest.approx(0.5, abs=0.1)
+    assert ratios["friction x 1.5"] == pytest.approx(1.5, abs=0.1)
+    assert ratios["noise x 3"] > 1.0
+    ((worst,),) = (values for key, values in found.items() if key[1] == WORST)
+    assert worst == max(values[0] for key, values in found.items() if key[0] == "T")
+    assert found["R", "error per encoder step", "1/s"][0] > 0.0
+
+
 def test_no_compensator_is_the_plain_loop_bit_for_bit(built, loop):
     command = COMMANDS["R"]
     v_cmd = command.sample(loop.T_s)
@@ -159,6 +244,14 @@ def test_the_table_has_every_cell(arena):
     means = table[(table["metric"] == RELATIVE) & (table["command"] == ALL)]
     own = means[(means["compensator"] == "pi") & (means["tuned_on"] == means["drive"])]
     assert own["median"].tolist() == pytest.approx([1.0, 1.0])
+    costs = {"gain margin", "phase margin", "states", "binary size", WORST}
+    assert costs <= {*table["metric"]}
+    states = table[(table["metric"] == "states") & (table["compensator"] == "lugre")]
+    kept = [v for v in models.load_model("compensator", "lugre").variables if v.role in KEPT]
+    assert (states["median"] == len(kept)).all()
+    times = pd.read_csv(folder / "time.csv")
+    assert (times["tuning [s]"] > 0.0).all()
+    assert ((times["sample [s]"] > 0.0) == times["compensator"].isin(["static", "lugre"])).all()
     peaks = table[table["metric"] == "Ms"]["median"]
     assert (peaks <= 2.2).all()
     assert not (folder / UNFINISHED).exists()

@@ -18,7 +18,7 @@ def perfect(command):
     v_cmd = command.sample(T_S)
     x_cmd = T_S * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
     force = LOOP.axis.m * np.gradient(v_cmd, T_S) + LOOP.axis.b * v_cmd
-    return Trace(T_S, v_cmd, x_cmd, v_cmd, x_cmd, force, v_cmd)
+    return Trace(T_S, v_cmd, x_cmd, v_cmd, x_cmd, force, v_cmd, 4e-7)
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
@@ -69,6 +69,34 @@ def test_a_move_settles_when_its_error_stays_within_a_micrometre():
     assert found["settling 5 um"][0] == 0.0
     travelled = T_S * np.abs(run.v_cmd).sum()
     assert travelled == pytest.approx(2.0 * sum((1e-6, 2e-6, 5e-6, 1e-5, 1e-4, 1e-3)), rel=1e-3)
+
+
+def test_an_overshoot_is_relative_to_the_move():
+    command = COMMANDS["M"]
+    run = perfect(command)
+    for (begin, end), beyond in zip(command.motion.regions["10 um"], (1e-6, -2e-6), strict=True):
+        assert trace_error(command, run, begin, end, beyond) == pytest.approx(abs(beyond) / 1e-5)
+        assert trace_error(command, run, begin, end, -beyond) == 0.0
+
+
+def trace_error(command, run, begin, end, beyond):
+    """Return the overshoot of a run that is beyond its command in one rest [m]."""
+    t = T_S * np.arange(len(run.x))
+    late = run.x + np.where((t > begin + 0.1) & (t < end), beyond, 0.0)
+    return figures(command, replace(run, x=late), LOOP)["overshoot 10 um"][0]
+
+
+def test_reversals_at_rest_are_counted_where_they_exceed_the_encoder():
+    command = COMMANDS["H"]
+    run = perfect(command)
+    t = T_S * np.arange(len(run.x))
+    for size, expected in ((3e-6, 8.0), (3e-7, 0.0)):
+        # 3 s of rest see 4.5 periods, thus 9 turning points; the last one has no swing after it.
+        swing = run.x + size * np.cos(
+            2.0 * np.pi * 1.5 * (t - command.motion.regions["hold"][0][0])
+        )
+        found = figures(command, replace(run, x=swing), LOOP)
+        assert found["reversals at rest"][0] == expected
 
 
 def test_hunting_is_the_swing_at_rest():

@@ -1,0 +1,26 @@
+"""How a system shows itself in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+_LEFT = ' style="text-align:left"'
+
+
+def html_table(
+    heads: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "", *, words: int = 0
+) -> str:
+    """Return a table as HTML; the first columns are words, the others numbers."""
+
+    def line(cells: Sequence[object], kind: str) -> str:
+        looks = (_LEFT if column < words else "" for column in range(len(cells)))
+        pairs = zip(cells, looks, strict=True)
+        return (
+            f"<tr>{''.join(f'<{kind}{look}>{escape(str(c))}</{kind}>' for c, look in pairs)}</tr>"
+        )
+
+    body = "\n".join(line(cells, "td") for cells in rows)
+    title = f"<caption{_LEFT}>{escape(caption)}</caption>\n" if caption else ""
+    head = f"<thead>{line(heads, 'th')}</thead>"
+    return f"<table>\n{title}{head}\n<tbody>\n{body}\n</tbody>\n</table>"

@@ -1,0 +1,203 @@
+"""Many runs of one system with other parameters: all of a grid, or those that a search tries."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stickslip import cosim, ga
+from stickslip.cosim.signals.signals import Input
+from stickslip.errors import UsageError
+from stickslip.simulation import Model
+from stickslip.tuning.jobs import Outcome, run_jobs
+
+Figure = Callable[[cosim.Result], float]
+"""Evaluates a run to a number."""
+
+
+@dataclass(frozen=True)
+class Optimised:
+    """What a search found.
+
+    Attributes
+    ----------
+    parameters : the best values by name, in the unit of each variable
+    cost : of these
+    table : a row for each run, in order: generation, the parameters, cost, and the reason where a
+        run failed
+    stopped : why the search ended
+    """
+
+    parameters: dict[str, float]
+    cost: float
+    table: pd.DataFrame
+    stopped: str
+
+
+def sweep(
+    system: cosim.System | Path | str,
+    parameters: Mapping[str, Iterable[float]],
+    figures: Mapping[str, Figure],
+    *,
+    stop: float | None = None,
+    step: float | None = None,
+    inputs: Mapping[str, Input] | None = None,
+    workers: int = 1,
+    where: str = "threads",
+    progress: Callable[[int, int], object] = lambda *_: None,
+    **options: Any,
+) -> pd.DataFrame:
+    """Run a system for every combination of parameter values.
+
+    Runs go on side by side; the table does not depend on it. Each worker instantiates the FMUs
+    once.
+
+    Parameters
+    ----------
+    system : a system, FILE.fmu or FILE.ssp
+    parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
+    figures : name -> a function of the result that gives a number; picklable (a function of a
+        module, not a lambda) unless the workers are threads
+    stop, step : of each run [s], instead of those that a file proposes
+    inputs : signals by exposed input, the same in every run
+    workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
+        scheduler
+    progress : called with how many runs are done and how many there are
+    options : of ``System.prepare``
+
+    Returns
+    -------
+    pandas.DataFrame
+        a row for each combination, the last parameter varying first: the parameters, then the
+        figures. A run that failed has NaN, and its reason in a further column ``reason``, which
+        is absent where none failed.
+
+    Raises
+    ------
+    UsageError
+        When there is nothing to vary or to evaluate.
+    CosimError
+        When the system, a name or an input is wrong.
+    """
+    values = {name: [float(value) for value in some] for name, some in parameters.items()}
+    if not values or not all(values.values()) or not figures:
+        raise UsageError("a sweep needs parameters with values, and figures")
+    model, specification, signals = _prepared(system, stop, step, inputs, options)
+    names = [model.qualified(name) for name in values]
+    for name, some in zip(names, values.values(), strict=True):
+        model.system.checked(name, some[0])
+    grid = list(product(*values.values()))
+    rows: dict[int, Mapping[str, Any]] = {}
+    with ga.SimulatedCost(specification, names, _nothing, signals) as cost:
+        runs = [_Run(cost, dict(figures), k, one) for k, one in enumerate(grid)]
+
+        def take(run: _Run, outcome: Outcome) -> None:
+            found = json.loads(outcome.learned) if outcome.learned else {"reason": outcome.reason}
+            rows[run.place] = dict(zip(values, run.values, strict=True)) | found
+            progress(len(rows), len(grid))
+
+        run_jobs(_evaluated, runs, 0, where, workers, take)
+    failed = ["reason"] if any("reason" in row for row in rows.values()) else []
+    columns = [*values, *figures, *failed]
+    table = pd.DataFrame([rows[k] for k in range(len(grid))], columns=columns)
+    return table.fillna({"reason": ""}) if failed else table
+
+
+def optimise(
+    system: cosim.System | Path | str,
+    ranges: Mapping[str, Sequence[float]],
+    cost: Figure,
+    *,
+    stop: float | None = None,
+    step: float | None = None,
+    inputs: Mapping[str, Input] | None = None,
+    evaluations: int = 300,
+    algorithm: str = "default",
+    seed: int = 0,
+    workers: int = 1,
+    where: str = "threads",
+    **options: Any,
+) -> Optimised:
+    """Search the parameters of a system for which a cost is least, by the genetic algorithm.
+
+    Parameters
+    ----------
+    system, stop, step, inputs, workers, where, options : as of ``sweep``
+    ranges : name -> (lowest, start, highest), in the unit of the variable; searched by the
+        logarithm where the lowest is above 0
+    cost : of a result, 0 or more; picklable unless the workers are threads
+    evaluations : budget of runs
+    algorithm : ``default``, ``paper``, ``cma`` or ``de``
+    seed : random seed; the same seed gives the same search, whatever the workers
+
+    Raises
+    ------
+    UsageError
+        When a range has not three numbers.
+    GaError
+        When a range or setting makes no sense, or every run of the first generation failed.
+    CosimError
+        When the system, a name or an input is wrong.
+    """
+    model, specification, signals = _prepared(system, stop, step, inputs, options)
+    genes = []
+    for name, span in ranges.items():
+        if len(span) != 3:
+            raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
+        low, start, high = span
+        unit = model.system.unit(model.qualified(name)) or ""
+        genes.append(ga.Gene(name, low, high, start, unit, linear=low <= 0.0))
+    limits = ga.Limits(evaluations=evaluations)
+    search = ga.optimiser(algorithm, ga.Problem(genes), limits, seed)
+    names = [model.qualified(name) for name in ranges]
+    with (
+        ga.SimulatedCost(specification, names, cost, signals) as evaluate,
+        ga.executor(where, workers) as executor,
+    ):
+        found = ga.learn(search, evaluate, executor)
+    table = search.history.drop(columns="index")
+    return Optimised(found.parameters, float(found.best.cost), table, found.stopped)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One combination of a sweep; a job of ``run_jobs``."""
+
+    cost: ga.SimulatedCost
+    figures: Mapping[str, Figure]
+    place: int
+    values: tuple[float, ...]
+
+
+def _evaluated(run: _Run, _seed: int, _stage: object = None) -> Outcome:
+    try:
+        result = run.cost.result(np.array(run.values))
+    except ga.CandidateFailed as failure:
+        return Outcome(reason=str(failure))
+    return Outcome(json.dumps({name: float(of(result)) for name, of in run.figures.items()}))
+
+
+def _nothing(_: cosim.Result) -> float:
+    """Stand for the cost of a run whose result is evaluated otherwise."""
+    return 0.0
+
+
+def _prepared(
+    system: cosim.System | Path | str,
+    stop: float | None,
+    step: float | None,
+    inputs: Mapping[str, Input] | None,
+    options: Mapping[str, Any],
+) -> tuple[Model, cosim.Specification, Mapping[str, Input]]:
+    """Return the model, what its runs have in common, and their inputs."""
+    model = Model.of(system)
+    with model.prepare(stop=stop, step=step, record=model.record(None), **options) as simulation:
+        specification = replace(simulation.spec, system=model.system)
+    return model, specification, model.inputs if inputs is None else dict(inputs)

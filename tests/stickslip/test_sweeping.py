@@ -1,0 +1,109 @@
+"""Sweeps and searches over parameters, against the closed form of a sliding mass."""
+
+from __future__ import annotations
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip import ga
+from stickslip.sweeping import _evaluated, _nothing, _Run
+
+M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
+RUN = {"stop": STOP, "step": 1e-3, "inputs": {"u": PUSH}}
+
+
+def end(result: ss.Result) -> float:
+    """Return the velocity at the end [m/s]."""
+    return float(result["v"][-1])
+
+
+def expected(F_c: float, m: float) -> float:
+    return (PUSH - F_c) / B * (1.0 - np.exp(-B / m * STOP))
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stage")
+    return ss.build_fmu("stage", folder, law="coulomb_stribeck", start={"F_s": 1.0, "F_c": 1.0})
+
+
+def test_a_sweep_is_a_table_of_all_combinations(stage):
+    values = {"F_c": [0.2, 0.5], "stage.m": [M, 2 * M, 3 * M]}
+    done = []
+    table = ss.sweep(stage, values, {"end": end}, progress=lambda *n: done.append(n), **RUN)
+    assert list(table) == ["F_c", "stage.m", "end"]
+    assert table["stage.m"].tolist() == 2 * [M, 2 * M, 3 * M]
+    closed = [expected(row["F_c"], row["stage.m"]) for _, row in table.iterrows()]
+    np.testing.assert_allclose(table["end"], closed, rtol=1e-3)
+    assert done == [(n, 6) for n in range(1, 7)]
+
+
+def test_workers_give_the_same_table(stage):
+    values = {"F_c": np.linspace(0.1, 0.9, 5)}
+    alone = ss.sweep(stage, values, {"end": end}, **RUN)
+    assert ss.sweep(stage, values, {"end": end}, workers=2, **RUN).equals(alone)
+
+
+def test_a_run_goes_to_another_process(stage):
+    system = ss.System("stage")
+    system.add("stage", stage, {"u": PUSH})
+    specification = ss.Specification(system, step=1e-3, stop=STOP)
+    with ga.SimulatedCost(specification, ["stage.F_c"], _nothing) as cost:
+        run = pickle.loads(pickle.dumps(_Run(cost, {"end": end}, 0, (0.3,))))  # noqa: S301
+        found = json.loads(_evaluated(run, 0).learned)
+    assert found["end"] == pytest.approx(expected(0.3, M), rel=1e-3)
+
+
+def test_a_run_that_fails_is_a_row_with_its_reason(stage):
+    def fails(_: float, u: dict[str, float]) -> float:
+        if u["v"] > 0.4:
+            raise ValueError("too fast")
+        return u["v"]
+
+    system = ss.System("watched")
+    system.add("stage", stage, {"u": PUSH})
+    system.add("guard", ss.Function(fails, {"v": "m/s"}, {"y": "m/s"}))
+    system.connect("stage.v", "guard.v")
+    table = ss.sweep(system, {"stage.F_c": [0.1, 9.0]}, {"end": end_of_stage}, stop=0.5, step=1e-2)
+    assert "too fast" in table["reason"][0]
+    assert np.isnan(table["end"][0])
+    assert table["reason"][1] == ""
+    assert table["end"][1] == pytest.approx(expected(9.0, M), rel=2e-2)
+
+
+def end_of_stage(result: ss.Result) -> float:
+    return float(result["stage.v"][-1])
+
+
+def test_mistakes_are_one_line(stage):
+    with pytest.raises(ss.Fault, match="has no variable 'F_k'; did you mean"):
+        ss.sweep(stage, {"F_k": [1.0]}, {"end": end}, **RUN)
+    with pytest.raises(ss.Fault, match="needs parameters with values, and figures"):
+        ss.sweep(stage, {"F_c": []}, {"end": end}, **RUN)
+    with pytest.raises(KeyError, match="was not recorded"):
+        ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
+    with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, start, highest\)"):
+        ss.optimise(stage, {"F_c": (0.1, 1.0)}, end, **RUN)
+    with pytest.raises(ss.Fault, match=r"system 'lone': give stop="):
+        ss.simulate(ss.System("lone"))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_search_finds_the_value_that_made_a_run(stage, workers):
+    aim = expected(0.4, M)
+
+    def off(result: ss.Result) -> float:
+        return abs(end(result) - aim)
+
+    found = ss.optimise(
+        stage, {"F_c": (0.05, 0.9, 0.95)}, off, evaluations=150, **RUN, workers=workers
+    )
+    assert found.parameters["F_c"] == pytest.approx(0.4, rel=5e-3)
+    assert found.cost == found.table["cost"].min()
+    assert list(found.table) == ["generation", "F_c", "cost", "reason"]
+    assert len(found.table) <= 150
+    assert found.table["F_c"][0] == pytest.approx(0.9)
