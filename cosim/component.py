@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Literal
 
 from stickslip.cosim.fmu.values import resized
+from stickslip.fmi.description.learned import Learned
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable, parse_element
@@ -41,6 +42,7 @@ class Component:
     experiment : the times it proposes, s, and the tolerance
     structural : names of structural parameters
     outside : variables whose declared start value is outside their range
+    learned : what it learns in a run
     event_mode, has_arrays, needs_tool, once_per_process : see Fmu
     serializes, restores_state, interpolates_inputs, varies_step : its abilities
     """
@@ -58,6 +60,7 @@ class Component:
     experiment = DefaultExperiment()
     structural: Sequence[str] = ()
     outside: Sequence[Variable] = ()
+    learned = Learned()
     event_mode = has_arrays = needs_tool = once_per_process = False
     serializes = restores_state = interpolates_inputs = varies_step = False
 

@@ -72,6 +72,7 @@ class Fmu(Component):
     has_arrays : whether it has more than scalars: arrays, binary values, structural parameters
     structural : names of its structural parameters
     clocks : input clocks that tick by time
+    learned : what it learns in a run
     once_per_process : whether there can be one instance only
     serializes : whether its state can be put into a file
     restores_state, interpolates_inputs, varies_step : whether it declares these abilities
@@ -112,6 +113,7 @@ class Fmu(Component):
         )
         self.binary = self._find_binary()
         self.outside = description.outside
+        self.learned = description.learned
         self.identity = f"{self.interface} of the file with SHA-256 {self.folder.name[:16]}..."
         self.units = description.units
         self.variables = description.variables

@@ -12,6 +12,7 @@ from typing import Any
 
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import SimulationError
+from stickslip.cosim.fmu.batch import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
@@ -21,7 +22,7 @@ _LARGEST = 2**30  # bytes of a state
 
 
 class StateAccess:
-    """Saves and restores one instance.
+    """Saves, restores and reads one instance.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ class StateAccess:
         on_fatal: Callable[[str], object],
     ) -> None:
         self._name = name
-        self._library = library
+        self._library, self._version = library, version
         self._instance, self._mark_fatal = c_void_p(instance), on_fatal
         word = "FMUstate" if version == 2 else "FMUState"
         verbs = ("Get{}", "Set{}", "Free{}", "Serialized{}Size", "Serialize{}", "Deserialize{}")
@@ -84,6 +85,12 @@ class StateAccess:
             self._let_go(state)
             raise
         self._call(self._free, byref(state))
+
+    def read(self, batch: Batch) -> None:
+        """Read the values of variables."""
+        count, size = len(batch.references), (c_size_t(len(batch.values)),)
+        sizes = size if self._version == 3 else ()
+        self._call(batch.call, batch.references, c_size_t(count), batch.values, *sizes)
 
     def _let_go(self, state: c_void_p) -> None:
         if self._instance:

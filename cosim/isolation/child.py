@@ -109,6 +109,9 @@ class _Served:
         self._prepared.save(path)
         return {}
 
+    def values(self, names: list[str]) -> dict[str, object]:
+        return {"values": self._prepared.values(names)}
+
     def close(self) -> dict[str, object]:
         if self._simulation:
             self._simulation.close()

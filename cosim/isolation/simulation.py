@@ -6,7 +6,7 @@ import builtins
 import inspect
 import logging
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -79,6 +79,12 @@ class IsolatedSimulation(Simulation):
         with self._exclusive:
             self._ask("save", {"path": str(Path(path).absolute())})
         return Path(path)
+
+    def values(self, names: Sequence[str]) -> list[float]:
+        """Return the values that variables have at the end of the last run, see Simulation."""
+        with self._exclusive:
+            reply = self._ask("values", {"names": list(names)})
+            return [float(value) for value in reply["values"]]
 
     def close(self) -> None:
         """Free the FMUs and end the child. A closed simulation starts another when it runs.

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.cosim.assembly.disturbances import held_values, hold_values
-from stickslip.cosim.errors import ExperimentError, SimulationError
+from stickslip.cosim.errors import ExperimentError, ParameterError, SimulationError
+from stickslip.cosim.fmu.batch import Batch
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.state import StateAccess
 from stickslip.cosim.run.checkpoint import Checkpoint, differences
 from stickslip.cosim.run.real_time import RealTimePacing
@@ -186,6 +188,56 @@ class Simulation(Repeated):
 
         with self._exclusive:
             return self._with_retries(attempt)
+
+    def learned(self) -> dict[str, float]:
+        """Return what the components have learned in the last run.
+
+        Returns
+        -------
+        ``component.parameter`` -> start value, with which ``run`` of this or another simulation
+        goes on from it. FMUs say in an annotation what they learn; others learn nothing.
+
+        Raises
+        ------
+        SimulationError
+            When nothing was run, or an FMU refuses.
+        """
+        names = {
+            f"{name}.{parameter}": f"{name}.{variable}"
+            for name, component in self.spec.system.components.items()
+            for parameter, variable in component.learned.variables.items()
+        }
+        return dict(zip(names, self.values(list(names.values())), strict=True))
+
+    def values(self, names: Sequence[str]) -> list[float]:
+        """Return the values that numbers and Booleans have at the end of the last run.
+
+        Parameters
+        ----------
+        names : ``component.variable``, parameters included
+
+        Raises
+        ------
+        ParameterError
+            When there is no such variable, or it is no number.
+        SimulationError
+            When nothing was run, or an FMU refuses.
+        """
+        with self._exclusive:
+            return [self._value(name) for name in names]
+
+    def _value(self, name: str) -> float:
+        variable = self.spec.system.variable(name, ParameterError)
+        if variable.type in ("String", "Binary", "Clock") or variable.dimensions:
+            raise ParameterError(f"{name} is a {variable.type}, expected a scalar number")
+        component = component_of(name)
+        slot = self._slots[component]
+        if not (slot.used and slot.instance):
+            raise SimulationError(f"{name} has no value yet: run first")
+        owner = self.spec.system.components[component].variables[variable.owner]
+        batch = Batch(self._libraries[component], [owner], "Get")
+        self._state_of(component).read(batch)
+        return float(batch.values[batch.place(variable)])
 
     def _state_of(self, name: str) -> StateAccess:
         general = self._general_components.get(name)

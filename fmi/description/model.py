@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from stickslip.fmi.description.clocks import Clock
+from stickslip.fmi.description.learned import Learned
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
 
@@ -52,6 +53,7 @@ class Description:
     derivative_of : name -> name of what it is the derivative of, whether a state is or not
     n_states, n_indicators : numbers of continuous states and of event indicators
     clocks : the input clocks
+    learned : what it learns in a run
     outside : variables that start outside their own range
     """
 
@@ -71,3 +73,4 @@ class Description:
     n_indicators: int
     clocks: tuple[Clock, ...]
     outside: tuple[Variable, ...]
+    learned: Learned

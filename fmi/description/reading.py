@@ -10,6 +10,7 @@ from typing import Any
 from stickslip.fmi.description.attributes import DescriptionFault, name_of, real, whole, whole_of
 from stickslip.fmi.description.clocks import read_clocks
 from stickslip.fmi.description.elements import MAX_REFERENCE, Lengths, read_variable, typed_element
+from stickslip.fmi.description.learned import read_learned
 from stickslip.fmi.description.model import DefaultExperiment, Description
 from stickslip.fmi.description.structure import read_derivatives, read_unknowns
 from stickslip.fmi.description.types import read_types, read_units
@@ -67,6 +68,7 @@ def read_description(root: Any) -> Description:
         else sum(by_name[u.name].size for u in unknowns["indicators"]),
         clocks=read_clocks(elements) if version == 3 else (),
         outside=tuple(filter(_starts_outside, variables)),
+        learned=read_learned(root, by_name),
     )
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from stickslip.fmi.description.learned import ANNOTATION
 from stickslip.fmi.description.writing import child, document, text
 from stickslip.models.export.description import Model, Variable
 from stickslip.models.export.sources import FmiVersion, c_files, compiled
@@ -77,6 +78,8 @@ def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
         tolerance=1e-6 if model.is_continuous else None,
         stepSize=model.step,
     )
+    if fmi == 2:
+        _add_learned(root, model, "VendorAnnotations", "Tool", name=ANNOTATION)
     # FMI 2.0 does not ask for time, of which importers built on FMILibrary complain that it has no
     # start value, which it must not have. There a variable is named by its place, from 1.
     listed = [(k, v) for k, v in enumerate(model.variables) if fmi == 3 or v.role != "time"]
@@ -105,7 +108,23 @@ def model_description(model: Model, token: str, fmi: FmiVersion) -> str:
         else:
             child(variables, _TAGS[3][v.type], **own, **typed)
     _add_structure(root, model, place, fmi)
+    if fmi == 3:
+        _add_learned(root, model, "Annotations", "Annotation", type=ANNOTATION)
     return document(root)
+
+
+def _add_learned(root: ET.Element, model: Model, place: str, tag: str, **named: str) -> None:
+    """Note which parameters take over what a run has learned."""
+    if model.ports is not None and model.ports.learned:
+        annotation = child(child(root, place), tag, **named)
+        for parameter, variable in model.ports.learned.items():
+            child(
+                annotation,
+                "Learned",
+                model=model.folder.name,
+                parameter=parameter,
+                variable=variable,
+            )
 
 
 def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
