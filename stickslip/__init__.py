@@ -29,6 +29,7 @@ _PLACES = {
     "stickslip.models": ("build_fmu", "export_lti", "law_names"),
     "stickslip.models.firmware": ("write_compensator",),
     "stickslip.pipeline.log_learning": ("learn",),
+    "stickslip.results.learned": ("load_learned", "save_learned"),
     "stickslip.results.learned_folder": ("write_learned",),
     "stickslip.planning": ("Limits", "plan"),
     "stickslip.report.bode": ("draw_bode",),

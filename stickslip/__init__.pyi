@@ -32,6 +32,8 @@ from stickslip.pipeline.log_learning import learn as learn
 from stickslip.planning import Limits as Limits
 from stickslip.planning import plan as plan
 from stickslip.report.bode import draw_bode as draw_bode
+from stickslip.results.learned import load_learned as load_learned
+from stickslip.results.learned import save_learned as save_learned
 from stickslip.results.learned_folder import write_learned as write_learned
 from stickslip.servo import Axis as Axis
 from stickslip.servo import LoopSpecification as LoopSpecification

@@ -4,7 +4,8 @@
     <Annotations><Annotation type="stickslip">               in FMI 3.0
         <Learned model="lffc" parameter="w_0" variable="w"/>
 
-``parameter`` takes over the value that ``variable`` has at the end of another run; of arrays, all elements.
+``parameter`` takes over the value that ``variable`` has at the end of another run; of arrays, all
+elements.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """``stickslip validate``: a learned drive against another log, or on the simulated drive.
 
 With ``--log`` nothing is simulated but the log's own loop. Without it the parameters compensate the
-drive FMU, as in Table 4 of the paper.
+drive FMU, as in Table 4 of the paper, and the components of learned.json stand behind.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> No
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
-    compensator = learned.compensator
+    compensator, behind = learned.compensator, learned.behind
     with (
         reserved(options.out, ["table4.csv", "attribution.csv"]),
         rig_of(truth, learned.law.name) as rig,
@@ -114,7 +114,7 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> No
         if options.velocity_filter:
             loop = with_inertia(with_velocity_filter(plain, rig.datasheet, compensator["F_c"]))
         progress.stage("validating")
-        validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain)
+        validation = validate(rig, loop, compensator, VALIDATION, options.feed, plain, behind)
         tables = {"table4.csv": validation.table()}
         print_table4(tables["table4.csv"])
         if options.velocity_filter:

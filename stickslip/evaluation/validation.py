@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -15,7 +15,7 @@ from stickslip import cosim
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
 from stickslip.servo.measurement import Array, measured_velocity
 from stickslip.servo.rig import Rig
-from stickslip.servo.systems import Feed, paper_loop
+from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 PAPER_TABLE4 = {
@@ -131,6 +131,7 @@ def validate(
     command: cosim.Trapezoid,
     feed: Feed = "nominal",
     plain: VelocityLoop | None = None,
+    behind: Sequence[Compensator] = (),
 ) -> Validation:
     """Run the trapezoid without and with compensation.
 
@@ -140,10 +141,11 @@ def validate(
     ----------
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
+    behind : further compensators, behind this one
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     without = run_command(rig, plain or loop, None, v_cmd, feed)
-    compensated = run_command(rig, loop, compensator, v_cmd, feed)
+    compensated = run_command(rig, loop, compensator, v_cmd, feed, behind)
     return Validation(without, compensated, windows(command))
 
 
@@ -153,9 +155,10 @@ def run_command(
     compensator: Mapping[str, float] | None,
     v_cmd: Array,
     feed: Feed = "nominal",
+    behind: Sequence[Compensator] = (),
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
-    system = paper_loop(rig.fmus, loop, compensator, feed)
+    system = paper_loop(rig.fmus, loop, compensator, feed, behind)
     return _runs(system, rig, loop, [{}], v_cmd)[0]
 
 

@@ -7,6 +7,8 @@
 
 Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and
 the gains L_x L_v L_d of a velocity filter. ``law`` names the friction law where it is not LuGre.
+``components`` has compensators that learn while they run, and all their parameters as numbers in
+SI units: {"scale": {"model": "adaptive_scale", "parameters": {"s_0": 0.8, "rate": 0.05, ...}}}.
 Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys: 1, that of files
 without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identifiability``.
 """
@@ -14,7 +16,9 @@ without it, has ``judge`` and ``visible`` where 2 has ``criterion`` and ``identi
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+import re
 from collections.abc import Mapping
 from functools import cached_property
 from importlib.metadata import version
@@ -24,21 +28,21 @@ from typing import Any, cast
 import numpy as np
 
 from stickslip.catalog.parameters import estimated, friction_law, start_unit, unit_of
-from stickslip.cosim import Trapezoid
+from stickslip.cosim import Simulation, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.guards import Drive, Known, family
 from stickslip.evaluation.tracking import Tracking
-from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
+from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
 from stickslip.identification.sliding.friction_curve import FrictionCurve
-from stickslip.models import Law, StartValueError, UnknownLaw, load_model
+from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownModel, load_model
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION, Datasheet
-from stickslip.servo.systems import FEEDS, Feed
+from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
@@ -64,6 +68,9 @@ TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
 _GAINS = ("L_x", "L_v", "L_d")
 _AXIS = ("m", "b", "tau_i")
 _LOOP = ("T_s", "tau_f", "K_p", "K_i")
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
+"""What an entry of the wrong shape raises."""
 
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
@@ -290,8 +297,68 @@ def datasheet_document(sheet: Datasheet) -> dict[str, dict[str, Any]]:
     return {name: {"value": getattr(sheet, name), "unit": DATASHEET[name]} for name in DATASHEET}
 
 
+def save_learned(path: Path | str, simulation: Simulation) -> Path:
+    """Write what the compensators of a simulation have learned in its last run to a learned.json.
+
+    Parameters
+    ----------
+    path : of the file, whose other entries are kept; it is made if it is absent
+    simulation : with components that learn; all their parameters are written
+
+    Raises
+    ------
+    UsageError
+        When no component learns, or the file is not a learned.json.
+    SimulationError
+        When nothing was run.
+    OSError
+        When the file cannot be read or written.
+    """
+    path, components, learned = Path(path), {}, simulation.learned()
+    for name, component in simulation.spec.system.components.items():
+        if component.learned.variables:
+            own = [v.name for v in component.variables.values() if v.causality == "parameter"]
+            now = simulation.values([f"{name}.{parameter}" for parameter in own])
+            values = {p: learned.get(f"{name}.{p}", x) for p, x in zip(own, now, strict=True)}
+            components[name] = {"model": component.learned.model, "parameters": values}
+    if not components:
+        raise UsageError(f"{path}: no component of {simulation.spec.system.name} learns")
+    document: dict[str, Any] = {"schema": SCHEMA}
+    if path.exists():
+        document = LearnedFile(path).document
+    document = {**document, "components": components}
+    return atomic_write(path, json.dumps(document, indent=2) + "\n")
+
+
+def load_learned(path: Path | str) -> dict[str, float]:
+    """Return what compensators have learned, from a learned.json or a winner.json of the arena.
+
+    Returns
+    -------
+    ``component.parameter`` -> start value, for ``System.set`` and ``Simulation.run``
+
+    Raises
+    ------
+    UsageError
+        When the file is not valid, or a model has no such parameter.
+    OSError
+        When the file cannot be read.
+    """
+    return {
+        f"{name}.{variable.name}": variable.start
+        for name, model in LearnedFile(Path(path)).components.items()
+        for variable in model.variables
+        if variable.role == "parameter"
+    }
+
+
 class LearnedFile:
-    """A learned.json, whose entries are checked when they are used.
+    """A learned.json, whose entries are checked when they are used, ``components`` at once.
+
+    Attributes
+    ----------
+    document : its content
+    components : compensators that learn while they run: model with its start values, by name
 
     Raises
     ------
@@ -307,18 +374,19 @@ class LearnedFile:
             document = parse_json(read_limited(path, MOST_TEXT))
         except ValueError as error:
             raise UsageError(f"{path}: not a learned.json: {error}") from None
-        self._document: dict[str, Any] = document if isinstance(document, dict) else {}
-        schema = self._document.get("schema", 1)
+        self.document: dict[str, Any] = document if isinstance(document, dict) else {}
+        schema = self.document.get("schema", 1)
         if type(schema) is not int or not 1 <= schema <= SCHEMA:
             raise UsageError(
                 f"{path}: schema: expected a number from 1 to {SCHEMA}, got {schema!r:.80}; "
                 "read it with the version of stickslip that wrote it, or learn again"
             )
+        self.components = self._components()
 
     @cached_property
     def law(self) -> Law:
         """The friction law of the compensator; LuGre by default."""
-        name = self._document.get("law", "lugre")
+        name = self.document.get("law", "lugre")
         try:
             return friction_law(str(name))
         except UnknownLaw as error:
@@ -327,7 +395,7 @@ class LearnedFile:
     @cached_property
     def friction(self) -> dict[str, float]:
         """The learned friction by name, in SI units, and what else of the law is in the file."""
-        document, tuned = self._document, estimated(self.law)
+        document, tuned = self.document, estimated(self.law)
         known = self._entry("parameters") or {}
         missing = [name for name in tuned if name not in known]
         if missing:
@@ -345,7 +413,7 @@ class LearnedFile:
 
         They are those of the friction unless the file has an entry for them.
         """
-        entry = self._document.get("share", {"value": 1.0})
+        entry = self.document.get("share", {"value": 1.0})
         share = self._values("share", {"share": entry})["share"]
         if not 0.0 < share <= 1.0:
             raise UsageError(f"{self.path}: share: expected a value from 0 to 1; got {share:g}")
@@ -353,9 +421,29 @@ class LearnedFile:
         return self.law.share(whole, share)
 
     @property
+    def behind(self) -> list[Compensator]:
+        """The components, to stand behind the compensator.
+
+        Raises
+        ------
+        UsageError
+            When one of them cannot.
+        """
+        found = []
+        for name, model in self.components.items():
+            if model.law is not None or name in ("compensator", *COMPONENTS):
+                raise UsageError(
+                    f"{self.path}: components: '{name}' cannot stand behind the compensator, for "
+                    "it contains a friction law, or has the name of another part of the loop"
+                )
+            start = {v.name: v.start for v in model.variables if v.role == "parameter"}
+            found.append(Compensator(name, model.name, start))
+        return found
+
+    @property
     def drives(self) -> tuple[Drive, ...]:
         """The drives on which the compensator is tried; by default those around the friction."""
-        entries = self._document.get("family")
+        entries = self.document.get("family")
         if entries is None:
             return family(self.law, self.friction, self.validation, Known())
         try:
@@ -375,7 +463,7 @@ class LearnedFile:
         UsageError
             When there is none, or its values are not valid.
         """
-        entry = self._document.get("observer")
+        entry = self.document.get("observer")
         entry = entry if isinstance(entry, dict) else {}
         if "parameters" not in entry:
             raise UsageError(
@@ -396,7 +484,7 @@ class LearnedFile:
     @property
     def observer_refusal(self) -> str:
         """Why the observer should not be exported; empty by default."""
-        entry = self._document.get("observer")
+        entry = self.document.get("observer")
         return str(entry.get("refusal") or "") if isinstance(entry, dict) else ""
 
     @property
@@ -408,7 +496,7 @@ class LearnedFile:
     def drive_errors(self) -> dict[str, float]:
         """Standard errors of the friction, m and b by name in SI units, where the file has them."""
         names = (*self.friction, "m", "b")
-        entries = {n: one for n, one in self._document["parameters"].items() if n in names}
+        entries = {n: one for n, one in self.document["parameters"].items() if n in names}
         found = {name: entry.get("standard_error") for name, entry in entries.items()}
         return {
             name: float(value)
@@ -424,13 +512,13 @@ class LearnedFile:
         """
         known = {**(self._entry("loop") or {}), **(self._entry("parameters") or {})}
         rest = {name: known.get(name, 0.0) for name in ("m", "b")}
-        entries = {name: self._document.get(name, {"value": 0.0}) for name in ("F_0", "delay")}
+        entries = {name: self.document.get(name, {"value": 0.0}) for name in ("F_0", "delay")}
         return {**self.friction, **rest, **self._values("F_0, delay", entries)}
 
     @property
     def feed(self) -> Feed:
         """The input of the compensator; the nominal loop by default."""
-        feed = self._document.get("feed", "nominal")
+        feed = self.document.get("feed", "nominal")
         if feed not in FEEDS:
             raise UsageError(f"{self.path}: feed is {feed!r}; expected {' or '.join(FEEDS)}")
         return cast(Feed, feed)
@@ -438,12 +526,12 @@ class LearnedFile:
     @property
     def rotary(self) -> bool:
         """Whether the drive is rotary."""
-        return self._document.get("motion") == "rotary"
+        return self.document.get("motion") == "rotary"
 
     @property
     def refusal(self) -> str:
         """Why the compensator should not be exported; empty by default."""
-        return str(self._document.get("refusal") or "")
+        return str(self.document.get("refusal") or "")
 
     @property
     def loop(self) -> VelocityLoop | None:
@@ -487,6 +575,25 @@ class LearnedFile:
             )
         return Datasheet(**entry)
 
+    def _components(self) -> dict[str, Model]:
+        """Return the entry ``components``: a model with its start values, by name."""
+        found = {}
+        entries = self.document.get("components", {})
+        try:
+            for name, entry in entries.items():
+                if not _NAME.fullmatch(name):
+                    raise ValueError(f"expected a name of letters, digits and _, got {name!r:.80}")
+                model = load_model(str(entry["model"]), entry.get("law"))
+                if model.ports is None:
+                    raise ValueError(f"{model.name} is not a compensator")
+                values = {key: float(value) for key, value in entry["parameters"].items()}
+                found[name] = model.with_start(values)
+        except (*_UNFIT, StartValueError, UnknownModel, UnknownLaw) as error:
+            raise UsageError(
+                f"{self.path}: components: expected names, each with model and parameters; {error}"
+            ) from None
+        return found
+
     def _drive(self, entry: Mapping[str, Any]) -> Drive:
         """Return an entry of ``family``."""
         law = friction_law(str(entry["law"]))
@@ -502,7 +609,7 @@ class LearnedFile:
 
     def _entry(self, name: str) -> dict[str, float] | None:
         """Return the values of an entry, None if it is absent."""
-        entry = self._document.get(name)
+        entry = self.document.get(name)
         return None if entry is None else self._values(name, entry)
 
     def _values(self, name: str, entry: Any) -> dict[str, float]:
@@ -511,7 +618,7 @@ class LearnedFile:
             values = {key: float(item["value"]) for key, item in entry.items()}
             if all(map(math.isfinite, values.values())):
                 return values
-        except (AttributeError, KeyError, TypeError, ValueError, OverflowError):
+        except _UNFIT:
             pass
         raise UsageError(
             f"{self.path}: {name}: expected names, each with a finite value and a unit; "

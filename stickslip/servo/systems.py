@@ -16,6 +16,8 @@ Feed = Literal["nominal", "command"]
 NOMINAL_ORDER = 8
 """States that the nominal-loop FMU has room for."""
 FEEDS: tuple[Feed, ...] = ("nominal", "command")
+COMPONENTS = ("controller", "drive", "filter", "nominal")
+"""Names in a loop beside those of the compensators."""
 
 
 _MEASURED = {
@@ -129,13 +131,14 @@ def paper_loop(
     loop: VelocityLoop,
     compensator: Mapping[str, float] | None,
     feed: Feed = "nominal",
+    behind: Sequence[Compensator] = (),
 ) -> cosim.System:
     """Return Fig. 2a: servo loop, compensator, nominal loop, with the inputs of ``loop.commands``.
 
     Parameters are those of ``feedforward``; a compensator of None runs beside the loop only. A
-    velocity filter takes the compensator's force for known friction.
+    velocity filter takes the compensator's force for known friction. Others may stand ``behind``.
     """
-    chain = [Compensator("compensator", "compensator", compensator or {})]
+    chain = [Compensator("compensator", "compensator", compensator or {}), *behind]
     return build_loop(fmus, loop, chain, feed, connected=compensator is not None)
 
 

@@ -26,7 +26,7 @@ from stickslip.models.export.description import AXIS, ROLES, Variable
 from stickslip.models.export.units import force_and_length
 from stickslip.servo.chain_response import ChainResponse, Robustness
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.systems import Compensator
+from stickslip.servo.systems import COMPONENTS, Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
@@ -164,8 +164,6 @@ def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
     return close_velocity_loop(loop.axis, loop.T_s, loop.tau_f, **{**kept, **gains})
 
 
-_TAKEN = {"controller", "drive", "filter", "nominal"}
-"""Components of a loop."""
 _PORTS = {"name", "title", "inputs", "output", "axis", "values", "genes", "learned", "frozen"}
 DESIGNS: dict[str, Design] = {"kalman": kalman, "kalman_2": partial(kalman, order=2)}
 DAMPING = ("gamma_v", "alpha")
@@ -525,7 +523,7 @@ def own_part(fmu: Path, ports: Path | Mapping[str, Any]) -> Part:
         if not (three and span[0] <= span[1] <= span[2]):
             raise UsageError(f"{where}: genes: {name}: expected [lowest, start, highest]")
     name = re.sub(r"\W", "_", table.get("name", fmu.stem))
-    if name in {*parts(), *_TAKEN}:
+    if name in {*parts(), *COMPONENTS}:
         raise UsageError(f"{where}: the name '{name}' is taken; give another one as name")
     return Part(
         name,

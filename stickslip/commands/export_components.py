@@ -1,0 +1,49 @@
+"""``stickslip export components``: compensators that learn, with what they learned."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from stickslip import models
+from stickslip.commands import add_options
+from stickslip.commands.export_compensator import add_form_option
+from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.errors import UsageError
+from stickslip.models.firmware import write_compensator
+from stickslip.results.learned import LearnedFile
+
+
+def add_to(exports: argparse._SubParsersAction[Any]) -> None:
+    """Declare the command."""
+    parser = exports.add_parser("components", help="compensators that learn: FMU, C or PLC code")
+    parameters = {"--parameters FILE.json": "a learned.json or winner.json with components"}
+    add_options(parser, parameters, type=Path, required=True)
+    add_form_option(parser)
+    add_fmu_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write each component under its name and print the paths.
+
+    Raises
+    ------
+    UsageError
+        When there is none, or it is not available in the form that is wanted.
+    """
+    components = LearnedFile(options.parameters).components
+    if not components:
+        raise UsageError(f"{options.parameters}: contains no components")
+    for name, model in components.items():
+        given: dict[str, Any] = {
+            "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
+            "law": model.law.name if model.law else None,
+            "called": name,
+        }
+        if options.form == "fmu":
+            paths = [models.build_fmu(model.name, options.out, **given, **fmu_options(options))]
+        else:
+            paths = write_compensator(options.out, options.form, model=model.name, **given)
+        print(*paths, sep="\n")
