@@ -145,10 +145,4 @@ EXCHANGE(SetContinuousStates, CONTINUOUS, exchange_set_states, const)
 EXCHANGE(GetContinuousStates, INITIALIZED, exchange_get_states, )
 EXCHANGE(GetContinuousStateDerivatives, INITIALIZED, exchange_get_derivatives, )
 EXCHANGE(GetNominalsOfContinuousStates, INSTANTIATED | INITIALIZED, exchange_get_nominals, )
-
-/* The equations are continuous in all their variables: there is nothing to indicate. */
-FmiStatus FMI(GetEventIndicators)(FmiInstance instance, double indicators[], size_t count) {
-    REQUIRE(INITIALIZED);
-    REQUIRE_COUNT(0, count);
-    return FMI(OK);
-}
+EXCHANGE(GetEventIndicators, INITIALIZED, exchange_get_indicators, )

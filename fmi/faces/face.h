@@ -27,7 +27,8 @@ typedef enum {
 #define ALIVE (INSTANTIATED | INITIALIZATION | STEPPING | EVENT | CONTINUOUS | ENDED)
 #define ANY (ALIVE | BROKEN)
 
-/* A derivative is a real that is calculated when it is requested. */
+/* A derivative, and what else is of this type, is a real that is calculated when it is requested.
+ */
 typedef enum { REAL, INTEGER, BOOLEAN, STRING, DERIVATIVE } Type;
 
 /* Where messages go: emit translates for the callback that the tool gave. */
@@ -93,8 +94,9 @@ Status instance_log(Instance *instance, bool on, size_t count, const char *const
 
 /* Model Exchange: the tool's solver moves time and states. */
 
-/* Take what is due now. *defined: whether there is a next event, whose time is then *next. */
-Status exchange_update(Instance *instance, bool *defined, double *next);
+/* Take what is due now, modes included. *changed: whether continuous states were set; *defined:
+ * whether there is a next event, whose time is then *next. */
+Status exchange_update(Instance *instance, bool *changed, bool *defined, double *next);
 
 /* Go from event mode to continuous-time mode or back. */
 Status exchange_enter(Instance *instance, Phase phase);
@@ -108,6 +110,11 @@ Status exchange_set_states(Instance *instance, const double states[], size_t cou
 Status exchange_get_states(Instance *instance, double states[], size_t count);
 Status exchange_get_derivatives(Instance *instance, double derivatives[], size_t count);
 Status exchange_get_nominals(Instance *instance, double nominals[], size_t count);
+
+/* A value for each event indicator, else ERROR. One falls below 0 where exchange_update has a mode
+ * to change. */
+size_t exchange_indicator_count(const Instance *instance);
+Status exchange_get_indicators(Instance *instance, double indicators[], size_t count);
 
 /* Products with the matrix of partial derivatives of derivatives and outputs by states and inputs,
  * at the present values: those that FMI calls directional and adjoint derivatives. */

@@ -99,11 +99,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component instance, const fmi2ValueR
 fmi2Status fmi2NewDiscreteStates(fmi2Component instance, fmi2EventInfo *info) {
     REQUIRE(EVENT);
     NEED(info);
-    bool defined;
+    bool changed, defined;
     double next;
-    if (exchange_update(instance, &defined, &next) != OK)
+    if (exchange_update(instance, &changed, &defined, &next) != OK)
         return fmi2Error;
-    *info = (fmi2EventInfo){.nextEventTimeDefined = defined, .nextEventTime = next};
+    *info = (fmi2EventInfo){.valuesOfContinuousStatesChanged = changed,
+                            .nextEventTimeDefined = defined,
+                            .nextEventTime = next};
     return fmi2OK;
 }
 

@@ -79,8 +79,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again,
                                     fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next) {
     REQUIRE(EVENT);
     NEED(again && terminate && nominals && values && defined && next);
-    *again = *terminate = *nominals = *values = false;
-    return (fmi3Status)exchange_update(instance, defined, next);
+    *again = *terminate = *nominals = false;
+    return (fmi3Status)exchange_update(instance, values, defined, next);
 }
 
 #define NUMBER_OF(Name, number)                                                                    \
@@ -90,7 +90,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again,
         *count = number;                                                                           \
         return fmi3OK;                                                                             \
     }
-NUMBER_OF(EventIndicators, 0)
+NUMBER_OF(EventIndicators, exchange_indicator_count(instance))
 NUMBER_OF(ContinuousStates, exchange_count(instance))
 
 /* The rest, which every binary must export: what modelDescription.xml does not declare. */

@@ -2,7 +2,9 @@
 
 #include "model.h"
 
-Status exchange_update(Instance *i, bool *defined, double *next) {
+Status exchange_update(Instance *i, bool *changed, bool *defined, double *next) {
+    *changed = instance_switch(i);
+    i->now.stale = i->now.stale || IS_SWITCHED;
     *defined = IS_SAMPLED;
     *next = 0.0;
 #if IS_SAMPLED
@@ -29,12 +31,15 @@ Status exchange_set_time(Instance *i, double time) {
     return status;
 }
 
-static Status require_count(Instance *i, size_t count) {
-    if (count == DERIVATIVES_COUNT)
+static Status require_number(Instance *i, size_t count, int expected, const char *what) {
+    if (count == (size_t)expected)
         return OK;
-    return instance_report(i, ERROR, "logStatusError",
-                           "%zu values for the %d continuous states of " MODEL_NAME, count,
-                           DERIVATIVES_COUNT);
+    return instance_report(i, ERROR, "logStatusError", "%zu values for the %d %s of " MODEL_NAME,
+                           count, expected, what);
+}
+
+static Status require_count(Instance *i, size_t count) {
+    return require_number(i, count, DERIVATIVES_COUNT, "continuous states");
 }
 
 Status exchange_set_states(Instance *i, const double states[], size_t count) {
@@ -80,3 +85,14 @@ Status exchange_get_nominals(Instance *i, double nominals[], size_t count) {
 }
 
 size_t exchange_count(const Instance *i) { return DERIVATIVES_COUNT; }
+
+size_t exchange_indicator_count(const Instance *i) { return INDICATORS_COUNT; }
+
+Status exchange_get_indicators(Instance *i, double indicators[], size_t count) {
+    if (require_number(i, count, INDICATORS_COUNT, "event indicators") != OK)
+        return ERROR;
+    instance_refresh(i);
+    for (size_t k = 0; k < count; k++)
+        indicators[k] = i->now.values[INDICATORS_AT + k];
+    return OK;
+}

@@ -101,11 +101,46 @@ static void start_model(Instance *i) {
     model_start(i->now.values[0], STATES(i), MEMORY(i), INPUTS(i), PARAMETERS(i));
 }
 
-/* Derivatives, and outputs as functions of the state alone. */
+bool instance_switch(Instance *i) {
+#if IS_SWITCHED
+    return model_switch(i->now.values[0], STATES(i), INPUTS(i), PARAMETERS(i));
+#else
+    return false;
+#endif
+}
+
+/* Set the modes, and nothing else, to those that the present values ask for. */
+static void settle(Instance *i) {
+#if IS_SWITCHED
+    double *values = i->now.values, continuous[DERIVATIVES_COUNT];
+    for (size_t k = MODES_AT; k < MODES_AT + MODES_COUNT; k++)
+        values[k] = 0.0;
+    memcpy(continuous, values + STATES_AT, sizeof continuous);
+    instance_switch(i);
+    memcpy(values + STATES_AT, continuous, sizeof continuous);
+#else
+    (void)i;
+#endif
+}
+
+/* Derivatives, event indicators, and outputs as functions of the state alone, in the present modes:
+ * those that events have set, or, before events and with steps, those that settle. */
 static void evaluate(Instance *i, Outputs *y) {
+#if IS_SWITCHED
+    double *values = i->now.values, states[STATES_COUNT];
+    memcpy(states, values + STATES_AT, sizeof states);
+    if (!i->model_exchange || i->now.phase & (INSTANTIATED | INITIALIZATION))
+        settle(i);
+    model_events(values[0], STATES(i), INPUTS(i), PARAMETERS(i),
+                 (Indicators *)(values + INDICATORS_AT));
+#endif
 #if IS_CONTINUOUS
     model_continuous(i->now.values[0], STATES(i), INPUTS(i), PARAMETERS(i), DERIVATIVES(i), y);
-#else
+#endif
+#if IS_SWITCHED
+    memcpy(values + STATES_AT, states, sizeof states);
+#endif
+#if !IS_CONTINUOUS
     (void)i, (void)y;
 #endif
 }
@@ -131,6 +166,8 @@ Status instance_enter_initialization(Instance *i) {
 Status instance_exit_initialization(Instance *i) {
     instance_refresh(i);
     i->now.phase = i->model_exchange ? EVENT : STEPPING;
+    if (i->model_exchange)
+        settle(i);
     return instance_report(i, OK, "logEvents", "initialized at t = %g s", i->now.values[0]);
 }
 

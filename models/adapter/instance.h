@@ -1,8 +1,8 @@
 /* One instance of the model, without a word of FMI: values, life cycle, checks, messages.
  *
- * All variables lie in one array of doubles, in value-reference order: time, inputs, states,
- * outputs, memory, then the parameters (reals, integers, booleans). Integers and booleans are
- * whole numbers in it, so getters and setters need no switch.
+ * All variables lie in one array of doubles, in value-reference order: time, inputs, states, modes,
+ * derivatives, event indicators, outputs, memory, then the parameters (reals, integers, booleans).
+ * Integers and booleans are whole numbers in it, so getters and setters need no switch.
  */
 #ifndef INSTANCE_H
 #define INSTANCE_H
@@ -39,6 +39,9 @@ static inline bool is_finite(double value) { return value - value == 0.0; }
 
 /* Bring the outputs up to date before they are read; in Model Exchange the derivatives as well. */
 void instance_refresh(Instance *instance);
+
+/* Bring the modes to the present values; returns whether that set continuous states. */
+bool instance_switch(Instance *instance);
 
 /* OK when a time is finite; it is then the instance's. */
 Status instance_set_time(Instance *instance, double time);

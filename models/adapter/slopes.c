@@ -1,6 +1,6 @@
 #include "instance.h"
 
-#if IS_CONTINUOUS
+#if HAS_SLOPES
 #include "model.h"
 
 /* Rows: derivatives, then outputs. Columns: states, then inputs. */

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -12,7 +12,9 @@ from stickslip.models.errors import DescriptionError, StartValueError
 from stickslip.models.export.law import MODELS, Law, merge, read_law, read_toml, require_known
 from stickslip.models.export.units import DISPLAY, NOMINAL, READ_IN, UNITS, rate_unit
 
-Role = Literal["time", "input", "state", "derivative", "output", "memory", "parameter"]
+Role = Literal[
+    "time", "input", "state", "mode", "derivative", "indicator", "output", "memory", "parameter"
+]
 Kind = Literal["constant", "fixed", "tunable", "discrete", "dependent"]
 Type = Literal["real", "integer", "boolean"]
 
@@ -20,6 +22,8 @@ Type = Literal["real", "integer", "boolean"]
 _SECTIONS: dict[str, Role] = {
     "inputs": "input",
     "states": "state",
+    "modes": "mode",
+    "events": "indicator",
     "outputs": "output",
     "memory": "memory",
     "parameters": "parameter",
@@ -34,7 +38,7 @@ _KEYS = {
     *("unit", "display", "description", "type", "size", "start", "min", "max", "nominal"),
     *("output", "derivative", "depends", "uses", "held", "variability"),
 }
-_VARIABILITY = {"memory": "discrete", "parameter": "fixed"}
+_VARIABILITY = {"memory": "discrete", "mode": "discrete", "parameter": "fixed"}
 _KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
@@ -131,6 +135,11 @@ class Model:
         return any(v.role == "derivative" for v in self.variables)
 
     @property
+    def is_switched(self) -> bool:
+        """Tell whether its equations have modes, which change at state events."""
+        return any(v.role == "indicator" for v in self.variables)
+
+    @property
     def has_model_exchange(self) -> bool:
         """Tell whether a tool's solver can take it over."""
         return self.is_continuous or self.sampled
@@ -173,6 +182,12 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
         own |= {name: table | own.get(name, {}) for name, table in equations.tables.items()}
         sources = [path for path in equations.folder.glob("*.[ch]") if path.stem == used]
     try:
+        names = {
+            f"{name}{index}"
+            for section in _SECTIONS
+            for name, table in content.get(section, {}).items()
+            for index in _indices(table.get("size", ()))
+        }
         variables = [Variable("time", "time", "Simulation time", unit="s")]
         fields: dict[Role, tuple[tuple[str, tuple[int, ...]], ...]] = {}
         for section, role in _SECTIONS.items():
@@ -181,17 +196,14 @@ def read_model(folder: Path, law: Law | None = None) -> Model:
             order = sorted(tables, key=lambda name: _TYPES.index(tables[name].get("type", "real")))
             fields[role] = tuple((name, tuple(tables[name].get("size", ()))) for name in order)
             if role == "state":
-                fields["derivative"] = tuple(
-                    (name, ()) for name in order if "derivative" in tables[name]
-                )
+                integrated = {n: table for n, table in tables.items() if "derivative" in table}
+                fields["derivative"] = tuple(f for f in fields["state"] if f[0] in integrated)
             for name in order:
                 variables += _variables(f"{folder.name}/model.toml", name, role, tables[name])
-            if role == "state":
-                variables += (
-                    _derivative(name, table)
-                    for name, table in tables.items()
-                    if "derivative" in table
-                )
+            if role == "mode":
+                fields["state"] += fields.pop("mode")
+                for name, table in integrated.items():
+                    variables += _derivatives(name, table, names)
         return Model(
             name=content.get("name", folder.name),
             title=content["title"],
@@ -241,12 +253,12 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     unit: str | None = table.get("unit")
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
-    indices = list(itertools.product(*(range(1, n + 1) for n in size)))
+    indices = _indices(size)
     if len(start) not in (1, len(indices)):
         raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
     for place, index in enumerate(indices):
         variable = Variable(
-            name=f"{name}[{','.join(map(str, index))}]" if index else name,
+            name=f"{name}{index}",
             role=role,
             description=table["description"],
             type=table.get("type", "real"),
@@ -266,16 +278,29 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
         yield variable
 
 
-def _derivative(state: str, table: dict[str, Any]) -> Variable:
-    return Variable(
-        name=f"der({state})",
-        role="derivative",
-        description=f"Derivative of: {table['description']}",
-        unit=rate_unit(table["unit"]),
-        depends=table["derivative"],
-        uses=tuple(table.get("uses", ())),
-        of=state,
-    )
+def _indices(size: Sequence[int]) -> list[str]:
+    """Return what names the elements of an array in C order: ``[1,1]``; of a scalar, nothing."""
+    indices = itertools.product(*(range(1, n + 1) for n in size))
+    return [f"[{','.join(map(str, index))}]" if index else "" for index in indices]
+
+
+def _derivatives(state: str, table: dict[str, Any], names: set[str]) -> Iterator[Variable]:
+    """Yield the derivative of a state, or of each element of an array.
+
+    In what an element depends on, ``name[]`` is the element of the same index, where there is one
+    among ``names``.
+    """
+    for index in _indices(table.get("size", ())):
+        uses = {n: n.replace("[]", index) for n in table.get("uses", ())}
+        yield Variable(
+            name=f"der({state}{index})",
+            role="derivative",
+            description=f"Derivative of: {table['description']}",
+            unit=rate_unit(table["unit"]),
+            depends={n.replace("[]", index): kind for n, kind in table["derivative"].items()},
+            uses=tuple(n for given, n in uses.items() if n == given or n in names),
+            of=f"{state}{index}",
+        )
 
 
 def _flat(value: Any) -> list[float]:

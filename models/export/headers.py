@@ -8,6 +8,7 @@ _STRUCTS: dict[Role, str] = {
     "input": "Inputs",
     "state": "States",
     "derivative": "Derivatives",
+    "indicator": "Indicators",
     "output": "Outputs",
     "memory": "Memory",
     "parameter": "Parameters",
@@ -37,7 +38,7 @@ def _member(field: tuple[str, tuple[int, ...]]) -> str:
 
 def _jacobian(model: Model) -> list[str]:
     """Return the struct of all partial derivatives: a row of states and inputs for each result."""
-    if not model.is_continuous:
+    if not model.is_continuous or model.is_switched:
         return ["typedef struct Jacobian Jacobian; /* has no derivatives */", ""]
     rows = {role: ", ".join(map(_member, model.fields.get(role, ()))) for role in _STRUCTS}
     return [
@@ -64,8 +65,11 @@ def _law(model: Model) -> list[str]:
     if law is None:
         return []
     states = list(law.states)
-    lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}", "typedef Parameters Law;"]
+    lines = [f"#define LAW_IS_SMOOTH {law.is_smooth:d}"]
+    lines += [f"#define LAW_SWITCHES {model.is_switched:d}", "typedef Parameters Law;"]
     lines.append("typedef States LawState;")
+    if model.is_switched:
+        return [*lines, "typedef Derivatives LawRate;", "typedef Indicators LawEvents;", ""]
     if not law.is_smooth:
         return [*lines, ""]
     columns = ", ".join(["v", *states])
@@ -98,7 +102,7 @@ def table_header(model: Model, token: str) -> str:
     """Return ``table.h``: how many variables there are, where each role begins, the token."""
     roles = [v.role for v in model.variables]
     numbers = {"COUNT": len(roles)}
-    for role, struct in _STRUCTS.items():
+    for role, struct in {**_STRUCTS, "mode": "Modes"}.items():
         numbers[f"{struct.upper()}_AT"] = roles.index(role) if role in roles else len(roles)
         numbers[f"{struct.upper()}_COUNT"] = roles.count(role)
     return f"""/* Generated from model.toml. */
@@ -109,6 +113,8 @@ def table_header(model: Model, token: str) -> str:
 #define MODEL_TOKEN "{token}"
 
 #define IS_CONTINUOUS {model.is_continuous:d}
+#define IS_SWITCHED {model.is_switched:d}
+#define HAS_SLOPES {model.is_continuous and not model.is_switched:d}
 #define IS_SAMPLED {model.sampled:d}
 
 enum {{
@@ -128,7 +134,8 @@ def table_source(model: Model) -> str:
 def _row(v: Variable) -> str:
     low = f"-{_LARGEST}" if v.minimum is None else repr(float(v.minimum))
     high = _LARGEST if v.maximum is None else repr(float(v.maximum))
-    kind = "DERIVATIVE" if v.role == "derivative" else v.type.upper()
+    derived = v.role in ("derivative", "indicator", "mode")
+    kind = "DERIVATIVE" if derived else v.type.upper()
     nominal = v.nominal or 1.0
     return f'{{"{v.name}", {kind}, {_phases(v)}, {v.start!r}, {low}, {high}, {nominal!r}}},'
 

@@ -77,24 +77,30 @@ class Law:
     ----------
     name : of its folder in models/laws
     title, description : for people
+    co_simulation_only : why no solver of a tool can take its equations; None where one can
     steady : the force at constant speed: ``coulomb``, F_c; ``stribeck``, equation (4); ``lorentz``,
         F_c + (F_s - F_c) / (1 + (v / v_s)^2) after a long time at rest
     is_passive : whether it never gives more energy than it was given, without viscous friction
     is_smooth : whether its equations are differential ones without events, which a solver can take
     is_candidate : whether ``learn --law auto`` considers it; false unless law.toml says so
     parameters : by name, in the order of law.toml
-    states, force : tables of law.toml; ``force`` tells what the force depends on
+    states, modes, events, force : tables of law.toml. ``modes`` are states that change at events,
+        and ``events`` the event indicators, in plants with Model Exchange; ``force`` tells what the
+        force depends on
     """
 
     name: str
     title: str
     description: str
+    co_simulation_only: str | None
     steady: Steady
     is_passive: bool
     is_smooth: bool
     is_candidate: bool
     parameters: Mapping[str, LawParameter]
     states: Mapping[str, Mapping[str, Any]]
+    modes: Mapping[str, Mapping[str, Any]]
+    events: Mapping[str, Mapping[str, Any]]
     force: Mapping[str, Any]
     folder: Path
     tables: Mapping[str, Mapping[str, Any]]
@@ -159,12 +165,15 @@ def read_law(folder: Path) -> Law:
             name=folder.name,
             title=content["title"],
             description=content["description"],
+            co_simulation_only=content.get("co_simulation_only"),
             steady=content["steady"],
             is_passive=content["passive"],
             is_smooth=content["smooth"],
             is_candidate=content.get("candidate", False),
             parameters={name: _parameter(name, table) for name, table in tables.items()},
             states=content.get("states", {}),
+            modes=content.get("modes", {}),
+            events=content.get("events", {}),
             force=content["force"],
             folder=folder,
             tables={
@@ -209,7 +218,8 @@ def merge(content: dict[str, Any], law: Law) -> None:
 
     In ``depends``, ``derivative`` and ``uses`` of the model, ``law`` stands for what the law's
     force depends on; ``uses_with_level`` is used where that includes the level of friction. Where
-    a state of the model has no derivative, the law's have none either.
+    a state of the model has no derivative, the law's have none either. A law with events is
+    integrated with the mass it acts on, so the model must have states of its own.
 
     Raises
     ------
@@ -224,15 +234,22 @@ def merge(content: dict[str, Any], law: Law) -> None:
             f"{law.name}/law.toml: {twice[0]} is a variable of the model as well"
         )
     states = {name: dict(table) for name, table in law.states.items()}
-    integrated = law.is_smooth and all("derivative" in table for table in own.values())
+    integrated = all("derivative" in table for table in own.values())
+    integrated = integrated and bool(law.is_smooth or (law.events and own))
     if not integrated:
         for table in (*own.values(), *states.values()):
             table.pop("derivative", None)
             table.pop("uses", None)
     inputs = content.get("inputs", {})
     force = law.force["depends"]
-    known = {name: kind for name, kind in force.items() if integrated or name in inputs}
-    uses = [*(name for name in force if name not in known), *law.force["uses"]]
+    moving = {name for name in force if "derivative" in states.get(name, {"derivative": None})}
+    names = moving if integrated else inputs.keys() & force.keys()
+    known = {
+        n: kind for name, kind in force.items() if name in names for n in _elements([name], law)
+    }
+    if integrated and law.force.get("reaction"):
+        known |= dict.fromkeys(inputs, "dependent")
+    uses = [*(name for name in force if name not in names), *law.force["uses"]]
     has_level = "F_c" in law.force["uses"]
     for table in (*own.values(), *content["outputs"].values()):
         for key in {"depends", "derivative"} & table.keys():
@@ -242,10 +259,24 @@ def merge(content: dict[str, Any], law: Law) -> None:
         at_level = table.pop("uses_with_level", [])
         if "law" in table.get("uses", ()):
             used = [name for name in table["uses"] if name != "law"]
-            table["uses"] = [*used, *_elements(uses, law), *(at_level if has_level else [])]
+            now = [
+                n for n in uses if "derivative" not in table or not states.get(n, {}).get("held")
+            ]
+            table["uses"] = [*used, *_elements(now, law), *(at_level if has_level else [])]
+    for table in states.values():
+        if "derivative" in table:
+            depends = table["derivative"]
+            table["derivative"] = {
+                n: k for name, k in depends.items() for n in _elements([name], law)
+            }
+            table["uses"] = list(_elements(table["uses"], law))
     own |= states
+    if integrated:
+        content |= {"modes": dict(law.modes), "events": dict(law.events)}
     content["parameters"] |= law.tables
     content |= {key: content[key].format(law=law.title) for key in ("title", "description")}
+    if law.co_simulation_only:
+        content["description"] += f". Co-Simulation only: {law.co_simulation_only}"
 
 
 def _elements(names: Iterable[str], law: Law) -> Iterator[str]:

@@ -19,7 +19,9 @@ _TAGS = {
 _INITIAL = {
     "state": "exact",
     "parameter": "exact",
+    "mode": "calculated",
     "derivative": "calculated",
+    "indicator": "calculated",
     "output": "calculated",
     "memory": "calculated",
 }
@@ -128,7 +130,7 @@ def _add_learned(root: ET.Element, model: Model, place: str, tag: str, **named: 
 
 
 def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
-    smooth = model.is_continuous
+    smooth = model.is_continuous and not model.is_switched
     capabilities: dict[str, object] = {"modelIdentifier": model.name}
     if fmi == 2:
         capabilities |= dict.fromkeys(
@@ -144,7 +146,8 @@ def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
         integrated = {"needsCompletedIntegratorStep": False}
     if model.has_model_exchange:
         if fmi == 2:
-            root.set("numberOfEventIndicators", "0")
+            indicators = sum(v.role == "indicator" for v in model.variables)
+            root.set("numberOfEventIndicators", str(indicators))
         child(root, "ModelExchange", **capabilities, **integrated)
     child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
     for interface in root if fmi == 2 else ():
@@ -199,6 +202,9 @@ def _add_structure(
                 dependencies=" ".join(str(k) for k in sorted(listed)),
                 dependenciesKind=" ".join(listed[k] for k in sorted(listed)),
             )
+    for v in model.variables if fmi == 3 else ():
+        if v.role == "indicator":  # depends on all
+            child(structure, "EventIndicator", valueReference=place[v.name])
 
 
 def _initial_dependencies(v: Variable, model: Model, place: Mapping[str, int]) -> dict[int, str]:

@@ -8,6 +8,8 @@
 #ifndef LAW_H
 #define LAW_H
 
+#include <stdbool.h>
+
 #include "variables.h"
 
 /* Friction force [N] now. */
@@ -27,6 +29,24 @@ void law_rate(double v, const LawState *s, const Law *p, LawRate *rate);
 /* Partial derivatives of the force and of the states' derivatives by v and by the states; J comes
  * zeroed. At v = 0, where |v| has a kink, the mean of those on either side. */
 void law_jacobian(double v, const LawState *s, const Law *p, LawJacobian *J);
+#endif
+
+#if LAW_SWITCHES
+/* Model Exchange of a mass on a contact with modes. Modes change in law_switch alone, so that the
+ * other two are smooth in each mode, a little beyond its end as well. u [N] is the force on the
+ * mass without that of the contact. */
+
+/* Added to an indicator, so that at the edge of its mode it is not 0. */
+static const double LAW_EDGE = 1e-300;
+
+/* Friction force [N], and derivatives of the states by time. */
+double law_flow(double v, double u, const LawState *s, const Law *p, LawRate *rate);
+
+/* Event indicators: one below 0 is a mode that does not hold any more. */
+void law_events(double v, double u, const LawState *s, const Law *p, LawEvents *z);
+
+/* Set the modes so that none is; returns whether v or a state with a derivative was set as well. */
+bool law_switch(double *v, double u, LawState *s, const Law *p);
 #endif
 
 #endif

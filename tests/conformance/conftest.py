@@ -94,7 +94,7 @@ class Fmu:
     def points(self, count: int) -> Iterator[dict[str, float]]:
         """Yield inputs and states as large as their nominals and down to a tenthousandth."""
         rng = np.random.default_rng(7)
-        chosen = [v for v in self.model.variables if v.role in ("input", "state")]
+        chosen = [v for v in self.model.variables if v.role in ("input", "state") and v.nominal]
         for k in range(count):
             scale = 10.0 ** -(k % 5)
             yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}

@@ -1,12 +1,15 @@
 """Random calls under sanitizers: no crash, an error changes nothing, twice gives the same.
 
 The rules are in tests/corpus/fuzz_calls/sequences.c; `python -m tests.corpus.fuzz_calls` runs more.
-A model with another law has the same adapter and the same memory, so each runs with its own. What
+A model with another law has the same adapter and the same memory, so each runs with its own, and
+with one that has state events. What
 FMI 2.0 and 3.0 do not share sees the tables of a model only: where two models have variables of the
 same kinds, one of them runs with FMI 2.0, too.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import pytest
 
@@ -17,6 +20,7 @@ pytestmark = pytest.mark.slow
 
 SEQUENCES = 500
 MODELS = [models.load_model(name) for name in models.model_names()]
+MODELS.append(replace(models.load_model("stage", "gms"), name="stage_gms"))
 KINDS = {
     frozenset((v.role, v.type, v.variability, v.is_output, v.held) for v in model.variables): model
     for model in MODELS

@@ -149,6 +149,15 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
             chosen | {"mode": 0.0},
             chosen | {"mode": 1.0, "tau_L": 0.0},
         ]
+    if "mode[1]" in chosen:  # elements in the other mode
+        points.append(chosen | {n: 1.0 - x for n, x in chosen.items() if n.startswith("mode[")})
+    if "W[1]" in chosen:  # elements that slip at a lower limit
+        k = np.array([chosen[f"kappa[{i}]"] for i in range(1, 5)])
+        k *= chosen["sigma_0"] / k.sum()
+        slips = {i: chosen[f"W[{i}]"] * chosen["F_c"] / k[i - 1] for i in range(1, 4)}
+        points.append(chosen | {f"q[{i}]": 0.95 * q for i, q in slips.items()})
+    if "F_h" in chosen:  # at rest
+        points.append(chosen | {"v": 0.0})
     felt = {name: set() for name in unknown}
     for point in points:
         base = at(point)

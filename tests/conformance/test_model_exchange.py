@@ -9,7 +9,7 @@ from fmpy.fmi1 import FMICallException
 from scipy.integrate import solve_ivp
 
 from stickslip import models
-from tests.conformance import equations
+from tests.conformance import equations, hybrid
 
 CONTINUOUS = list(equations.OF)
 SAMPLED = [name for name in models.model_names() if models.load_model(name).sampled]
@@ -53,8 +53,11 @@ def solve(fmu, inputs, **options):
     return result[np.unique(result["time"].round(9), return_index=True)[1]]
 
 
-def test_every_smooth_law_is_compared_with_its_equations(name, build):
-    assert build(name, 2).model.is_continuous == (name in CONTINUOUS)
+def test_every_law_with_derivatives_is_compared_with_its_equations(name, build):
+    model = build(name, 2).model
+    switched = name in [f"stage+{law}" for law in hybrid.LAWS]
+    assert model.is_continuous == (name in CONTINUOUS or switched)
+    assert model.is_switched == switched
 
 
 @VERSIONS

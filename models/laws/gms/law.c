@@ -72,3 +72,52 @@ Law law_scaled(const Law *p, double factor) {
     scaled.F_c *= factor;
     return scaled;
 }
+
+#if LAW_SWITCHES
+static double absolute(double a) { return a < 0.0 ? -a : a; }
+
+/* Force [N] that a sticking element still lacks to its share of the Stribeck curve. */
+static double lack(size_t i, double G, const LawState *s, const Law *p) {
+    return p->alpha[i] / sum(p->alpha) * G - absolute(s->F_e[i]);
+}
+
+/* Velocity in the direction of an element's force. */
+static double stretching(size_t i, double v, const LawState *s) {
+    return s->F_e[i] < 0.0 ? -v : s->F_e[i] > 0.0 ? v : absolute(v);
+}
+
+double law_flow(double v, double u, const LawState *s, const Law *p, LawRate *rate) {
+    const double G = g(v, p), alpha = 1.0 / sum(p->alpha), k = p->sigma_0 / sum(p->kappa);
+    double total = 0.0; /* [N/s] */
+    (void)u;
+    for (size_t i = 0; i < ELEMENTS; i++) {
+        const double limit = s->mode[i] * alpha * p->alpha[i] * G;
+        rate->F_e[i] = s->mode[i] != 0.0 ? p->C * (limit - s->F_e[i]) / G : k * p->kappa[i] * v;
+        total += rate->F_e[i];
+    }
+    return sum(s->F_e) + damping(total, p);
+}
+
+/* An element sticks as long as its force is below its share, or the motion relieves it. */
+void law_events(double v, double u, const LawState *s, const Law *p, LawEvents *z) {
+    const double G = g(v, p);
+    (void)u;
+    for (size_t i = 0; i < ELEMENTS; i++) {
+        const double below = lack(i, G, s, p) / G, relief = -stretching(i, v, s) / p->v_s;
+        const double sticking = below > relief ? below : relief;
+        z->margin[i] = LAW_EDGE + (s->mode[i] != 0.0 ? s->mode[i] * v / p->v_s : sticking);
+    }
+}
+
+bool law_switch(double *v, double u, LawState *s, const Law *p) {
+    const double G = g(*v, p);
+    (void)u;
+    for (size_t i = 0; i < ELEMENTS; i++) {
+        if (s->mode[i] * *v > 0.0)
+            continue;
+        const bool slips = lack(i, G, s, p) <= 0.0 && stretching(i, *v, s) > 0.0;
+        s->mode[i] = !slips ? 0.0 : *v < 0.0 ? -1.0 : 1.0;
+    }
+    return false;
+}
+#endif

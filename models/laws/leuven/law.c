@@ -9,6 +9,9 @@ enum { ELEMENTS = sizeof((Law *)NULL)->kappa / sizeof(double) };
 
 enum { SUB_STEPS = 16 }; /* where n_h is not 1 */
 
+static const double RETURNED =
+    1e-6; /* share of its limit by which a slipping element has returned */
+
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 /* What holds over a step. */
@@ -116,3 +119,59 @@ Law law_scaled(const Law *p, double factor) {
     scaled.F_c *= factor;
     return scaled;
 }
+
+#if LAW_SWITCHES
+/* dz/dt [m/s] */
+static double bristle_rate(double v, const LawState *s, const Contact *c, const Law *p) {
+    const double force = hysteresis(s, c);
+    return stretching(v, (v < 0.0 ? -force : force) / c->G, p);
+}
+
+double law_flow(double v, double u, const LawState *s, const Law *p, LawRate *rate) {
+    const Contact c = contact_at(v, p);
+    const double dz = bristle_rate(v, s, &c, p);
+    (void)u;
+    for (size_t i = 0; i < ELEMENTS; i++)
+        rate->q[i] = i + 1 < ELEMENTS && (s->slip[i] * dz > 0.0 || c.limit[i] <= 0.0) ? 0.0 : dz;
+    return hysteresis(s, &c) + p->sigma_1 * dz;
+}
+
+/* Above 0 while a slipping element is at its limit [1]. It returns without an event; that it has
+ * returned is an event. */
+static double at_limit(size_t i, const Contact *c, const LawState *s) {
+    return s->slip[i] * s->q[i] / c->limit[i] - (1.0 - RETURNED);
+}
+
+void law_events(double v, double u, const LawState *s, const Law *p, LawEvents *z) {
+    const Contact c = contact_at(v, p);
+    const double speed = bristle_rate(v, s, &c, p) / p->v_s;
+    (void)u;
+    for (size_t i = 0; i + 1 < ELEMENTS; i++) {
+        const double below = 1.0 - absolute(s->q[i]) / c.limit[i];
+        const double relief = s->q[i] < 0.0 ? speed : -speed;
+        z->margin[i] = c.limit[i] <= 0.0   ? 1.0
+                       : s->slip[i] != 0.0 ? at_limit(i, &c, s)
+                       : below > relief    ? below
+                                           : LAW_EDGE + relief;
+    }
+}
+
+bool law_switch(double *v, double u, LawState *s, const Law *p) {
+    const Contact c = contact_at(*v, p);
+    bool changed = false;
+    (void)u;
+    for (size_t i = 0; i + 1 < ELEMENTS; i++) {
+        const double most = c.limit[i], q = s->q[i];
+        s->q[i] = q > most ? most : q < -most ? -most : q;
+        changed = changed || s->q[i] != q;
+    }
+    const double dz = bristle_rate(*v, s, &c, p);
+    for (size_t i = 0; i + 1 < ELEMENTS; i++) {
+        if (c.limit[i] <= 0.0 || (s->slip[i] != 0.0 && at_limit(i, &c, s) > 0.0))
+            continue;
+        const double side = s->q[i] < 0.0 ? -1.0 : 1.0;
+        s->slip[i] = side * s->q[i] >= c.limit[i] && side * dz > 0.0 ? side : 0.0;
+    }
+    return changed;
+}
+#endif

@@ -23,7 +23,23 @@ void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, 
     y->F_f = law_force(x->v, x, p);
 }
 
-#if LAW_IS_SMOOTH
+#if LAW_SWITCHES
+void model_continuous(double t, const States *x, const Inputs *u, const Parameters *p,
+                      Derivatives *dx, Outputs *y) {
+    const double driving = u->u - p->b * x->v;
+    y->F_f = law_flow(x->v, driving, x, p, dx);
+    dx->x = x->v;
+    dx->v = (driving - y->F_f) / p->m; /* (1) */
+}
+
+void model_events(double t, const States *x, const Inputs *u, const Parameters *p, Indicators *z) {
+    law_events(x->v, u->u - p->b * x->v, x, p, z);
+}
+
+bool model_switch(double t, States *x, const Inputs *u, const Parameters *p) {
+    return law_switch(&x->v, u->u - p->b * x->v, x, p);
+}
+#elif LAW_IS_SMOOTH
 void model_continuous(double t, const States *x, const Inputs *u, const Parameters *p,
                       Derivatives *dx, Outputs *y) {
     y->F_f = law_force(x->v, x, p);

@@ -313,7 +313,7 @@ static void differentiate(Pair *p) {
     const double seeds[MOST] = {1.0, -2.0, 0.5, 3.0};
     double a[MOST] = {0}, b[MOST] = {0};
     const size_t n_of = below(MOST + 1), n_by = below(MOST + 1);
-    bool lawful = IS_CONTINUOUS && (p->phase & ~(CREATED | FAULTY)) != 0;
+    bool lawful = HAS_SLOPES && (p->phase & ~(CREATED | FAULTY)) != 0;
     for (size_t k = 0; k < MOST; k++) {
         of[k] = rarely() ? some_variable(REAL) : STATES_AT + below(OUTPUTS_AT + 1 - STATES_AT);
         by[k] = rarely() ? some_variable(REAL) : INPUTS_AT + below(INPUTS_COUNT + STATES_COUNT);
@@ -504,9 +504,9 @@ static void exchange(Pair *p) {
         doing = "get nominals";
         lawful = lawful && (read || p->phase == CREATED);
         BOTH(p, lawful, CALL(GetNominalsOfContinuousStates, c, place, n));
-        const size_t none = rarely() ? 1 : 0;
+        const size_t of_events = INDICATORS_COUNT + (rarely() ? 1 : 0);
         doing = "get event indicators";
-        BOTH(p, read && !none, CALL(GetEventIndicators, c, a, none));
+        BOTH(p, read && of_events == INDICATORS_COUNT, CALL(GetEventIndicators, c, a, of_events));
     }
 }
 

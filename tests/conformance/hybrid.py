@@ -1,0 +1,173 @@
+"""A mass on contacts with modes, solved by scipy from one change of mode to the next.
+
+Written from the equations in the README files of the laws, without their C: the velocity has one
+sign between events, each change of its sign is an event, and the force of an element that sticks is
+compared with its limit in the direction of the motion.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+Array = np.ndarray
+Modes = tuple[float, ...]
+
+
+class Point(NamedTuple):
+    """Velocity, driving force and the law's states, in motion of direction ``s`` (0: at rest)."""
+
+    v: float
+    u: float
+    y: Array
+    modes: Modes = ()
+    s: float = 0.0
+
+
+class CoulombStribeck:
+    """Static friction at rest, the Stribeck curve in motion."""
+
+    scales: tuple[float, ...] = ()
+
+    def __init__(self, p: Mapping[str, Any]) -> None:
+        self.p = p
+
+    def g(self, v: float) -> float:
+        p = self.p
+        return p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((abs(v) / p["v_s"]) ** p["delta"]))
+
+    def direction(self, at: Point) -> float:
+        """Return where a mass at v = 0 begins to go: 1, -1, or 0 for rest."""
+        return 0.0 if abs(at.u) <= self.p["F_s"] else np.sign(at.u)
+
+    def modes(self, at: Point) -> Modes:
+        """Return the modes in which the motion goes on; ``at`` has those before."""
+        return (at.s,)
+
+    def flow(self, at: Point) -> tuple[float, Array]:
+        """Return the friction force and the derivatives of the law's states."""
+        return (at.s * self.g(at.v) if at.s else at.u), np.empty(0)
+
+    def margins(self, at: Point) -> list[float]:
+        """Return what changes its sign where modes change, besides the velocity."""
+        return [] if at.s else [self.p["F_s"] - abs(at.u)]
+
+
+class Gms(CoulombStribeck):
+    """Elements that stick as springs, and slip towards their share of the Stribeck curve."""
+
+    scales = (1.0,) * 4
+
+    def __init__(self, p: Mapping[str, Any]) -> None:
+        super().__init__(p)
+        alpha, kappa = (np.array([p[f"{n}[{k}]"] for k in range(1, 5)]) for n in ("alpha", "kappa"))
+        self.alpha, self.k = alpha / alpha.sum(), p["sigma_0"] * kappa / kappa.sum()
+
+    def direction(self, at: Point) -> float:
+        return np.sign(at.u - at.y.sum())
+
+    def modes(self, at: Point) -> Modes:
+        slipped = np.array(at.modes) == at.s
+        full = at.s * at.y >= self.alpha * self.g(at.v) * (1.0 - 1e-10)
+        return tuple(np.where(slipped & (at.s != 0.0) | full, at.s, 0.0))
+
+    def flow(self, at: Point) -> tuple[float, Array]:
+        attracted = self.p["C"] * (self.alpha * at.s - at.y / self.g(at.v))
+        rate = np.where(np.array(at.modes) != 0.0, attracted, self.k * at.v)
+        return at.y.sum() + self.p["sigma_1"] / self.p["sigma_0"] * rate.sum(), rate
+
+    def margins(self, at: Point) -> list[float]:
+        left = self.alpha * self.g(at.v) - at.s * at.y
+        return list(np.where(np.array(at.modes) != 0.0, 1.0, left))
+
+
+class Leuven(CoulombStribeck):
+    """Bristles with elements that slip at forces of their own, all but the last."""
+
+    scales = (1e-6,) * 4
+
+    def __init__(self, p: Mapping[str, Any]) -> None:
+        super().__init__(p)
+        kappa = np.array([p[f"kappa[{k}]"] for k in range(1, 5)])
+        self.k = p["sigma_0"] * kappa / kappa.sum()
+        self.limit = p["F_c"] * np.array([p[f"W[{k}]"] for k in range(1, 4)]) / self.k[:3]
+
+    def share(self, at: Point) -> float:
+        return at.s * float(self.k @ at.y) / self.g(at.v)
+
+    def direction(self, at: Point) -> float:
+        return np.sign(at.u - self.k @ at.y)
+
+    def going(self, at: Point) -> float:
+        """Return the sign of dz/dt."""
+        return at.s * np.sign(1.0 - self.share(at))
+
+    def modes(self, at: Point) -> Modes:
+        going = self.going(at)
+        return tuple(np.where(going * at.y[:3] >= self.limit * (1.0 - 1e-9), going, 0.0))
+
+    def flow(self, at: Point) -> tuple[float, Array]:
+        share = self.share(at)
+        dz = at.v * (1.0 - np.sign(share) * abs(share) ** self.p["n_h"])
+        rate = np.append(np.where(np.array(at.modes) != 0.0, 0.0, dz), dz)
+        return float(self.k @ at.y) + self.p["sigma_1"] * dz, rate
+
+    def margins(self, at: Point) -> list[float]:
+        left = 1.0 - self.going(at) * at.y[:3] / self.limit
+        return [1.0 - self.share(at), *np.where(np.array(at.modes) != 0.0, 1.0, left)]
+
+
+LAWS = {"coulomb_stribeck": CoulombStribeck, "gms": Gms, "leuven": Leuven}
+
+
+def solve(
+    law: CoulombStribeck, force: Callable[[float], float], times: Sequence[float]
+) -> tuple[Array, list[tuple[float, Modes]]]:
+    """Return position, velocity and the law's states at ``times`` [s], and each change of modes.
+
+    The mass starts at rest. ``force`` [N] may jump at ``times`` and is continuous in between.
+    """
+    m, b = law.p["m"], law.p["b"]
+    scales = np.array([1.0, 1.0, *law.scales])
+    x = np.zeros(len(scales))
+    rows, changes, modes = [x], [], (0.0,) * len(law.scales)
+    for start, end in itertools.pairwise(times):
+        t = start
+        while t < end:
+            at = Point(x[1], force(t + 1e-12), x[2:], modes)
+            at = at._replace(s=np.sign(x[1]) or law.direction(at))
+            modes = law.modes(at)
+            changes.append((t, modes))
+
+            def point(t, scaled, s=at.s, modes=modes):
+                y = scaled * scales
+                return Point(y[1], force(t), y[2:], modes, s)
+
+            def motion(t, scaled, point=point):
+                at = point(t, scaled)
+                F_f, rates = law.flow(at)
+                return np.array([at.v, (at.u - b * at.v - F_f) / m, *rates]) / scales
+
+            def margins(t, scaled, point=point):
+                at = point(t, scaled)
+                return [*law.margins(at), at.v if at.s else 1.0]
+
+            events = [
+                lambda t, y, k=k, margins=margins: margins(t, y)[k]
+                for k in range(len(margins(t, x / scales)))
+            ]
+            for event in events:
+                event.terminal = True
+            events[-1].direction = -at.s
+            solution = solve_ivp(
+                motion, (t, end), x / scales, "Radau", rtol=1e-9, atol=1e-13, events=events
+            )
+            t, x = solution.t[-1], solution.y[:, -1] * scales
+            if solution.status == 1 and len(solution.t_events[-1]):
+                x[1] = 0.0
+        rows.append(x)
+    return np.array(rows), changes

@@ -1,0 +1,252 @@
+"""Model Exchange of laws with modes: state events against scipy, closed forms, two solvers."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from ctypes import POINTER, c_double
+
+import fmpy
+import numpy as np
+import pytest
+
+from stickslip import cosim, models
+from tests.conformance import hybrid
+
+FORCES = [9.5, -9.5, 3.0]  # N, each held for PIECE: away, through a reversal, to a stop
+PIECE = 0.02  # s
+VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+LAWS = pytest.mark.parametrize("law", list(hybrid.LAWS))
+F_S = 8.999  # N
+
+
+@functools.cache
+def reference(law):
+    """Return the times, the motion at them, and the modes there."""
+    model = models.load_model("stage", law)
+    contact = hybrid.LAWS[law]({v.name: v.start for v in model.variables if v.role == "parameter"})
+    times = PIECE * np.arange(len(FORCES) + 1)
+    motion, changes = hybrid.solve(contact, lambda t: FORCES[int(t // PIECE)], times)
+    modes = [max((c for c in changes if c[0] < t), key=lambda c: c[0])[1] for t in times[1:]]
+    return times, motion, modes
+
+
+def held(times, forces):
+    """Return a table of forces that jump at the times."""
+    pairs = itertools.pairwise(times)
+    return np.array([(t, u) for ends, u in zip(pairs, forces, strict=True) for t in ends])
+
+
+def mode_names(fmu):
+    names = [v.name for v in fmu.model.variables]
+    return [n for n in names if n.partition("[")[0] in ("mode", "slip")]
+
+
+def by_fmpy(fmu, table, step, *outputs, **options):
+    """Let FMPy's CVode integrate under forces in a straight line between the table's rows."""
+    return fmpy.simulate_fmu(
+        str(fmu.path),
+        fmi_type="ModelExchange",
+        stop_time=table[-1, 0],
+        input=np.array(list(map(tuple, table)), dtype=[("time", "f8"), ("u", "f8")]),
+        output=outputs,
+        output_interval=step,
+        **{"relative_tolerance": 1e-9, "record_events": False, **options},
+    )
+
+
+def by_master(fmu, table, step, interface="model_exchange", tolerance=1e-9, **start):
+    system = cosim.System()
+    system.add("a", fmu.path, start, interface=interface)
+    system.expose("u", "a.u")
+    names = [f"a.{n}" for n in ("x", "v", "F_f", *mode_names(fmu))]
+    options = {"step": step, "stop": table[-1, 0], "tolerance": tolerance, "record": names}
+    with system.prepare(**options) as simulation:
+        return simulation.run(inputs={"u": cosim.Table(*table.T)})
+
+
+@VERSIONS
+@LAWS
+def test_the_motion_and_the_modes_are_those_of_scipy(build, law, version):
+    """The velocity, in another tool and in ours, through slip, reversal and stop."""
+    fmu = build(f"stage+{law}", version)
+    times, motion, modes = reference(law)
+    theirs = by_fmpy(fmu, held(times, FORCES), PIECE, "x", "v", *mode_names(fmu))
+    ours = by_master(fmu, held(times, FORCES), PIECE)
+    assert np.abs(motion[:, 1]).max() > 5e-3
+    for found in ({n: ours[f"a.{n}"] for n in ("x", "v", *mode_names(fmu))}, theirs):
+        np.testing.assert_allclose(found["x"], motion[:, 0], atol=1e-9)
+        np.testing.assert_allclose(found["v"], motion[:, 1], atol=1e-8)
+        at_ends = np.transpose([found[n][1:] for n in mode_names(fmu)])
+        np.testing.assert_array_equal(at_ends, modes)
+
+
+@LAWS
+def test_the_motion_is_that_of_co_simulation_at_a_small_step(build, law):
+    fmu = build(f"stage+{law}", 2)
+    times, motion, _ = reference(law)
+    step = 2e-6
+    forces = np.append(np.repeat(FORCES, round(PIECE / step)), FORCES[-1])
+    table = np.transpose([step * np.arange(len(forces)), forces])
+    stepped = by_master(fmu, table, step, interface="co_simulation")
+    at = np.round(times / step).astype(int)
+    np.testing.assert_allclose(stepped["a.v"][at], motion[:, 1], atol=5e-7)
+    np.testing.assert_allclose(stepped["a.x"][at], motion[:, 0], atol=1e-8)
+
+
+@VERSIONS
+def test_on_a_ramp_the_mass_breaks_away_and_sticks_again_in_closed_form(build, version):
+    """With F_s = F_c = F and b = 0 the force in excess is a straight line up and down.
+
+    Up to F + P at rate r and down again: the mass moves from F / r on, and stops a time
+    (1 + sqrt 2) P / r after the peak, (P^3 / r^2 / m) (1 + 2 sqrt 2 / 3) away.
+    """
+    fmu = build("stage+coulomb_stribeck", version)
+    r, F, P, m = 20.0, 6.0, 2.0, 4.0
+    start = {"F_s": F, "F_c": F, "b": 0.0, "m": m}
+    peak = (F + P) / r
+    table = np.array([(0.0, 0.0), (peak, F + P), (peak + 6.0 / r, F + P - 6.0)])
+    found = by_master(fmu, table, 1e-4, **start)
+    moving = found.time[found["a.v"] != 0.0]
+    stop = peak + (1.0 + np.sqrt(2.0)) * P / r
+    assert F / r < moving[0] <= F / r + 1.01e-4
+    assert stop - 1.01e-4 <= moving[-1] < stop
+    distance = P**3 / r**2 / m * (1.0 + 2.0 * np.sqrt(2.0) / 3.0)
+    assert found["a.x"][-1] == pytest.approx(distance, rel=1e-7)
+    rest = found.time > stop
+    assert len(set(found["a.x"][rest])) == 1
+    np.testing.assert_allclose(found["a.F_f"][rest], np.interp(found.time, *table.T)[rest])
+    loose = {"relative_tolerance": 1e-4}  # FMPy holds the input between its calls for indicators
+    events = by_fmpy(fmu, table, 0.1, "v", record_events=True, start_values=start, **loose)["time"]
+    assert np.abs(events - F / r).min() < 1e-12
+
+
+@pytest.mark.parametrize("excess", [0.0, 1e-3])
+def test_a_force_that_just_touches_static_friction(build, excess):
+    """At F_s it moves nothing; a peak 1e-3 N higher is found, and moves 0.1 nm."""
+    fmu = build("stage+coulomb_stribeck", 3)
+    peak = F_S + excess
+    table = np.array([(0.0, peak - 1.0), (1.0, peak), (2.0, peak - 1.0)])
+    start = {"F_c": F_S, "b": 0.0, "m": 4.0}
+    found = by_master(fmu, table, 0.125, tolerance=1e-10, **start)
+    distance = excess**3 / 4.0 * (1.0 + np.sqrt(2.0) * 2.0 / 3.0)
+    assert found["a.x"][-1] == pytest.approx(distance, rel=1e-3, abs=0.0)
+    assert not found["a.v"][-1]
+    assert not found["a.x"][:8].any()
+
+
+@pytest.mark.parametrize("law", ["coulomb_stribeck", "gms"])
+def test_a_stuck_mass_does_not_creep(build, law):
+    """100 s under 60 % of F_c after a motion that ended there, with an oscillation of 10 %."""
+    fmu = build(f"stage+{law}", 2)
+    time = np.linspace(0.5, 100.5, 2001)
+    load = 3.6 + 0.6 * np.sin(2 * np.pi * (time - 0.5))
+    table = np.array([(0.0, 9.5), (0.1, 9.5), *zip(time, load, strict=True)])
+    x = by_master(fmu, table, 0.25, tolerance=1e-8)["a.x"]
+    assert x[-1] > 1e-4
+    assert np.ptp(x[10:-360:4]) <= (0.0 if law == "coulomb_stribeck" else 1e-10)
+    np.testing.assert_allclose(x[50:-4:4], x[-1], atol=0.0 if law == "coulomb_stribeck" else 1e-9)
+
+
+def contact(fmu):
+    parameters = {v.name: v.start for v in fmu.model.variables if v.role == "parameter"}
+    return hybrid.LAWS[fmu.model.law.name](parameters)
+
+
+def updated(instance):
+    """Update once; return what was reported and what is there after it."""
+    if instance.fmu.version == 2:
+        reported = instance.api.newDiscreteStates()
+    else:
+        reported = instance.api.updateDiscreteStates()
+    return dict(zip(("again", "ends", "nominals", "states", "timed"), reported, strict=False))
+
+
+@VERSIONS
+@LAWS
+def test_events_choose_the_modes_and_derivatives_are_the_equations_of_each(
+    build, exchanged, law, version
+):
+    fmu = build(f"stage+{law}", version)
+    law, instance, seen = contact(fmu), exchanged(fmu), set()
+    for n, point in enumerate(fmu.points(100)):
+        point |= {"v": 0.0} if n % 4 == 3 else {}
+        instance.api.reset()
+        reported = updated(instance.initialize(point))
+        x, v, *y = instance.vector("ContinuousStates")
+        y = np.array(y)
+        clipped = isinstance(law, hybrid.Leuven) and (np.abs(y[:3]) <= law.limit).all()
+        asked = np.array([point[n] for n in fmu.names("state")[2 : instance.n_states]])
+        assert clipped or (y == asked).all()
+        assert (x, v) == (point["x"], point["v"])
+        assert reported["states"] == (y != asked).any()
+        assert not any(reported[flag] for flag in ("again", "ends", "nominals", "timed"))
+        here = hybrid.Point(v, point["u"], y, (0.0,) * len(law.scales), np.sign(v))
+        if not law.scales:  # elements stick at v = 0
+            here = here._replace(s=here.s or law.direction(here))
+        here = here._replace(modes=law.modes(here) if here.s or not law.scales else here.modes)
+        here = here._replace(modes=here.modes[: len(mode_names(fmu))])
+        assert tuple(instance.get(mode_names(fmu))) == here.modes
+        force, rates = law.flow(here)
+        expected = [v, (point["u"] - law.p["b"] * v - force) / law.p["m"], *rates]
+        np.testing.assert_allclose(instance.vector("Derivatives"), expected, rtol=1e-11, atol=1e-11)
+        assert (indicators(instance) > 0.0).all()
+        seen.add(here.modes)
+    assert len(seen) > 2
+
+
+def indicators(instance):
+    values = np.empty(len(instance.fmu.names("indicator")))
+    instance.api.getEventIndicators(values.ctypes.data_as(POINTER(c_double)), len(values))
+    return values
+
+
+@VERSIONS
+def test_modes_change_in_event_mode_only_and_a_restored_state_changes_them_again(
+    build, exchanged, identical, version
+):
+    """The velocity has crossed 0 under a force that static friction holds."""
+    fmu = build("stage+coulomb_stribeck", version)
+    instance = exchanged(fmu).initialize({"v": 1e-3})
+    assert updated(instance)["states"] == 0
+    instance.api.enterContinuousTimeMode()
+    for v in (1e-3, 1e-12, -1e-12, -1e-3):
+        instance.place(0.1, [0.0, v])
+        assert instance.get(["mode"]) == [1.0]
+        assert (indicators(instance)[0] > 0.0) == (v > 0.0)
+    instance.place(0.1, [0.0, -1e-12])
+    instance.api.enterEventMode()
+    state = instance.api.getFMUState()
+    bits = instance.api.serializeFMUState(state)
+    crossed = instance.everything()
+    for _ in range(2):
+        assert updated(instance)["states"] == 1
+        assert instance.get(["mode", "v"]) == [0.0, 0.0]
+        assert updated(instance)["states"] == 0
+        instance.api.enterContinuousTimeMode()
+        assert indicators(instance)[0] > 0.0
+        instance.api.setFMUState(state)
+        assert identical(instance.everything(), crossed)
+    instance.api.setFMUState(instance.api.deserializeFMUState(bits))
+    assert updated(instance)["states"] == 1
+    instance.set({"u": 9.5})
+    assert updated(instance)["states"] == 0  # it breaks away, and no state jumps
+    assert instance.get(["mode", "v"]) == [1.0, 0.0]
+
+
+def test_a_parameter_changed_at_an_event_changes_the_modes(build, exchanged):
+    instance = exchanged(build("stage+coulomb_stribeck", 3)).initialize({"u": 8.0})
+    updated(instance)
+    assert instance.get(["mode", "F_f"]) == [0.0, 8.0]
+    instance.set({"F_s": 7.0})
+    updated(instance)
+    assert instance.get(["mode", "F_f"]) == [1.0, 7.0]
+
+
+def test_a_law_without_such_equations_is_refused_in_one_line(build):
+    fmu = build("stage+armstrong", 2)
+    system = cosim.System()
+    with pytest.raises(cosim.FmuError, match="no interface 'model_exchange'; it has co_simulation"):
+        system.add("a", fmu.path, interface="model_exchange")
+    assert fmu.description.modelExchange is None
+    assert "Co-Simulation only" in fmu.description.description
