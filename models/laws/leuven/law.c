@@ -9,9 +9,6 @@ enum { ELEMENTS = sizeof((Law *)NULL)->kappa / sizeof(double) };
 
 enum { SUB_STEPS = 16 }; /* where n_h is not 1 */
 
-static const double RETURNED =
-    1e-6; /* share of its limit by which a slipping element has returned */
-
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 /* What holds over a step. */
@@ -121,6 +118,9 @@ Law law_scaled(const Law *p, double factor) {
 }
 
 #if LAW_SWITCHES
+/* Share of its limit after which an element that returns does not slip any more. */
+static const double RETURNED = 1e-6;
+
 /* dz/dt [m/s] */
 static double bristle_rate(double v, const LawState *s, const Contact *c, const Law *p) {
     const double force = hysteresis(s, c);
