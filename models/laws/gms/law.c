@@ -77,7 +77,7 @@ Law law_scaled(const Law *p, double factor) {
 static double absolute(double a) { return a < 0.0 ? -a : a; }
 
 /* Force [N] that a sticking element still lacks to its share of the Stribeck curve. */
-static double lack(size_t i, double G, const LawState *s, const Law *p) {
+static double reserve(size_t i, double G, const LawState *s, const Law *p) {
     return p->alpha[i] / sum(p->alpha) * G - absolute(s->F_e[i]);
 }
 
@@ -103,7 +103,7 @@ void law_events(double v, double u, const LawState *s, const Law *p, LawEvents *
     const double G = g(v, p);
     (void)u;
     for (size_t i = 0; i < ELEMENTS; i++) {
-        const double below = lack(i, G, s, p) / G, relief = -stretching(i, v, s) / p->v_s;
+        const double below = reserve(i, G, s, p) / G, relief = -stretching(i, v, s) / p->v_s;
         const double sticking = below > relief ? below : relief;
         z->margin[i] = LAW_EDGE + (s->mode[i] != 0.0 ? s->mode[i] * v / p->v_s : sticking);
     }
@@ -115,7 +115,7 @@ bool law_switch(double *v, double u, LawState *s, const Law *p) {
     for (size_t i = 0; i < ELEMENTS; i++) {
         if (s->mode[i] * *v > 0.0)
             continue;
-        const bool slips = lack(i, G, s, p) <= 0.0 && stretching(i, *v, s) > 0.0;
+        const bool slips = reserve(i, G, s, p) <= 0.0 && stretching(i, *v, s) > 0.0;
         s->mode[i] = !slips ? 0.0 : *v < 0.0 ? -1.0 : 1.0;
     }
     return false;
