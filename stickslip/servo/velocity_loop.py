@@ -270,7 +270,7 @@ def close_velocity_loop(
         m_ff=m_ff,
         velocity_filter=velocity_filter,
         K_x=K_x,
-        velocity_feedforward=velocity_feedforward,
+        velocity_feedforward=velocity_feedforward if K_x else 1.0,
     )
 
 

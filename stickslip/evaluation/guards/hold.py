@@ -141,7 +141,7 @@ def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list
 
 
 def reversals(x: Array, least: float) -> int:
-    """Return how often a position (n,) changes direction, by half of its range and ``least`` [m]."""
+    """Return how often a position (n,) turns back by half of its range and ``least`` [m]."""
     least, count, way = max(0.5 * float(np.ptp(x)), least), 0, 0
     low = high = float(x[0])
     for value in x.tolist():
