@@ -1,7 +1,7 @@
 """A compensator as a function block in IEC 61131-3 structured text, for a PLC.
 
 The functions are translated from the C of the model; the function block around them has the
-inputs, parameters and outputs as variables.
+inputs, parameters and outputs as variables, and what it learns as outputs.
 """
 
 from __future__ import annotations
@@ -63,6 +63,7 @@ def _block(model: Model, program: Program) -> str:
         usage = "Call it once a cycle."
         guard = ["IF h <= 0.0 THEN", "    RETURN;", "END_IF;"]
         steps = [f"valid := {call('model_step')};"]
+    shown = _shown(model)
     timed = [] if model.sampled else ["    h : LREAL; (* [s] time since the last call, above 0 *)"]
     body = [
         "valid := FALSE;",
@@ -76,9 +77,10 @@ def _block(model: Model, program: Program) -> str:
         *steps,
         f"done := {call('model_outputs')};",
         *(
-            f"{shown} := outputs.{program.member('Outputs', name)};"
-            for name, shown in _shown(model).items()
-            if name in dict(model.fields["output"])
+            f"{shown[name]} := {_PARTS[part]}.{program.member(_STRUCTS[part], name)};"
+            for part in "yw"
+            for name, _, _ in _elements(model, _ROLES[part])
+            if name in shown
         ),
     ]
     return "\n".join(
@@ -90,7 +92,7 @@ def _block(model: Model, program: Program) -> str:
             *_declarations(model, ("input", "parameter")),
             "END_VAR",
             "VAR_OUTPUT",
-            *_declarations(model, ("output",)),
+            *_declarations(model, ("output", "memory")),
             "    valid : BOOL; (* FALSE: do not use the outputs *)",
             "END_VAR",
             "VAR",
@@ -113,8 +115,12 @@ def _elements(model: Model, role: str) -> Iterable[tuple[str, tuple[int, ...], l
 
 def _shown(model: Model) -> dict[str, str]:
     """Return the names of inputs, parameters and outputs as variables of the function block."""
+    learned = model.ports.learned.values() if model.ports else ()
     return distinct(
-        name for role in ("input", "parameter", "output") for name, _, _ in _elements(model, role)
+        [
+            *(f for role in ("input", "parameter", "output") for f, _, _ in _elements(model, role)),
+            *dict.fromkeys(variable.partition("[")[0] for variable in learned),
+        ]
     )
 
 
@@ -145,6 +151,8 @@ def _declarations(model: Model, roles: Iterable[str]) -> Iterable[str]:
     shown = _shown(model)
     for role in roles:
         for name, size, (first, *others) in _elements(model, role):
+            if name not in shown:  # memory that is not learned
+                continue
             kind, start = "LREAL", _number(first.start)
             if first.type == "boolean":
                 kind, start = "BOOL", "TRUE" if first.start else "FALSE"

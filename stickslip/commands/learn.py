@@ -18,7 +18,13 @@ from stickslip.commands.log_options import (
     print_findings,
 )
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_benefit, print_laws, print_parts, print_tracking
+from stickslip.commands.tables import (
+    print_benefit,
+    print_holds,
+    print_laws,
+    print_parts,
+    print_tracking,
+)
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
@@ -133,6 +139,8 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             print_benefit(learned.benefit or learned.trial.benefit)
             if learned.trial.observed:
                 print_parts(learned.trial.observed)
+            if learned.trial.holds:
+                print_holds(learned.trial.holds)
         for warning in learned.warnings:
             warn(warning)
         if options.out:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.evaluation.compared_logs import LogComparison, sentences
-from stickslip.evaluation.guards import Benefit
+from stickslip.evaluation.guards import Benefit, Hold
 from stickslip.evaluation.log_prediction import LogPrediction
 from stickslip.evaluation.log_verdict import SIGNALS, verdict
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, Tracking
@@ -65,16 +65,29 @@ def print_table4(table: pd.DataFrame) -> None:
 def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
     """Print a row for each drive and a column for each command."""
     share = "" if benefit.share == 1.0 else f" at {benefit.share:g} of its force"
-    print(
-        f"\nRMS tracking error of simulated drives [{benefit.unit}], "
-        f"without -> with the compensator{share}:",
-        file=file,
-    )
-    commands = list(dict.fromkeys(row.command for row in benefit.rows))
-    print(f"{'simulated drive':40}" + "".join(f"{name:>18}" for name in commands), file=file)
-    for drive, rows in groupby(benefit.rows, key=lambda row: row.drive):
-        cells = (f"{1e3 * row.without:.3g} -> {1e3 * row.compensated:.3g}" for row in rows)
-        print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
+    for figure, shown in benefit.tables().items():
+        factor, unit = benefit.shown(shown[0])
+        what = "tracking" if len(shown) == len(benefit.rows) else figure
+        print(
+            f"\nRMS {what} error of simulated drives [{unit}], "
+            f"without -> with the compensator{share}:",
+            file=file,
+        )
+        commands = list(dict.fromkeys(row.command for row in shown))
+        print(f"{'simulated drive':40}" + "".join(f"{name:>18}" for name in commands), file=file)
+        for drive, rows in groupby(shown, key=lambda row: row.drive):
+            cells = (
+                f"{factor * row.without:.3g} -> {factor * row.compensated:.3g}" for row in rows
+            )
+            print(f"{drive:40}" + "".join(f"{cell:>18}" for cell in cells), file=file)
+
+
+def print_holds(holds: Mapping[str, Hold]) -> None:
+    """Print how a cascade holds its position without and with each compensation."""
+    print(f"\nat rest, worst simulated drive{'':9} swing [um]  reversals")
+    for name, hold in holds.items():
+        row = f"{name:38} {1e6 * hold.swing:11.3g} {hold.reversals:10}"
+        print(f"{row} in {hold.duration:.3g} s; {hold.drive}")
 
 
 def print_parts(observed: Observed) -> None:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import control
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
@@ -151,7 +150,7 @@ def feedforward(fmus: Path, recording: Recording, drive: LearnedDrive, scale: Sc
     lead = 0.0
     if drive.reference is not None:
         lead = drive.reference.axis.tau_i
-        v = np.asarray(control.forced_response(drive.reference.nominal, inputs=v).outputs)
+        v = _response(drive.reference, recording.t, v)
         v = np.append(v[1:], v[-1])  # of the end of the step
     values = {n: x for n, x in scale.values(drive.compensator).items() if n not in DRIVE}
     system = cosim.System("feedforward")
@@ -163,3 +162,10 @@ def feedforward(fmus: Path, recording: Recording, drive: LearnedDrive, scale: Sc
     with system.prepare(step=recording.T_s, stop=stop, record=record) as simulation:
         shown = simulation.run({}, {"v": scale.length * v})[record[0]]
     return np.append(shown[1:], shown[-1])  # row n + 1 shows the force from sample n on
+
+
+def _response(loop: VelocityLoop, t: Array, v_cmd: Array) -> Array:
+    """Return the velocity (n,) [m/s] of a loop without friction; it may sample at other times."""
+    own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
+    inputs = np.interp(own, t, v_cmd)
+    return np.interp(t, own, loop.response(inputs)[0])

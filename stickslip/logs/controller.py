@@ -10,13 +10,15 @@ from typing import Literal, get_args
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
 
-Kind = Literal["P", "PI", "PID", "cascade", "none"]
+Kind = Literal["P", "PI", "PID", "cascade", "P-PI", "P-P", "none"]
 
 _TAKES: dict[str, tuple[tuple[set[str], set[str]], ...]] = {
     "P": (({"P_x"}, set()), ({"K_p"}, set())),
     "PI": (({"P_x", "I_x"}, set()), ({"K_p", "K_i"}, set())),
     "PID": (({"P_x", "I_x", "K_p"}, set()),),
-    "cascade": (({"K_x", "K_p"}, {"K_i"}),),
+    "cascade": (({"K_x", "K_p"}, {"K_i", "velocity_feedforward"}),),
+    "P-PI": (({"K_x", "K_p", "K_i"}, {"velocity_feedforward"}),),
+    "P-P": (({"K_x", "K_p"}, {"velocity_feedforward"}),),
     "none": ((set(), set()),),
 }
 """Per kind: alternatives of the gains that it needs and those that it may have."""
@@ -28,17 +30,20 @@ COMMON = frozenset({"tau_f", "T_s", "u_max"})
 class Controller:
     """A controller of position and velocity, in SI units.
 
-    With e_x = x_cmd - x and e_v = v_cmd + K_x e_x - v_est::
+    With e_x = x_cmd - x and e_v = velocity_feedforward v_cmd + K_x e_x - v_est::
 
         u = P_x e_x + I_x integral(e_x) + K_p e_v + K_i integral(e_v),  |u| <= u_max
 
     A command that was not logged is 0. P and PI act on position (P_x, I_x) or on velocity (K_p,
-    K_i); PID acts on position, with K_p for the derivative; a cascade has K_x around K_p, K_i.
+    K_i); PID acts on position, with K_p for the derivative; a cascade, P-PI or
+    P-P, has K_x around K_p, K_i.
 
     Attributes
     ----------
-    kind : P, PI, PID, cascade or none (unknown)
+    kind : P, PI, PID, cascade, P-PI, P-P or none (unknown)
     K_x : [1/s]
+    velocity_feedforward : share of v_cmd that a cascade follows [1]; None: 1 where a velocity
+        command was logged, else 0
     P_x : [N/m]
     I_x : [N/(m s)]
     K_p : [N s/m]
@@ -50,6 +55,7 @@ class Controller:
 
     kind: Kind = "none"
     K_x: float = 0.0
+    velocity_feedforward: float | None = None
     P_x: float = 0.0
     I_x: float = 0.0
     K_p: float = 0.0
@@ -69,7 +75,8 @@ class Controller:
         """Return the parameters of the controller FMU, None if unknown; T_s and u_max if known."""
         if self.kind == "none":
             return None
-        values = {name: float(getattr(self, name)) for name in GAINS}
+        given = {name: getattr(self, name) for name in GAINS}
+        values = {name: float(value) for name, value in given.items() if value is not None}
         if not self.T_s:
             del values["T_s"]
         if math.isinf(self.u_max):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +21,14 @@ from stickslip.logs.roles import assign_roles, named_quantity
 from stickslip.logs.table import LogTable
 from stickslip.logs.unit_factors import EQUALS, described_ratio, near_factor
 from stickslip.logs.units import Unit, sized_unit
-from stickslip.servo.measurement import Array
+from stickslip.servo.measurement import Array, derivative
 
 DIVISORS = 12
 """Most encoder steps that the smallest difference of a signal may have."""
 SHARE = 0.98
 """Share of the differences that must be whole steps."""
+MOST_FEEDFORWARD = 2.0
+"""Largest velocity feedforward of a cascade, a share of the velocity command."""
 
 
 @dataclass(frozen=True)
@@ -144,15 +146,41 @@ def read_recording(
     for name, value in gains.items():
         if value < 0:
             raise UsageError(f"controller: {name} = {value:g}: expected 0 or more")
+        if name == "velocity_feedforward" and value > MOST_FEEDFORWARD:
+            expected = f"0 to {MOST_FEEDFORWARD:g}; 100 % are 1"
+            raise UsageError(f"controller: {name} = {value:g}: expected {expected}")
+    controller = Controller(given.controller, **gains)
+    commanded, controller = with_velocity_command(recording, controller)
+    if commanded is not recording:
+        what = "no velocity command was logged, but the cascade has velocity feedforward"
+        findings.append(Finding("note", what, advice="the position command is differentiated"))
     return Reading(
-        recording,
-        Controller(given.controller, **gains),
+        commanded,
+        controller,
         tuple(findings),
         _positive(table, given.force_limit, "force_limit"),
         given.tau_i,
         {role: unit for role, unit in units.items() if role not in faults},
         given,
     )
+
+
+def with_velocity_command(
+    recording: Recording, controller: Controller
+) -> tuple[Recording, Controller]:
+    """Return a recording with the velocity command that a cascade follows, and its share of it.
+
+    A velocity command that was not logged is the derivative of the position command, where the
+    controller has velocity feedforward.
+    """
+    if not controller.K_x:
+        return recording, controller
+    x_cmd, share = recording.position_command, controller.velocity_feedforward
+    if share is None:
+        share = 0.0 if recording.velocity_command is None else 1.0
+    if share and recording.velocity_command is None and x_cmd is not None:
+        recording = replace(recording, velocity_command=derivative(x_cmd, recording.T_s))
+    return recording, replace(controller, velocity_feedforward=share)
 
 
 def _check_roles(table: LogTable, roles: dict[str, str], given: Description) -> None:

@@ -10,6 +10,8 @@ from scipy.signal import lfilter
 
 from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.guards import (
+    NONE,
+    Hold,
     Known,
     Variant,
     bench_of,
@@ -17,6 +19,8 @@ from stickslip.evaluation.guards import (
     family,
     feedforward,
     findings_of,
+    holds,
+    hunting_at_rest,
 )
 from stickslip.evaluation.guards.family import RESERVE
 from stickslip.identification.controller.controller_check import AGREES
@@ -27,7 +31,7 @@ from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_I
 from stickslip.logs import Reading, Recording, implausible_mass
 from stickslip.models import Law
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, SimulatedTrial
-from stickslip.pipeline.observed import try_observer
+from stickslip.pipeline.observed import FEEDFORWARD, try_observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.measurement import smoothed
@@ -98,11 +102,18 @@ def try_compensator(
         if with_observer:
             m = estimation.known["m"]
             observed = try_observer(bench, best, learned.friction, (m.low, m.high))
+        held: dict[str, Hold] = {}
+        if loop.K_x:
+            parts = observed.parts if observed else {FEEDFORWARD: best}
+            variants = {name: one.variant.share(law, one.share) for name, one in parts.items()}
+            held = holds(bench, [NONE, *variants.values()])
+            written = variants[(observed.recommended if observed else "") or FEEDFORWARD]
+            found += hunting_at_rest(held, written, sheet.encoder_step)
     others = [benefit for benefit in benefits if benefit is not best]
     if observed is not None:
         others += [part for part in (observed.alone, observed.both) if part is not None]
     trial = SimulatedTrial(
-        command, sheet, best, tuple(map(str, found)), drives, tuple(others), observed
+        command, sheet, best, tuple(map(str, found)), drives, tuple(others), observed, held
     )
     return replace(learned, trial=trial)
 
@@ -177,8 +188,14 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     rejected = estimation.controller is not None and estimation.controller.error > AGREES
     if controller.K_p and not (controller.P_x or controller.I_x or rejected):
         gains = (controller.T_s or T_s, controller.tau_f, controller.K_p, controller.K_i)
+        share = controller.velocity_feedforward
         try:
-            loop = close_velocity_loop(axis, *gains)
+            loop = close_velocity_loop(
+                axis,
+                *gains,
+                K_x=controller.K_x,
+                velocity_feedforward=1.0 if share is None else share,
+            )
         except ControlError:
             pass
         else:

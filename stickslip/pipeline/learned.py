@@ -8,7 +8,7 @@ What a log gives is then tried in simulation; a reproduction validates it on the
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from html import escape
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ import pandas as pd
 from stickslip import ga
 from stickslip.cosim import Trapezoid
 from stickslip.cosim.system.display import html_table
-from stickslip.evaluation.guards import Benefit, Drive
+from stickslip.evaluation.guards import Benefit, Drive, Hold
 from stickslip.evaluation.tracking import Tracking
 from stickslip.identification.estimation import (
     CriterionName,
@@ -99,6 +99,7 @@ class SimulatedTrial:
     warnings : of the guards, a line each
     others : the same as ``benefit`` for other ways to compensate
     observed : what a disturbance observer adds; None where none was tried
+    holds : how a cascade holds its position, by name of the way to compensate; else empty
     """
 
     command: Trapezoid
@@ -108,11 +109,12 @@ class SimulatedTrial:
     drives: tuple[Drive, ...] = ()
     others: tuple[Benefit, ...] = ()
     observed: Observed | None = None
+    holds: Mapping[str, Hold] = field(default_factory=dict)
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
 
-        Speeds and errors are in m/s, or rad/s for a rotary drive.
+        Speeds and errors are in m/s, of the figure ``position`` in m; rad for a rotary drive.
         """
         rows = [
             {
@@ -120,6 +122,7 @@ class SimulatedTrial:
                 "share": benefit.share,
                 "drive": row.drive,
                 "command": row.command,
+                "figure": row.figure,
                 "speed": row.speed,
                 "without": row.without,
                 "with": row.compensated,

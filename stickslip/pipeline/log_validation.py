@@ -17,8 +17,11 @@ from stickslip.identification.controller.controller_check import check_controlle
 from stickslip.identification.criteria.scaling import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Description, Finding, Reading, aligned, raise_errors, samples_late
+from stickslip.logs.controller import Controller
+from stickslip.logs.reading import with_velocity_command
 from stickslip.pipeline.log_learning import read_and_check
 from stickslip.results.learned import LearnedFile
+from stickslip.servo.velocity_loop import VelocityLoop
 
 
 @dataclass(frozen=True)
@@ -69,10 +72,22 @@ def read_log(
     reading = replace(reading, recording=recording)
     gains = reading.controller.parameters()
     name = f"the {reading.controller.kind} controller given"
-    if gains is None and learned.loop is not None and recording.velocity_command is not None:
-        gains = {key: getattr(learned.loop, key) for key in ("K_p", "K_i", "tau_f", "T_s")}
-        name = f"the PI controller of {learned.path.name}"
+    if gains is None and learned.loop is not None:
+        own = controller_of(learned.loop)
+        if own.needs and getattr(recording, own.needs) is not None:
+            recording, own = with_velocity_command(recording, own)
+            reading, gains = replace(reading, recording=recording), own.parameters()
+            name = f"the {own.kind} controller of {learned.path.name}"
     return LogInLoop(reading, gains, name if gains else "not known")
+
+
+def controller_of(loop: VelocityLoop) -> Controller:
+    """Return the controller of a loop."""
+    gains = {key: getattr(loop, key) for key in ("K_p", "K_i", "tau_f", "T_s")}
+    if not loop.K_x:
+        return Controller("PI", **gains)
+    outer = {key: getattr(loop, key) for key in ("K_x", "velocity_feedforward")}
+    return Controller("cascade", **gains, **outer)
 
 
 def validate_log(log: LogInLoop, learned: LearnedFile) -> LogPrediction:

@@ -5,8 +5,9 @@
     "validation": {"height": {"value": 0.04, "unit": "m/s"}, ...}
     "datasheet": {"encoder_step": {"value": 4e-7, "unit": "m"}, ...}
 
-Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff and
-the gains L_x L_v L_d of a velocity filter. ``law`` names the friction law where it is not LuGre.
+Values are in SI units. The loop has m b tau_i T_s tau_f K_p K_i, and where they are used m_ff,
+the gains L_x L_v L_d of a velocity filter, and K_x velocity_feedforward of a cascade. ``law`` names
+the friction law where it is not LuGre.
 ``components`` has compensators that learn while they run, and all their parameters as numbers in
 SI units: {"scale": {"model": "adaptive_scale", "parameters": {"s_0": 0.8, "rate": 0.05, ...}}}.
 Only ``parameters`` is needed to read a file. ``schema`` counts changes of keys: 1, that of files
@@ -31,7 +32,7 @@ from stickslip.catalog.parameters import estimated, friction_law, start_unit, un
 from stickslip.cosim import Simulation, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.fmpy_check import SecondOpinion
-from stickslip.evaluation.guards import Drive, Known, family
+from stickslip.evaluation.guards import Drive, Hold, Known, family
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.files import MOST_TEXT, atomic_write, parse_json, read_limited
 from stickslip.identification.estimation import Estimation
@@ -59,6 +60,8 @@ LOOP_UNITS = {
     "K_p": "N.s/m",
     "K_i": "N/m",
     "m_ff": "kg",
+    "K_x": "1/s",
+    "velocity_feedforward": "1",
     "L_x": "1",
     "L_v": "1/s",
     "L_d": "N/m",
@@ -71,6 +74,7 @@ _LOOP = ("T_s", "tau_f", "K_p", "K_i")
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
 """What an entry of the wrong shape raises."""
+_OUTER = ("K_x", "velocity_feedforward")
 
 
 def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
@@ -206,6 +210,8 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     if learned.trial is None:
         return document
     trial, benefit = learned.trial, learned.benefit or learned.trial.benefit
+    if trial.holds:
+        document["hold"] = {name: _hold_document(one) for name, one in trial.holds.items()}
     rotary = learned.estimation.recording.motion == "rotary"
     return document | {
         "share": {"value": benefit.share, "unit": "1"},
@@ -228,6 +234,16 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
             }
             for row in trial.table().to_dict("records")
         ],
+    }
+
+
+def _hold_document(hold: Hold) -> dict[str, Any]:
+    """Return how a cascade holds its position."""
+    return {
+        "swing": {"value": _finite(hold.swing), "unit": "m"},
+        "reversals": hold.reversals,
+        "duration": {"value": hold.duration, "unit": "s"},
+        "drive": hold.drive,
     }
 
 
@@ -281,6 +297,8 @@ def loop_document(loop: VelocityLoop) -> dict[str, dict[str, Any]]:
     """Return a velocity loop as plain data, for the entry ``loop``."""
     values = {name: getattr(loop.axis, name) for name in _AXIS}
     values |= {name: getattr(loop, name) for name in (*_LOOP, "m_ff")}
+    if loop.K_x:
+        values |= {name: getattr(loop, name) for name in _OUTER}
     if loop.velocity_filter is not None:
         values |= {name: getattr(loop.velocity_filter, name) for name in _GAINS}
     return {name: {"value": value, "unit": LOOP_UNITS[name]} for name, value in values.items()}
@@ -637,4 +655,5 @@ def _loop_of(entry: Mapping[str, float]) -> VelocityLoop:
         **{name: entry[name] for name in _LOOP},
         m_ff=entry.get("m_ff", 0.0),
         velocity_filter=velocity_filter,
+        **{name: entry[name] for name in _OUTER if name in entry},
     )

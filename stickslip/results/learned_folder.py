@@ -25,6 +25,7 @@ from stickslip.results.folder import staged
 from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
 from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.systems import nominal_parameters
 
 TABLE = "tracking_error.csv"
 """Errors on the family of simulated drives."""
@@ -32,6 +33,7 @@ FILES = (
     "learned.json",
     "compensator.fmu",
     "observer.fmu",
+    "nominal_loop.fmu",
     TABLE,
     *picture_files([TRACKING]),
     *REPORT,
@@ -69,7 +71,13 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
             tracking_section(learned.tracking, motion, share, observed=observed, refusal=refusal)
         )
     written = learned.writes(force=force)
-    absent = ["compensator.fmu", "observer.fmu", TABLE, *picture_files([TRACKING])]
+    absent = [
+        "compensator.fmu",
+        "observer.fmu",
+        "nominal_loop.fmu",
+        TABLE,
+        *picture_files([TRACKING]),
+    ]
     with staged(folder, command, without=absent) as staging:
         if learned.trial:
             write_tables({TABLE.removesuffix(".csv"): learned.trial.table()}, staging)
@@ -84,6 +92,9 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
         if learned.observer and written in (OBSERVER, BOTH):
             start = learned.observer.parameters()
             models.build_fmu("dob", staging, start=start, called="observer")
+        loop = learned.known_loop
+        if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
+            models.build_fmu("nominal_loop", staging, start=nominal_parameters(loop))
 
 
 def write_compensator(

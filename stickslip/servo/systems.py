@@ -273,6 +273,7 @@ def nominal_parameters(loop: VelocityLoop) -> dict[str, float]:
 def _add_servo(system: cosim.System, fmus: Path, loop: VelocityLoop) -> None:
     gains = {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
     gains |= {"m_ff": loop.m_ff, "K_x": loop.K_x}
+    gains["velocity_feedforward"] = loop.velocity_feedforward
     filtered = loop.velocity_filter
     if filtered is not None:
         system.add("filter", fmus / "velocity_filter.fmu", filtered.parameters())

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import control
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from stickslip.servo import frequency
 from stickslip.servo.axis import Array, Axis, ControlError, check
@@ -77,6 +78,8 @@ class VelocityLoop:
         it ``nominal`` is not minimal, and tau_f is without effect
     K_x : gain from the position error to the velocity command [1/s]: the outer loop of a cascade,
         0 for none; ``nominal`` contains it
+    velocity_feedforward : share of v_cmd that a cascade adds to the velocity that its position
+        error commands; with less than 1 it lags by (1 - velocity_feedforward) v / K_x
     """
 
     axis: Axis
@@ -91,6 +94,7 @@ class VelocityLoop:
     m_ff: float = 0.0
     velocity_filter: VelocityFilter | None = None
     K_x: float = 0.0
+    velocity_feedforward: float = 1.0
 
     def commands(self, v_cmd: Array) -> dict[str, Array]:
         """Return the inputs of the loop for velocities (n,) [m/s], one a sample.
@@ -104,6 +108,18 @@ class VelocityLoop:
         if self.K_x:
             found["x_cmd"] = self.T_s * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
         return found
+
+    def response(self, v_cmd: Array) -> tuple[Array, Array]:
+        """Return velocity [m/s] and position [m] without friction for velocities (n,), (n,) both.
+
+        The position is the integral of the velocity over straight lines between the samples.
+        """
+        commands = self.commands(v_cmd)
+        v = np.asarray(control.forced_response(self.nominal, inputs=v_cmd).outputs)
+        if self.m_ff:
+            pushed = control.forced_response(self.acceleration, inputs=commands["a_cmd"])
+            v = v + pushed.outputs
+        return v, np.asarray(cumulative_trapezoid(v, dx=self.T_s, initial=0))
 
     def changed(
         self,
@@ -128,6 +144,7 @@ class VelocityLoop:
             m_ff=self.m_ff if m_ff is None else m_ff,
             velocity_filter=velocity_filter or self.velocity_filter,
             K_x=self.K_x if K_x is None else K_x,
+            velocity_feedforward=self.velocity_feedforward,
         )
 
     def margins(self) -> dict[str, float]:
@@ -198,6 +215,7 @@ def close_velocity_loop(
     m_ff: float = 0.0,
     velocity_filter: VelocityFilter | None = None,
     K_x: float = 0.0,
+    velocity_feedforward: float = 1.0,
 ) -> VelocityLoop:
     """Close the loop with given gains; units as in ``VelocityLoop``.
 
@@ -223,7 +241,7 @@ def close_velocity_loop(
         [*parts, *known[:1]], inputs=["v_cmd", "F_ff"], outputs=["v", "d"]
     )
     if K_x:
-        closed = _with_position(closed, K_x)
+        closed = _with_position(closed, K_x, velocity_feedforward)
     nominal, pushed = (
         control.ss(closed.A, closed.B[:, [k]], closed.C[:1], closed.D[:1, [k]], T_s) for k in (0, 1)
     )
@@ -235,7 +253,8 @@ def close_velocity_loop(
     fastest = max(abs(nominal.poles()))
     if not fastest < 1.0:
         raise ControlError(
-            f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable: "
+            f"K_p = {K_p:g} N s/m and K_i = {K_i:g} N/m leave the velocity loop unstable"
+            f"{f' with K_x = {K_x:g} 1/s around it' if K_x else ''}: "
             f"a pole is at |z| = {fastest:.4f}"
         )
     return VelocityLoop(
@@ -251,20 +270,23 @@ def close_velocity_loop(
         m_ff=m_ff,
         velocity_filter=velocity_filter,
         K_x=K_x,
+        velocity_feedforward=velocity_feedforward if K_x else 1.0,
     )
 
 
-def _with_position(closed: control.StateSpace, K_x: float) -> control.StateSpace:
+def _with_position(closed: control.StateSpace, K_x: float, share: float) -> control.StateSpace:
     """Close an outer loop around one from (v_cmd, F_ff) to (v, d); d does not depend on v_cmd.
 
-    The further state is the position error e at a sample. The velocity loop follows v_cmd + K_x e,
-    and e+ = e + T_s v_cmd - d+.
+    The further state is the position error e at a sample. The velocity loop follows a share of
+    v_cmd and K_x e, and e+ = e + T_s v_cmd - d+.
     """
     A, B, C = closed.A, closed.B, closed.C
+    followed = np.diag([share, 1.0])
     outer = np.block([[A, K_x * B[:, :1]], [-C[1:] @ A, 1.0 - K_x * C[1:] @ B[:, :1]]])
-    moved = np.array([[closed.dt, 0.0]]) - C[1:] @ B
+    moved = np.array([[closed.dt, 0.0]]) - C[1:] @ B @ followed
     outputs = np.hstack([C, K_x * closed.D[:, :1]])
-    return control.ss(outer, np.vstack([B, moved]), outputs, closed.D, closed.dt)
+    inputs = np.vstack([B @ followed, moved])
+    return control.ss(outer, inputs, outputs, closed.D @ followed, closed.dt)
 
 
 def plant_and_estimator(

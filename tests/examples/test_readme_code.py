@@ -1,4 +1,4 @@
-"""The Python of the README and of docs/python.md runs as it is."""
+"""The Python of the README and of pages of docs/ runs as it is."""
 
 import re
 import subprocess
@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory):
     """Return what each piece of code prints."""
-    pages = ("README.md", "docs/python.md")
+    pages = ("README.md", "docs/python.md", "docs/adaptation.md")
     text = "".join((ROOT / page).read_text(encoding="utf-8") for page in pages)
     found = []
     for code in re.findall(r"```python\n(.*?)```", text, flags=re.S):
@@ -62,3 +62,12 @@ def test_the_notch_comes_back_with_its_poles(printed):
     poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", printed[3])]
     expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
     assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)
+
+
+def test_the_scale_follows_the_friction_of_a_drive_that_gets_warm(printed):
+    """ds/dt = rate (1 - 0.3 (1 - exp(-t / 20)) - s), but for the rests between the slides."""
+    [scale] = re.findall(r"scale after 60 s: ([\d.]+)", printed[-1])
+    rate, T = 0.05, 20.0  # equal time constants
+    assert rate * T == 1.0
+    expected = 0.7 + 0.3 * (1.0 + 60.0 / T) * np.exp(-60.0 / T)
+    assert float(scale) == pytest.approx(expected, abs=0.02)

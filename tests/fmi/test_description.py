@@ -160,3 +160,30 @@ def test_an_array_too_large_is_refused_by_its_parameter(tmp_path):
 def test_the_sound_fmu_is_sound(version):
     assert read(version).variables.keys() >= {"u", "y"}
     assert reference.members(version)
+
+
+def annotated(version, parameter, variable):
+    """Return a description whose annotation says what is learned."""
+    entry = f'<Learned model="a" parameter="{parameter}" variable="{variable}"/>'
+    if version == 2:
+        place, tool = "<ModelVariables>", f'<Tool name="stickslip">{entry}</Tool>'
+        return read(2, (place, f"<VendorAnnotations>{tool}</VendorAnnotations>{place}"))
+    place, tool = "</fmiModelDescription>", f'<Annotation type="stickslip">{entry}</Annotation>'
+    return read(3, (place, f"<Annotations>{tool}</Annotations>{place}"))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_annotation_says_what_is_learned(version):
+    found = annotated(version, "k", "x").learned
+    assert (found.model, found.variables) == ("a", {"k": "x"})
+    assert read(version).learned.variables == {}
+    for parameter, variable in (("k", "nothing"), ("nothing", "x"), ("", "")):
+        with pytest.raises(DescriptionFault, match="are not variables of the same size"):
+            annotated(version, parameter, variable)
+
+
+def test_of_an_array_all_elements_are_learned():
+    names = {f"w[{i}]": f"w[{i}]" for i in (1, 2, 3)}
+    assert annotated(3, "w", "w").learned.variables == names
+    with pytest.raises(DescriptionFault, match="are not variables of the same size"):
+        annotated(3, "w", "x")

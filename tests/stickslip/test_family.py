@@ -185,14 +185,14 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
 
 @pytest.mark.parametrize(("single", "mean"), [(1.05, 1.0), (0.99, 1.05), (1.01, np.inf)])
 def test_close_to_the_limit_the_mean_of_runs_counts(single, mean):
-    row = _repeated(Tried(0.04, "one", 1.0, single), lambda: 1.0, lambda: mean)
+    [row] = _repeated((Tried(0.04, "one", 1.0, single),), lambda: (1.0,), lambda: (mean,))
     assert row.is_worse == (mean > 1.005)
 
 
 @pytest.mark.parametrize("single", [0.3, 1.3, np.inf])
 def test_far_from_the_limit_no_run_is_repeated(single):
-    row = Tried(0.04, "one", 1.0, single)
-    assert _repeated(row, pytest.fail, pytest.fail) is row
+    rows = (Tried(0.04, "one", 1.0, single),)
+    assert _repeated(rows, pytest.fail, pytest.fail) is rows
 
 
 def test_the_best_is_acceptable_and_has_the_smallest_errors():

@@ -29,9 +29,9 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
     w->x_last = u->x_enc;
     const double v = p->use_v_hat != 0.0 ? u->v_hat : w->v_filtered;
 
-    /* e_x = x_cmd - x_enc [m],   e_v = v_cmd + K_x e_x - v [m/s] */
+    /* e_x = x_cmd - x_enc [m],   e_v = velocity_feedforward v_cmd + K_x e_x - v [m/s] */
     const double e_x = u->x_cmd - u->x_enc;
-    const double e_v = u->v_cmd + p->K_x * e_x - v;
+    const double e_v = p->velocity_feedforward * u->v_cmd + p->K_x * e_x - v;
 
     /* u = K_p e_v + I + F_ff + m_ff a_cmd + P_x e_x + J + gamma_v rho(e_x) (v_cmd - v)   [N] */
     const double I = w->I + p->T_s * p->K_i * e_v;

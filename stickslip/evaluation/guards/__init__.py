@@ -8,6 +8,7 @@ the compensator assumes.
     stribeck      friction that falls with speed, against the damping of the loop
     tolerance     how much too large a force may be, compared with its confidence interval
     hunting       stick-slip at a constant command
+    hold          the same at rest in a cascade, after motions of several sizes
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from stickslip.evaluation.guards.benefit import (
     feedforward,
 )
 from stickslip.evaluation.guards.family import Drive, Known, commands, family
+from stickslip.evaluation.guards.hold import Hold, holds, hunting_at_rest
 from stickslip.evaluation.guards.hunting import hunting
 from stickslip.evaluation.guards.stribeck import stribeck
 from stickslip.evaluation.guards.tolerance import tolerance
@@ -42,6 +44,7 @@ __all__ = [
     "Benefit",
     "Drive",
     "Finding",
+    "Hold",
     "Known",
     "Trial",
     "Tried",
@@ -53,7 +56,9 @@ __all__ = [
     "family",
     "feedforward",
     "findings_of",
+    "holds",
     "hunting",
+    "hunting_at_rest",
     "inspect",
     "stribeck",
     "tolerance",
@@ -102,7 +107,11 @@ def benefits_on_drives(
         benefits = bench.benefits(variants)
         best = best_of(benefits)
         share = 1.0 if force else best.share
-        return benefits, findings_of(bench, friction, best, share, standard_errors)
+        found = findings_of(bench, friction, best, share, standard_errors)
+        if loop.K_x:
+            shared = best.variant.share(law, share)
+            found += hunting_at_rest(holds(bench, [NONE, shared]), shared, datasheet.encoder_step)
+        return benefits, found
 
 
 @contextmanager

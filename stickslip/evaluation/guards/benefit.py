@@ -5,6 +5,9 @@ command, and compared with the loop without compensation. Where friction has hal
 feedforward leaves an error like that without it, or a larger one; a share of 0.85 to 0.9 of its
 force then leaves less, and hardly more on the fitted drive.
 
+In a cascade the position counts, too, and errors are against the motion without friction, because
+a loop without full velocity feedforward lags by more than friction adds.
+
 Where a drive sticks and slips, errors of runs that hardly differ scatter by some per cent. A ratio
 near the limit is therefore the mean of several such runs.
 """
@@ -16,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +42,8 @@ LEVELS = tuple(np.linspace(0.99, 1.01, 8).tolist())
 """Levels of friction at which a run is repeated where it sticks and slips."""
 CLOSE = (0.9, 1.25)
 """Ratios between which a run is repeated: a single one may pass or fail by chance."""
+FIGURES = ("velocity", "position")
+"""What errors are of; that of the position counts in a cascade."""
 FEEDFORWARD = "compensator"
 """Model whose force a share reduces."""
 
@@ -94,13 +100,14 @@ def feedforward(values: Mapping[str, float], name: str = "feedforward") -> Varia
 
 @dataclass(frozen=True)
 class Tried:
-    """RMS of v - v_cmd [m/s] on one simulated drive, without and with compensation.
+    """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
 
     Attributes
     ----------
     speed : largest of the command [m/s]
     drive : how its friction differs from the fitted one
     command : its name
+    figure : of ``FIGURES``
     """
 
     speed: float
@@ -108,6 +115,7 @@ class Tried:
     without: float
     compensated: float
     command: str = ""
+    figure: str = "velocity"
 
     @property
     def ratio(self) -> float:
@@ -122,6 +130,11 @@ class Tried:
         return not self.ratio <= WORSE
 
 
+Rows = tuple[Tried, ...]
+Errors = tuple[float, ...]
+"""Root mean squares, one for each figure that counts."""
+
+
 @dataclass(frozen=True)
 class Benefit:
     """What one variant does to the tracking error.
@@ -129,7 +142,7 @@ class Benefit:
     Attributes
     ----------
     share : of the feedforward's force; the largest of ``SHARES`` that is acceptable, or 1
-    rows : at that share, one for each drive and command
+    rows : at that share, one for each drive, command and figure
     full : the same at the whole force
     unit : of a thousandth of a speed, for people
     variant : at its whole force
@@ -146,6 +159,15 @@ class Benefit:
         """Whether the error is nowhere worse with the compensator than without it."""
         return not any(row.is_worse for row in self.rows)
 
+    def shown(self, row: Tried) -> tuple[float, str]:
+        """Return the factor from SI to the unit in which a row is shown, and that unit."""
+        return (1e3, self.unit) if row.figure == "velocity" else (1e6, f"u{self.unit[1:-2]}")
+
+    def tables(self) -> dict[str, Rows]:
+        """Return the rows by figure."""
+        figures = dict.fromkeys(row.figure for row in self.rows)
+        return {name: tuple(row for row in self.rows if row.figure == name) for name in figures}
+
     @property
     def mean_ratio(self) -> float:
         """Geometric mean of the ratios of the errors."""
@@ -158,10 +180,12 @@ class Benefit:
         where = f"at {1e3 * worst.speed:.3g} {self.unit}"
         if worst.command in MOVES:
             where = f"in {worst.command} of up to {1e3 * worst.speed:.3g} {self.unit}"
+        error = "position" if worst.figure == "position" else "tracking"
+        factor, unit = self.shown(worst)
         return (
-            f"with the whole force the simulated tracking error {where}"
-            f" on a drive with {worst.drive} is {1e3 * worst.compensated:.3g}"
-            f" {self.unit}, {worst.ratio:.3g} times that without the compensator"
+            f"with the whole force the simulated {error} error {where}"
+            f" on a drive with {worst.drive} is {factor * worst.compensated:.3g}"
+            f" {unit}, {worst.ratio:.3g} times that without the compensator"
         )
 
     @property
@@ -216,10 +240,10 @@ class Bench:
         return self.folder / law
 
     @cached_property
-    def _without(self) -> list[float]:
-        """RMS of v - v_cmd [m/s] without compensation, of each drive and command."""
+    def _without(self) -> list[Errors]:
+        """Errors without compensation, of each drive and command."""
         with _Runs(self, NONE) as runs:
-            return runs.each(lambda cell: runs.error(*cell, NONE), self._cells())
+            return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells())
 
     def benefits(
         self, variants: Iterable[Variant], shares: Sequence[float] = SHARES
@@ -235,9 +259,10 @@ class Bench:
             if (cell[0].name, cell[1].name) == (row.drive, row.command)
         )
         with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
-            row = replace(row, compensated=runs.error(*cell, variant))
-            means = partial(none.mean, *cell, NONE), partial(runs.mean, *cell, variant)
-            return _repeated(row, *means).is_worse
+            without = self._without[list(self._cells()).index(cell)]
+            rows = _rows(*cell, without, runs.errors(*cell, variant))
+            means = partial(none.means, *cell, NONE), partial(runs.means, *cell, variant)
+            return any(one.is_worse for one in _repeated(rows, *means))
 
     def _cells(self) -> Iterator[tuple[Drive, Command]]:
         for drive in self.drives:
@@ -249,43 +274,52 @@ class Bench:
         cells = list(zip(self._cells(), self._without, strict=True))
         with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
 
-            def tried(k: int, share: float) -> Tried:
-                (drive, command), error = cells[k]
-                compensated = runs.error(drive, command, variant.share(self.law, share))
-                return Tried(command.speed, drive.name, error, compensated, command.name)
+            def tried(k: int, share: float) -> Rows:
+                cell, errors = cells[k]
+                return _rows(*cell, errors, runs.errors(*cell, variant.share(self.law, share)))
 
-            full = tuple(runs.each(partial(tried, share=1.0), range(len(cells))))
+            whole = runs.each(partial(tried, share=1.0), range(len(cells)))
+            full = tuple(chain.from_iterable(whole))
 
             @cache
-            def without(k: int) -> float:
-                return none.mean(*cells[k][0], NONE)
+            def without(k: int) -> Errors:
+                return none.means(*cells[k][0], NONE)
 
-            def checked(k: int, share: float) -> Tried:
-                row = full[k] if share == 1.0 else tried(k, share)
+            def checked(k: int, share: float) -> Rows:
+                rows = whole[k] if share == 1.0 else tried(k, share)
                 shared = variant.share(self.law, share)
-                means = partial(without, k), partial(runs.mean, *cells[k][0], shared)
-                return _repeated(row, *means)
+                means = partial(without, k), partial(runs.means, *cells[k][0], shared)
+                return _repeated(rows, *means)
 
             # Where the whole force harms most, a share fails first.
-            order = sorted(range(len(cells)), key=lambda k: -full[k].ratio)
+            order = sorted(range(len(cells)), key=lambda k: -max(one.ratio for one in whole[k]))
             for share in shares if variant.has_feedforward else shares[:1]:
-                rows: dict[int, Tried] = {}
+                rows: dict[int, Rows] = {}
                 for begin in range(0, len(order), self.workers):
                     some = order[begin : begin + self.workers]
                     rows |= zip(some, runs.each(partial(checked, share=share), some), strict=True)
-                    if any(rows[k].is_worse for k in some):
+                    if any(one.is_worse for k in some for one in rows[k]):
                         break
                 else:
-                    found = tuple(rows[k] for k in range(len(cells)))
-                    return Benefit(share, found, full, unit, variant)
+                    found = chain.from_iterable(rows[k] for k in range(len(cells)))
+                    return Benefit(share, tuple(found), full, unit, variant)
         return Benefit(1.0, full, full, unit, variant)
 
 
-def _repeated(row: Tried, without: Callable[[], float], compensated: Callable[[], float]) -> Tried:
-    """Return a row; if its ratio is close to the limit, with the means of several runs."""
-    if not CLOSE[0] < row.ratio < CLOSE[1]:
-        return row
-    return replace(row, without=without(), compensated=compensated())
+def _rows(drive: Drive, command: Command, without: Errors, compensated: Errors) -> Rows:
+    """Return the rows of a cell, one for each figure."""
+    return tuple(
+        Tried(command.speed, drive.name, plain, own, command.name, figure)
+        for figure, plain, own in zip(FIGURES, without, compensated, strict=False)
+    )
+
+
+def _repeated(rows: Rows, without: Callable[[], Errors], compensated: Callable[[], Errors]) -> Rows:
+    """Return the rows of a cell; if a ratio is close to the limit, with means of several runs."""
+    if not any(CLOSE[0] < row.ratio < CLOSE[1] for row in rows):
+        return rows
+    means = zip(rows, without(), compensated(), strict=True)
+    return tuple(replace(row, without=one, compensated=two) for row, one, two in means)
 
 
 class _Runs(ExitStack):
@@ -302,6 +336,14 @@ class _Runs(ExitStack):
             )
             for command in bench.commands
         }
+        self.targets = {
+            command.name: dict(
+                zip(("drive.v", "drive.x"), loop.response(command.v_cmd), strict=True)
+            )
+            if loop.K_x
+            else {"drive.v": command.v_cmd}
+            for command in bench.commands
+        }
         self.simulations = {
             name: self.enter_context(
                 Runs(
@@ -309,7 +351,7 @@ class _Runs(ExitStack):
                         build_loop(bench.folder_of(name), loop, variant.chain, bench.feed),
                         step=loop.T_s,
                         stop=(self.n - 1) * loop.T_s,
-                        record=("drive.v",),
+                        record=("drive.v", "drive.x"),
                     ),
                     bench.workers,
                 )
@@ -318,8 +360,12 @@ class _Runs(ExitStack):
         }
         self.each = self.simulations[bench.law.name].each
 
-    def error(self, drive: Drive, command: Command, variant: Variant) -> float:
-        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""
+    def errors(self, drive: Drive, command: Command, variant: Variant) -> Errors:
+        """Return the RMS of v - v_cmd [m/s], or those of a cascade against its targets.
+
+        They are infinite when the run fails.
+        """
+        targets = self.targets[command.name]
         values = {
             f"drive.{name}": value for name, value in {**self.axis, **drive.parameters}.items()
         }
@@ -329,14 +375,15 @@ class _Runs(ExitStack):
                 values | variant.parameters, self.commands[command.name], until=until
             )
         except cosim.SimulationError:
-            return math.inf
-        v = result["drive.v"][: len(command.v_cmd)]
-        return float(np.sqrt(np.mean((v - command.v_cmd) ** 2)))
+            return (math.inf,) * len(targets)
+        return tuple(
+            float(np.sqrt(np.mean((result[name][: len(target)] - target) ** 2)))
+            for name, target in targets.items()
+        )
 
-    def mean(self, drive: Drive, command: Command, variant: Variant) -> float:
-        """Return the root mean square of the errors [m/s] at the levels of friction ``LEVELS``."""
-        law, squares = friction_law(drive.law), 0.0
-        for level in LEVELS:
-            one = replace(drive, parameters=law.share(drive.parameters, level))
-            squares += self.error(one, command, variant) ** 2
-        return math.sqrt(squares / len(LEVELS))
+    def means(self, drive: Drive, command: Command, variant: Variant) -> Errors:
+        """Return the root mean square of the errors at the levels of friction ``LEVELS``."""
+        law = friction_law(drive.law)
+        levels = (law.share(drive.parameters, level) for level in LEVELS)
+        found = [self.errors(replace(drive, parameters=one), command, variant) for one in levels]
+        return tuple(math.sqrt(sum(x * x for x in of) / len(of)) for of in zip(*found, strict=True))

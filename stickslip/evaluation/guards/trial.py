@@ -76,12 +76,18 @@ class Run:
         return self.simulation.run(values, commands)["drive.v"]
 
     def error(self, compensator: Mapping[str, float] | None = None) -> float:
-        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails."""
+        """Return the RMS of v - v_cmd [m/s]; infinite when the run fails.
+
+        In a cascade, which may lag behind its command, it is that to the motion without friction.
+        """
+        loop, target = self.trial.loop, self.trial.v_cmd
+        if loop.K_x:
+            target, _ = loop.response(target)
         try:
             v = self.velocity(compensator)
         except cosim.SimulationError:
             return np.inf
-        return float(np.sqrt(np.mean((v - self.trial.v_cmd) ** 2)))
+        return float(np.sqrt(np.mean((v - target) ** 2)))
 
 
 @dataclass(frozen=True)

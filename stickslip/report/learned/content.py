@@ -155,14 +155,23 @@ def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
     elif benefit.share < 1.0:
         verdict = f"It gives {percentage(benefit.share)} of the learned force: {benefit.reason}."
-    commands = list(dict.fromkeys(row.command for row in benefit.rows))
-    rows = [
-        (
-            drive.replace(" x ", " × ").replace("+-", "±"),
-            *(f"{number(1e3 * row.without, 3)} → {number(1e3 * row.compensated, 3)}" for row in of),
-        )
-        for drive, of in groupby(benefit.rows, key=lambda row: row.drive)
-    ]
+    tables = []
+    for figure, shown in benefit.tables().items():
+        factor, unit = benefit.shown(shown[0])
+        what = "tracking" if len(shown) == len(benefit.rows) else figure
+        commands = dict.fromkeys(row.command for row in shown)
+        rows = [
+            (
+                drive.replace(" x ", " × ").replace("+-", "±"),
+                *(
+                    f"{number(factor * row.without, 3)} → {number(factor * row.compensated, 3)}"
+                    for row in of
+                ),
+            )
+            for drive, of in groupby(shown, key=lambda row: row.drive)
+        ]
+        title = f"RMS {what} error without → with the compensator, in {unit.replace('um', 'µm')}"
+        tables.append(table(("Simulated drive", *commands), rows, title, (0,)))
     return Section(
         "Whether compensation helps",
         paragraph(
@@ -173,12 +182,7 @@ def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
             "Commands are the paper’s trapezoid at the log’s speed, a tenth and a hundredth of it, "
             f"moves of a few presliding deflections, and short moves. {verdict}"
         ),
-        table(
-            ("Simulated drive", *commands),
-            rows,
-            f"RMS tracking error without → with the compensator, in {benefit.unit}",
-            (0,),
-        ),
+        *tables,
         *(_observer(observed) if observed else ()),
     )
 

@@ -37,6 +37,7 @@ STARTS = {
     "coulomb_stribeck": {"F_s": 9.5, "delta": 0.7, "b": 3.0, "lead": 1e-4, "hold": 0.0},
     "coulomb_observer": {"k_a": 0.2, "a_0": 3.0, "measured": 1.0},
     "momentum_observer": {"mu": 1.5, "a_0": 3.0, "share": 0.8},
+    "adaptive_scale": {"s_0": 1.3, "rate": 20.0, "b": 0.0},
     "observer": {"m": 2.0, "b": 30.0, "tau_i": 4e-4, "L_v": 300.0, "share": 0.8},
 }
 
@@ -164,6 +165,64 @@ def test_structured_text_agrees_with_the_fmu(exported, case):
         assert scope["valid"]
         found = [scope[name] for name in outputs]
         np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
+
+
+LEARNED = {
+    name: [*dict.fromkeys(v.partition("[")[0] for v in ports.learned.values())]
+    for name in OTHERS
+    if (ports := models.load_model(name).ports) and ports.learned
+}
+"""Members of the memory that are learned."""
+
+
+def learned_by_fmu(folder: Path, name: str, n: int) -> list[float]:
+    """Return what is learned in n steps."""
+    system = cosim.System()
+    system.add("c", folder / f"{name}.fmu")
+    given = signals(members(models.load_model(name), "input"))
+    for signal in given:
+        system.expose(signal, f"c.{signal}")
+    inputs = {signal: values[: n + 1] for signal, values in given.items()}
+    with system.prepare(step=STEP, stop=n * STEP, constant_step=True) as simulation:
+        simulation.run(inputs=inputs)
+        return [*simulation.learned().values()]
+
+
+@pytest.mark.parametrize("name", LEARNED)
+def test_what_is_learned_is_read_in_c_and_structured_text(exported, name):
+    """A member of the memory, and an output of the function block, from which the next begins."""
+    folder, model = exported(name), models.load_model(name)
+    (field,), struct = LEARNED[name], "".join(word.capitalize() for word in name.split("_"))
+    inputs = members(model, "input")
+    given = "".join(f", in[i * {len(inputs)} + {k}]" for k in range(len(inputs)))
+    learn = f"""
+#include "{name}.h"
+__attribute__((visibility("default"))) void learn(int n, const double *in, double *out);
+void learn(int n, const double *in, double *out) {{
+    {struct} c;
+    int i = 0;
+    {name}_init(&c{given});
+    for (; i < n; i++)
+        {name}_step(&c{given});
+    for (i = 0; i < (int)(sizeof c.memory.{field} / sizeof *out); i++)
+        out[i] = ((const double *)&c.memory.{field})[i];
+}}
+"""
+    files = {f"{name}.{end}": (folder / f"{name}.{end}").read_text() for end in "ch"}
+    library = ctypes.CDLL(str(toolchain.shared_library("learn", {**files, "learn.c": learn})))
+    rows = np.column_stack([*signals(inputs).values()]).copy()
+    expected = learned_by_fmu(folder, name, N - 1)
+    out = np.zeros(len(expected))
+    library.learn(N - 1, *(a.ctypes.data_as(ctypes.c_void_p) for a in (rows, out)))
+    np.testing.assert_array_equal(out, expected)
+
+    blocks = structured_text.load((folder / f"{name}.st").read_text())
+    block = blocks[name.capitalize()]
+    for row in rows[:200]:
+        scope = block(**dict(zip(inputs, map(float, row), strict=True)))
+    shown = next(scope[key] for key in (field, f"{field}_1") if key in scope)
+    expected = learned_by_fmu(folder, name, 200)
+    np.testing.assert_allclose(np.ravel(shown), expected, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("case", ["gms", "observer"])

@@ -101,7 +101,7 @@ def test_a_description_that_does_not_suit_the_file(name, tmp_path):
     [
         ({"columns": {"pos": Column(1)}}, "did you mean 'position'"),
         ({"motion": "sideways"}, "linear or rotary"),
-        ({"controller": "fuzzy"}, "P, PI, PID, cascade, none"),
+        ({"controller": "fuzzy"}, "P, PI, PID, cascade, P-PI, P-P, none"),
         ({"controller": "PI", "gains": {"K_p": 1}}, "expected gains I_x and P_x or K_i and K_p"),
         ({"controller": "cascade", "gains": {"K_x": 1, "K_p": 1, "P_x": 2}}, "got K_p, K_x, P_x"),
         ({"gains": {"Kp": 1}}, "did you mean"),
