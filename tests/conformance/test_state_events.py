@@ -136,7 +136,7 @@ def test_a_force_that_just_touches_static_friction(build, excess):
 
 
 def test_errors_of_a_solver_are_no_events_without_end(build):
-    """A tolerance of 10 um/s, ten Stribeck velocities: steps end at velocities of the wrong sign."""
+    """A tolerance of ten Stribeck velocities: steps end at velocities of the wrong sign."""
     fmu = build("stage+coulomb_stribeck", 2)
     forces = 12.0 * np.sin(np.arange(40.0) ** 2)
     table = held(0.05 * np.arange(41), forces)
