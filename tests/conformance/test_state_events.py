@@ -135,6 +135,18 @@ def test_a_force_that_just_touches_static_friction(build, excess):
     assert not found["a.x"][:8].any()
 
 
+def test_errors_of_a_solver_are_no_events_without_end(build):
+    """A tolerance of ten Stribeck velocities: steps end at velocities of the wrong sign."""
+    fmu = build("stage+coulomb_stribeck", 2)
+    forces = 12.0 * np.sin(np.arange(40.0) ** 2)
+    table = held(0.05 * np.arange(41), forces)
+    loose, exact = (
+        by_master(fmu, table, 0.05, tolerance=tolerance, v_s=1e-6) for tolerance in (1e-3, 1e-9)
+    )
+    largest = np.abs(exact["a.x"]).max()
+    np.testing.assert_allclose(loose["a.x"] / largest, exact["a.x"] / largest, atol=0.1)
+
+
 @pytest.mark.parametrize("law", ["coulomb_stribeck", "gms"])
 def test_a_stuck_mass_does_not_creep(build, law):
     """100 s under 60 % of F_c after a motion that ended there, with an oscillation of 10 %."""
