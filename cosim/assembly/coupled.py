@@ -54,6 +54,7 @@ class Coupled:
         jacobi = coupling.method == "jacobi"
         self._inputs = connected_inputs(system, layout, list(self._place), jacobi=jacobi)
         self.accuracy = coupling.order
+        self._sees = coupling.degree + 1  # the order to which the FMUs follow their inputs
         self._check()
 
     def attach(self, run: Any) -> None:
@@ -89,6 +90,7 @@ class Coupled:
             next=(ctypes.c_double * width)(),
             given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
+            predicted=min(self._coupling.degree, self._sees - 1),
             min_step=max(adaptive.min_step, countable) if adaptive else 0.0,
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
         )
@@ -257,7 +259,8 @@ class Coupled:
         member = tables.Member(links=links, values=(ctypes.c_double * n)())
         member.splits = degree > 0 and shows and not interpolates and fmu.varies_step
         if n and not interpolates:
-            self.accuracy = min(self.accuracy, 1 if shows and not member.splits else 2)
+            self._sees = 1 if shows and not member.splits else min(self._sees, 2)
+            self.accuracy = min(self.accuracy, self._sees)
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:
