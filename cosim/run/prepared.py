@@ -53,6 +53,7 @@ class Prepared:
         self._room = room
         self._variables: dict[str, Variable] = {}  # those that runs have set
         self._retries: set[str] = set()  # components that discarded a step and can take it back
+        self._averages: set[str] = set()  # those that refused derivatives of their inputs
         self._epochs: dict[str, int] = {}
         self._warned: set[tuple[str, bytes]] = set()
         self._exclusive = Exclusive(
@@ -106,7 +107,13 @@ class Prepared:
         for name, general in self._general_components.items():
             general.bind(self._slots[name], self._kernel)
         self._coupled = Coupled(
-            system, self._layout, groups, self._libraries, coupling, self._general_components
+            system,
+            self._layout,
+            groups,
+            self._libraries,
+            coupling,
+            self._general_components,
+            self._averages,
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         moved = (ctypes.c_uint8 * len(self.order))()
