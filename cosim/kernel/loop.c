@@ -1,6 +1,6 @@
-/* Newton's method with the Jacobian by finite differences, kept from step to step by Broyden. A step
- * with a new Jacobian is damped until it passes the natural monotonicity test: P. Deuflhard, Newton
- * Methods for Nonlinear Problems, Springer 2004, section 3.3. */
+/* Newton's method with the Jacobian by finite differences, kept from step to step by Broyden. A
+ * step with a new Jacobian is damped until it passes the natural monotonicity test: P. Deuflhard,
+ * Newton Methods for Nonlinear Problems, Springer 2004, section 3.3. */
 #include "calls.h"
 #include "coupling.h"
 #include <math.h>

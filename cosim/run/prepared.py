@@ -35,6 +35,7 @@ from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.variables import Variable
 
 _log = logging.getLogger(__name__)
+_N_LAST = 10  # messages in ``Log.last``
 
 
 class Prepared:
@@ -339,5 +340,17 @@ class Prepared:
 
 
 def _message_of(slot: structures.Component) -> str:
-    message = slot.log.contents.message.decode(errors="replace").strip()
-    return f"; the FMU says: {message}" if message else ""
+    """Return the most severe message, and before it the last ones where they are others."""
+    log = slot.log.contents
+    message = log.message.decode(errors="replace").strip()
+    if not message:
+        return ""
+    place, size = structures.Log.last.offset, structures.Log.last.size // _N_LAST
+    ring = ctypes.string_at(ctypes.addressof(log) + place, size * _N_LAST)
+    places = (i % _N_LAST for i in range(max(0, log.n_last - _N_LAST), log.n_last))
+    texts = (ring[size * i : size * (i + 1)].partition(b"\0")[0] for i in places)
+    others = dict.fromkeys(" ".join(t.decode(errors="replace").split()) for t in texts)
+    shown = " ".join(message.split())
+    before = [text for text in others if text and not shown.startswith(text)]
+    last = f"; its last messages: {' | '.join(before)}" if before else ""
+    return f"; the FMU says: {message}{last}"

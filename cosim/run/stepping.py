@@ -30,7 +30,7 @@ _log = logging.getLogger(__name__)
 
 
 class Discarded(Exception):
-    """A component discarded a step that it can do in parts, or refused derivatives of its inputs."""
+    """A component discarded a step that it can do in parts, or refused derivatives of inputs."""
 
     def __init__(self, component: str, *, derivatives: bool = False) -> None:
         super().__init__(component)
