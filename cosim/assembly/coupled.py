@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ _COUNTS = ("n_past", "steps", "sweeps", "rejected", "inner")
 class Coupled:
     """What a run needs to agree before the first step and, where it is not plain, in each.
 
+    Components in ``averages`` are given the mean of inputs, whatever they declare.
+
     Attributes
     ----------
     accuracy : the declared order, with what these FMUs can do
@@ -43,9 +45,10 @@ class Coupled:
         libraries: Mapping[str, Library],
         coupling: Coupling,
         general_components: Mapping[str, GeneralComponent],
+        averages: Collection[str] = (),
     ) -> None:
         self._system, self._libraries, self._coupling = system, libraries, coupling
-        self._general_components = general_components
+        self._general_components, self._averages = general_components, averages
         self._names = list(layout.columns)
         self._layout = layout
         self._place = {name: i for i, name in enumerate(c for g in groups for c in g.components)}
@@ -54,6 +57,7 @@ class Coupled:
         jacobi = coupling.method == "jacobi"
         self._inputs = connected_inputs(system, layout, list(self._place), jacobi=jacobi)
         self.accuracy = coupling.order
+        self._sees = coupling.degree + 1  # the order to which the FMUs follow their inputs
         self._check()
 
     def attach(self, run: Any) -> None:
@@ -89,6 +93,7 @@ class Coupled:
             next=(ctypes.c_double * width)(),
             given=(ctypes.c_double * (2 * width))(),
             tolerance=adaptive.tolerance if adaptive else 0.0,
+            predicted=min(self._coupling.degree, self._sees - 1),
             min_step=max(adaptive.min_step, countable) if adaptive else 0.0,
             nominal=(ctypes.c_double * width)(*map(self._nominal, self._names)),
         )
@@ -243,7 +248,8 @@ class Coupled:
         sources = self._system.sources()
         shown = {self._system.variable(output).owner for output in self._layout.outputs[name]}
         general, exchange = self._general_components.get(name), fmu.interface == "model_exchange"
-        interpolates = degree > 0 and (exchange or (fmu.interpolates_inputs and general is None))
+        takes = fmu.interpolates_inputs and general is None and name not in self._averages
+        interpolates = degree > 0 and (exchange or takes)
         links = (tables.Link * n)()
         for link, (_, target) in zip(links, self._inputs[name], strict=True):
             link.column = self._layout.columns[sources[target]]
@@ -257,7 +263,8 @@ class Coupled:
         member = tables.Member(links=links, values=(ctypes.c_double * n)())
         member.splits = degree > 0 and shows and not interpolates and fmu.varies_step
         if n and not interpolates:
-            self.accuracy = min(self.accuracy, 1 if shows and not member.splits else 2)
+            self._sees = 1 if shows and not member.splits else min(self._sees, 2)
+            self.accuracy = min(self.accuracy, self._sees)
         member.every = self._coupling.every.get(name, 1)
         library = self._libraries[name]
         if self._group[name].iterated or self._coupling.adaptive:

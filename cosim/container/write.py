@@ -72,6 +72,8 @@ def write_fmu(
     if not step > 0:
         raise ExperimentError(f"step is {step} s, expected a positive number")
     components = system.fmus("a container")
+    if not components:
+        raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
     targets = list(platforms or [toolchain.host_platform()])
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(

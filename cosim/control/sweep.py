@@ -6,6 +6,7 @@ depends on the amplitude, and is the ratio of the fundamentals: a describing fun
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +23,10 @@ from stickslip.cosim.system.system import System
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _LEAST = 4  # samples in a period
+_MOST = 500_000  # steps in which a system settles
+_TINY = float(np.finfo(float).tiny)
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,8 @@ def measure_response(
     step: float,
     periods: int = 8,
     settle: float = 0.2,
+    settled: float = 1e-3,
+    longest: float | None = None,
     offset: float = 0.0,
     inputs: Mapping[str, Input] | None = None,
     parameters: Mapping[str, object] | None = None,
@@ -84,7 +91,11 @@ def measure_response(
     amplitude, offset : of the sine, in the unit of the input
     step : communication step, and sample period of what is evaluated [s]
     periods : evaluated at each frequency, an even number
-    settle : time before that, rounded up to whole periods, at least one [s]
+    settle : time before that, rounded up to whole periods, at least one [s]. It is doubled until
+        the system has settled: until each fundamental is within ``settled`` what it is when it is
+        evaluated half of this time earlier
+    settled : change of the fundamentals, relative to them, over the second half of the settling [1]
+    longest : time beyond which it is not doubled, with a warning [s]; 500,000 steps by default
     inputs, parameters : of every run, as for ``Simulation.run``
 
     Raises
@@ -108,10 +119,26 @@ def measure_response(
         n = 2 * round(periods / (2 * frequency * step))
         reached[k] = periods / (n * step)
         before = int(np.ceil(max(settle * reached[k], 1.0) * n / periods))
-        with system.prepare(step=step, stop=(before + n) * step, record=names) as simulation:
-            sine = offset + amplitude * np.sin(2 * np.pi * reached[k] * simulation.time)
-            result = simulation.run(parameters, {**(inputs or {}), input: sine})
-        found.append(_evaluated(result, names, before, n, periods))
+        while True:
+            with system.prepare(step=step, stop=(before + n) * step, record=names) as simulation:
+                sine = offset + amplitude * np.sin(2 * np.pi * reached[k] * simulation.time)
+                result = simulation.run(parameters, {**(inputs or {}), input: sine})
+            evaluated = _evaluated(result, names, before, n, periods)
+            earlier = _evaluated(result, names, before // 2, n, periods)
+            change = abs(evaluated - earlier)[:, 0] / np.maximum(abs(evaluated[:, 0]), _TINY)
+            if change.max() <= settled:
+                break
+            if 2 * before * step > (_MOST * step if longest is None else longest):
+                _log.warning(
+                    "at %.6g Hz %s has not settled after %.6g s: its fundamental changes by %.2g",
+                    reached[k],
+                    names[int(change.argmax())],
+                    before * step,
+                    change.max(),
+                )
+                break
+            before *= 2
+        found.append(evaluated)
     fundamental, distortion, drift = np.moveaxis(np.array(found), 2, 0)  # each (frequencies, names)
     by_name: list[dict[str, NDArray[Any]]] = [
         dict(zip(names, values.T, strict=True))
@@ -124,13 +151,13 @@ def _evaluated(
     result: Result, names: Sequence[str], before: int, n: int, periods: int
 ) -> ComplexArray:
     """Return fundamental, distortion and drift of each signal, (names, 3)."""
-    turns = np.exp(-2j * np.pi * periods * np.arange(n) / n)
+    turns = np.exp(-2j * np.pi * periods * np.arange(before, before + n) / n)
     rows = []
     for name in names:
         x = result[name][before : before + n]
         first, second = (2 / len(half) * half @ turns[: n // 2] for half in np.split(x, 2))
         fundamental = 0.5 * (first + second)
-        size = abs(fundamental) or np.finfo(float).tiny
+        size = abs(fundamental) or _TINY
         rest = np.sqrt(max(np.var(x) - 0.5 * abs(fundamental) ** 2, 0.0))
         rows.append((fundamental, rest / (size / np.sqrt(2)), abs(second - first) / size))
     return np.array(rows)

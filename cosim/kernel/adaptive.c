@@ -28,7 +28,8 @@ static double prediction_error(const Run *run) {
     for (const Component *c = run->components; c != run->components + k->n_members; c++) {
         for (int64_t i = c->column; i < c->column + (int64_t)c->n_linked; i++) {
             const double wanted = k->next[i];
-            const double error = wanted - value_at(hold(run, i, false, k->t, k->h), k->h);
+            const Polynomial before = hold(run, i, false, k->t, k->h, k->predicted);
+            const double error = wanted - value_at(before, k->h);
             if (is_disturbed(run, c, i)) {
                 continue; /* a scenario jumps, and shorter steps would not help */
             }
@@ -41,7 +42,7 @@ static double prediction_error(const Run *run) {
 
 static double rescaled(const Coupling *k, double error) {
     const int64_t known = k->n_past - 1;
-    const double order = 1.0 + (double)(known < k->degree ? known : k->degree);
+    const double order = 1.0 + (double)(known < k->predicted ? known : k->predicted);
     const double factor = error > 0.0 ? SAFETY * pow(error, -1.0 / order) : GROW;
     return fmax(k->min_step, k->h * fmin(fmax(factor, SHRINK), GROW));
 }

@@ -5,10 +5,10 @@
 #include "record.h"
 #include <string.h>
 
-Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h) {
+Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h, int64_t degree) {
     const Coupling *k = run->coupling;
     const double f0 = k->past[column];
-    if (k->degree == 0) {
+    if (degree == 0) {
         return (Polynomial){{fresh ? k->next[column] : f0}};
     }
     double s[MAX_DEGREE], slope[MAX_DEGREE] = {0.0}; /* from (0, f0) to the other points */
@@ -17,7 +17,7 @@ Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h) 
         s[0] = h;
         slope[n++] = (k->next[column] - f0) / h;
     }
-    for (int64_t i = 1; n < k->degree && i < k->n_past; i++, n++) {
+    for (int64_t i = 1; n < degree && i < k->n_past; i++, n++) {
         s[n] = k->times[i] - t;
         slope[n] = (k->past[i * run->width + column] - f0) / s[n];
     }
@@ -65,7 +65,7 @@ static Polynomial followed(const Run *run, const Link *link, double t, double h)
         const Coupling *k = run->coupling;
         return (Polynomial){{(link->fresh ? k->next : k->past)[link->column]}};
     }
-    return hold(run, link->column, link->fresh, t, h);
+    return hold(run, link->column, link->fresh, t, h, run->coupling->degree);
 }
 
 static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Part part) {
@@ -174,7 +174,7 @@ bool attempt(Run *run, double t, double h) {
         k->swept = false;
         for (int64_t j = 0; j < loop->n; j++) {
             const int64_t column = loop->columns[j];
-            k->next[column] = value_at(hold(run, column, false, t, h), h);
+            k->next[column] = value_at(hold(run, column, false, t, h, k->degree), h);
         }
         if ((loop->rollback && !save(run, loop->first, loop->end)) ||
             !(loop->n ? solve(run, loop, k->next, sweep) : sweep(run, loop))) {

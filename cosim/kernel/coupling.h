@@ -64,6 +64,8 @@ typedef struct Coupling {
     double times[MAX_PAST];
     int64_t n_past;
     double tolerance;      /* of the prediction, likewise relative; 0: the step is constant */
+    int64_t predicted;     /* degree of the prediction: less than that of the inputs where FMUs take
+                              their mean, as the error is then of a lower order */
     double min_step;       /* s */
     double inner;          /* the step to try next, s */
     const double *nominal; /* (width) */
@@ -82,7 +84,7 @@ typedef struct Coupling {
 typedef struct {
     double a[MAX_DEGREE + 1];
 } Polynomial;
-Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h);
+Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h, int64_t degree);
 double value_at(Polynomial p, double s);
 double mean_over(Polynomial p, double h);
 

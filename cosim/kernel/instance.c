@@ -10,6 +10,7 @@
 /* What an FMU passes to the logger as its environment may be anything, so what it is given is a
  * place in this table: it can be recognised without being followed. */
 enum { MOST_LOGS = 1 << 16 };
+enum { N_LAST = 10, LENGTH_OF_LAST = sizeof(((Log *)NULL)->last) / N_LAST };
 static _Atomic(Log *) logs[MOST_LOGS];
 
 static void *register_log(Log *log) {
@@ -49,8 +50,13 @@ static _Thread_local struct {
     const double *clock;
 } stray;
 
-void keep_time(const double *clock) {
+static void forget_stray(void) {
     stray.log.severity = 0;
+    stray.log.n_last = 0;
+}
+
+void keep_time(const double *clock) {
+    forget_stray();
     stray.clock = clock;
 }
 
@@ -62,18 +68,30 @@ static Log *log_of(const void *environment) {
         return log;
     }
     if (!is_due()) {
-        stray.log.severity = 0;
+        forget_stray();
         stray.t = *stray.clock;
     }
     return &stray.log;
 }
 
+static const char *last_of(const Log *log, int64_t i) {
+    return log->last + i % N_LAST * LENGTH_OF_LAST;
+}
+
+static void note_last(Log *log, const char *message) {
+    snprintf((char *)last_of(log, log->n_last++), LENGTH_OF_LAST, "%s", message);
+}
+
 void take_stray(Log *log) {
+    const int64_t n = stray.log.n_last;
+    for (int64_t i = n > N_LAST ? n - N_LAST : 0; is_due() && i < n; i++) {
+        note_last(log, last_of(&stray.log, i));
+    }
     if (stray.log.severity > log->severity && is_due()) {
         log->severity = stray.log.severity;
         memcpy(log->message, stray.log.message, sizeof log->message);
     }
-    stray.log.severity = 0;
+    forget_stray();
 }
 
 static bool more_severe(Log *log, int status) {
@@ -84,6 +102,13 @@ static bool more_severe(Log *log, int status) {
     }
     log->severity = status;
     return true;
+}
+
+static void keep_message(Log *log, int status, const char *message) {
+    note_last(log, message);
+    if (more_severe(log, status)) {
+        snprintf(log->message, sizeof log->message, "%s", message);
+    }
 }
 
 /* Whether a format has a %n, which no message needs: it writes into memory. */
@@ -103,11 +128,13 @@ static void log_fmi2(fmi2ComponentEnvironment environment, fmi2String name, fmi2
     (void)name;
     if (message && writes(message)) {
         log_fmi3(environment, (fmi3Status)status, category, message);
-    } else if (message && more_severe(log, (int)status)) {
+    } else if (message) {
+        char text[sizeof log->message];
         va_list values;
         va_start(values, message);
-        vsnprintf(log->message, sizeof log->message, message, values);
+        vsnprintf(text, sizeof text, message, values);
         va_end(values);
+        keep_message(log, (int)status, text);
     }
 }
 
@@ -115,16 +142,16 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
               fmi3String message) {
     Log *log = log_of(environment);
     (void)category;
-    if (message && more_severe(log, (int)status)) {
-        snprintf(log->message, sizeof log->message, "%s", message);
+    if (message) {
+        keep_message(log, (int)status, message);
     }
 }
 
 void clear_log(Log *log) {
     log->severity = log->reason = log->unknown = 0;
-    log->warnings = 0;
+    log->warnings = log->n_last = 0;
     log->message[0] = log->warning[0] = '\0';
-    stray.log.severity = 0;
+    forget_stray();
 }
 
 void note_warning(Log *log, const char *call, double t) {

@@ -111,7 +111,9 @@ typedef struct {
     int32_t reason;     /* of the general path's own, when it is what failed */
     int32_t unknown;    /* the status that no standard has, when that is why */
     char message[1024]; /* the most severe */
-    int64_t warnings;   /* calls that returned warning; of the first of them: */
+    int64_t n_last;     /* messages; the last ten of them in turn, of 256 bytes each: */
+    char last[2560];
+    int64_t warnings; /* calls that returned warning; of the first of them: */
     const char *warned;
     double warned_at; /* s */
     char warning[1024];

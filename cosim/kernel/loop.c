@@ -1,4 +1,6 @@
-/* Newton's method with the Jacobian by finite differences, kept from step to step by Broyden. */
+/* Newton's method with the Jacobian by finite differences, kept from step to step by Broyden. A
+ * step with a new Jacobian is damped until it passes the natural monotonicity test: P. Deuflhard,
+ * Newton Methods for Nonlinear Problems, Springer 2004, section 3.3. */
 #include "calls.h"
 #include "coupling.h"
 #include <math.h>
@@ -143,6 +145,51 @@ static bool newton_step(Loop *loop) {
     return worst <= loop->tolerance;
 }
 
+/* Whether the correction with the old Jacobian at the new point is shorter than the step to it was,
+ * relative to the values before the step. */
+static bool contracts(const Loop *loop, double share) {
+    const Work x = view(loop);
+    const int64_t n = loop->n;
+    double level = 0.0, before = 0.0;
+    for (int64_t i = 0; i < n; i++) {
+        double correction = 0.0;
+        for (int64_t j = 0; j < n; j++) {
+            correction += loop->inverse[i * n + j] * x.r[j];
+        }
+        const double scale = size(loop, i, x.w[i] - share * x.dw[i]);
+        const double length = fabs(correction) / scale;
+        level = length <= level ? level : length;
+        before = fmax(before, fabs(x.dw[i]) / scale);
+    }
+    return level <= fmax((1.0 - share / 4.0) * before, loop->tolerance);
+}
+
+/* From w by dw, or by a share of it, to r there; r at the begin goes to dr. A Jacobian that was
+ * kept is not trusted so far: only what is not finite makes it take less. */
+static bool take_step(Run *run, Loop *loop, double *values, Sweep *sweep, bool kept) {
+    static const double LEAST = 1.0 / 1024.0;
+    const Work x = view(loop);
+    const int64_t n = loop->n;
+    double share = 1.0;
+    for (int64_t i = 0; i < n; i++) {
+        x.w[i] += x.dw[i];
+        x.dr[i] = x.r[i];
+    }
+    TRY(evaluate(run, loop, values, sweep, x.w, x.r));
+    while (share > LEAST && !contracts(loop, share) && !(kept && isfinite(norm(loop, x.r, x.w)))) {
+        share /= 2.0;
+        for (int64_t i = 0; i < n; i++) {
+            x.w[i] -= share * x.dw[i];
+        }
+        TRY(evaluate(run, loop, values, sweep, x.w, x.r));
+    }
+    for (int64_t i = 0; i < n; i++) {
+        x.dw[i] *= share;
+        x.dr[i] = x.r[i] - x.dr[i];
+    }
+    return true;
+}
+
 static bool unsolved(Run *run, Loop *loop) {
     run->unsolved = loop;
     return fail(run, &run->components[loop->first], "", NOT_SOLVED);
@@ -170,25 +217,18 @@ bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
             loop->change = x.r[0];
             return unsolved(run, loop);
         }
-        if (newton_step(loop) && known && (error <= loop->tolerance || !falling)) {
+        if (newton_step(loop) && (known ? error <= loop->tolerance : !falling)) {
             return true; /* w is found, and G(w) as near as rounding lets it come */
         }
         if (k == loop->max_iterations) {
             return unsolved(run, loop);
         }
-        for (int64_t i = 0; i < n; i++) {
-            x.w[i] += x.dw[i];
-            x.dr[i] = x.r[i];
-        }
-        TRY(evaluate(run, loop, values, sweep, x.w, x.r));
-        for (int64_t i = 0; i < n; i++) {
-            x.dr[i] = x.r[i] - x.dr[i];
-        }
+        TRY(take_step(run, loop, values, sweep, known));
         update_inverse(n, loop->inverse, x.dw, x.dr, x.room);
         const double before = error;
         error = norm(loop, x.r, x.w);
         falling = error < 0.5 * before;
-        loop->known = falling || newton_step(loop);
+        loop->known = falling || error <= loop->tolerance;
     }
     return true;
 }

@@ -35,6 +35,7 @@ from stickslip.cosim.system.system import Specification
 from stickslip.fmi.description.variables import Variable
 
 _log = logging.getLogger(__name__)
+_N_LAST = 10  # messages in ``Log.last``
 
 
 class Prepared:
@@ -53,6 +54,7 @@ class Prepared:
         self._room = room
         self._variables: dict[str, Variable] = {}  # those that runs have set
         self._retries: set[str] = set()  # components that discarded a step and can take it back
+        self._averages: set[str] = set()  # those that refused derivatives of their inputs
         self._epochs: dict[str, int] = {}
         self._warned: set[tuple[str, bytes]] = set()
         self._exclusive = Exclusive(
@@ -106,7 +108,13 @@ class Prepared:
         for name, general in self._general_components.items():
             general.bind(self._slots[name], self._kernel)
         self._coupled = Coupled(
-            system, self._layout, groups, self._libraries, coupling, self._general_components
+            system,
+            self._layout,
+            groups,
+            self._libraries,
+            coupling,
+            self._general_components,
+            self._averages,
         )
         self._run.start, self._run.stop, self._run.step = spec.start, spec.stop, spec.step
         moved = (ctypes.c_uint8 * len(self.order))()
@@ -332,5 +340,17 @@ class Prepared:
 
 
 def _message_of(slot: structures.Component) -> str:
-    message = slot.log.contents.message.decode(errors="replace").strip()
-    return f"; the FMU says: {message}" if message else ""
+    """Return the most severe message, and before it the last ones where they are others."""
+    log = slot.log.contents
+    message = log.message.decode(errors="replace").strip()
+    if not message:
+        return ""
+    place, size = structures.Log.last.offset, structures.Log.last.size // _N_LAST
+    ring = ctypes.string_at(ctypes.addressof(log) + place, size * _N_LAST)
+    places = (i % _N_LAST for i in range(max(0, log.n_last - _N_LAST), log.n_last))
+    texts = (ring[size * i : size * (i + 1)].partition(b"\0")[0] for i in places)
+    others = dict.fromkeys(" ".join(t.decode(errors="replace").split()) for t in texts)
+    shown = " ".join(message.split())
+    before = [text for text in others if text and not shown.startswith(text)]
+    last = f"; its last messages: {' | '.join(before)}" if before else ""
+    return f"; the FMU says: {message}{last}"

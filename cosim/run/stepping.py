@@ -30,11 +30,11 @@ _log = logging.getLogger(__name__)
 
 
 class Discarded(Exception):
-    """A component discarded a step that it can do in parts."""
+    """A component discarded a step that it can do in parts, or refused derivatives of inputs."""
 
-    def __init__(self, component: str) -> None:
+    def __init__(self, component: str, *, derivatives: bool = False) -> None:
         super().__init__(component)
-        self.component = component
+        self.component, self.derivatives = component, derivatives
 
 
 class NotReset(SimulationError):
@@ -160,8 +160,17 @@ class Stepping(Prepared):
             except NotReset as fault:
                 self._declare_unresettable([fault.component], str(fault))
             except Discarded as discarded:
-                _log.info("%s discards steps: they are tried in parts", discarded.component)
-                self._retries.add(discarded.component)
+                name = discarded.component
+                if discarded.derivatives:
+                    _log.warning(
+                        "%s refuses derivatives of its inputs, though it declares"
+                        " canInterpolateInputs: it is given their mean over each step",
+                        name,
+                    )
+                    self._averages.add(name)
+                else:
+                    _log.info("%s discards steps: they are tried in parts", name)
+                    self._retries.add(name)
                 self._free()
                 self._build()
 
@@ -181,6 +190,9 @@ class Stepping(Prepared):
                 if self._can_take_back(name):
                     raise Discarded(name)
                 call = self._run.call
+                refuses = call == b"fmi2SetRealInputDerivatives"
+                if refuses and self._run.status != kernel.FATAL:
+                    raise Discarded(name, derivatives=True)
                 error = self._failure()
                 raise NotReset(name, str(error)) if call.endswith(b"Reset") else error
             return end

@@ -51,7 +51,10 @@ class Coupling:
         computed yet. FMUs that interpolate their inputs and Model Exchange follow exactly. The
         others are given the mean over the step; where an output depends on an input directly, they
         do the last eighth of the step with its value at the end, if they can vary their step, else
-        all of it. Inputs from outside are joined likewise; with degree 0 they hold
+        all of it. Inputs from outside are joined likewise; with degree 0 they hold. Degree 2 of
+        ``iterative`` is of third order but adds energy to what oscillates, as no method of more
+        than second order through past points is A-stable: at h w rad a step the amplitude grows by
+        about (h w)^4 / 24 in each step, 1e15-fold in 1,000 steps at h w = 1. Degree 1 adds none
     tolerance : of what is iterated, relative to the greater of its value and its nominal value
     max_iterations : of one step
     adaptive : whether and how the step adapts

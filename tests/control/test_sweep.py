@@ -75,15 +75,32 @@ def test_friction_weighs_more_on_small_amplitudes(fmus, loop):
     assert off[0] > 3 * off[1] > 9 * off[2] > 0.0
 
 
+def test_the_peak_of_a_resonance_is_found_by_settling_long_enough(tmp_path, caplog):
+    """Damping of 0.1 %: transients at 10 Hz last for 16 s, and beat with a sine beside it."""
+    omega, f = 20 * np.pi, [3.0, 9.9, 10.0]
+    poles = [1.0, 0.002 * omega, omega**2]
+    plant = control.tf([0.00306 * omega**2], poles, inputs="u", outputs="y", name="plant")
+    system = cosim.System()
+    system.add("plant", models.export_lti(plant, tmp_path))
+    system.expose("u", "plant.u")
+    found = measure_response(system, "u", ["plant.y"], f, 1.0, step=1e-3)
+    expected = control.sample_system(plant, 1e-3, method="zoh")(np.exp(2e-3j * np.pi * found.f))
+    np.testing.assert_allclose(found.response("plant.y"), expected, rtol=1e-4)
+    assert abs(expected[2]) == pytest.approx(1.53, rel=1e-3)
+    assert not caplog.records
+    measure_response(system, "u", ["plant.y"], f[2:], 1.0, step=1e-3, longest=1.0)
+    assert "plant.y has not settled after 0.8 s" in caplog.text
+
+
 def test_a_system_that_did_not_settle_drifts(tmp_path):
     slow = control.tf([1.0], [10.0, 1.0], inputs="u", outputs="y", name="slow")
     system = cosim.System()
     system.add("slow", models.export_lti(slow, tmp_path))
     system.expose("u", "slow.u")
     drift = [
-        measure_response(system, "u", ["slow.y"], [5.0], 1.0, step=0.01, settle=s).drift["slow.y"][
-            0
-        ]
+        measure_response(
+            system, "u", ["slow.y"], [5.0], 1.0, step=0.01, settle=s, longest=0.0
+        ).drift["slow.y"][0]
         for s in (0.0, 100.0)
     ]
     assert drift[0] > 100 * drift[1]

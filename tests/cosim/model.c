@@ -47,15 +47,23 @@ static double value(const Model *m, unsigned reference) {
     return m->real[reference];
 }
 
-static int complain(const Model *m, int status, double t) {
+static void report(const Model *m, int status, const char *format, double number) {
     char message[64];
     if (m->callbacks) {
         m->callbacks->logger(m->callbacks->componentEnvironment, "model", (fmi2Status)status,
-                             "error", "broke at t = %g", t);
+                             "error", format, number);
     } else {
-        snprintf(message, sizeof message, "broke at t = %g", t);
+        snprintf(message, sizeof message, format, number);
         m->log(m->environment, (fmi3Status)status, "error", message);
     }
+}
+
+/* The cause comes before the error, as with Dymola. */
+static int complain(const Model *m, int status, double t) {
+    for (int i = 1; i <= 12; i++) {
+        report(m, 0, "cause %g", i);
+    }
+    report(m, status, "broke at t = %g", t);
     return status;
 }
 

@@ -271,3 +271,9 @@ def test_a_text_cannot_be_started_with(loop, tmp_path):
     loop.set("plant.text", "hello")
     with pytest.raises(cosim.ParameterError, match=r"plant\.text: a container cannot set"):
         cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP)
+
+
+def test_a_system_without_components_is_no_container(tmp_path):
+    with pytest.raises(cosim.ConnectionFault, match="empty has no component"):
+        cosim.write_fmu(cosim.System("empty"), tmp_path / "empty.fmu", step=0.1)
+    assert not list(tmp_path.iterdir())

@@ -45,7 +45,8 @@ def test_a_failing_step_is_named_and_the_next_run_is_as_if_nothing_happened(
     message = str(error.value)
     assert message.startswith(f"gain: fmi{version}DoStep {words}")
     assert "t = 5 s (step 500 of 1000)" in message
-    assert "the FMU says: broke at t = 5" in message
+    assert "the FMU says: broke at t = 5; its last messages: cause 4 | cause 5 |" in message
+    assert message.endswith("| cause 12")
     np.testing.assert_array_equal(simulation.run().values, before)
 
 

@@ -8,6 +8,9 @@
 
 enum { N = 2, ORDERS = 3, M = N + N * ORDERS + 1 };
 /* References: u x0 y, then the matrices row by row. */
+#ifndef MAX_ORDER
+#define MAX_ORDER 2 /* of the derivatives that inputs take */
+#endif
 enum { U, X0 = U + N, Y = X0 + N, A = Y + N, B = A + N * N, C = B + N * N, D = C + N * N };
 enum { E = D + N * N, F = E + N, CUBIC = F + N, N_REALS };
 
@@ -137,6 +140,9 @@ static void derivatives(const Model *m, double dx[]) {
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const unsigned r[], size_t n,
                                        const fmi2Integer order[], const fmi2Real v[]) {
     for (size_t i = 0; i < n; i++) {
+        if (order[i] > MAX_ORDER) {
+            return fmi2Error;
+        }
         ((Model *)c)->du[order[i] - 1][r[i] - U] = v[i];
     }
     return fmi2OK;

@@ -152,3 +152,18 @@ def test_iteration_keeps_a_stiff_pair_stable_where_the_others_blow_up(stiff_pair
     assert jacobi > 1e3
     assert gauss_seidel > 1e3
     assert iterative < (0.02 if "interpolating" in kind else 0.3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_fmu_that_refuses_derivatives_is_given_means(two_masses, linear, method, caplog):
+    """It declares canInterpolateInputs, and answers error to derivatives of order 2."""
+    runs = []
+    for abilities in ({"flags": ("-DMAX_ORDER=1",)}, {"interpolates": False}):
+        system = two_masses.system(linear, **abilities)
+        with system.prepare(step=0.1, stop=1.0, coupling=Coupling(method, degree=2)) as simulation:
+            runs += [simulation.run().values, simulation.run().values]
+    for values in runs[1:]:
+        np.testing.assert_array_equal(values, runs[0])
+    said = [r.getMessage() for r in caplog.records if "derivatives" in r.getMessage()]
+    assert len(said) == 2  # one for each component
+    assert "left refuses derivatives of its inputs" in " ".join(said)

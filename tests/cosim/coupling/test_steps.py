@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from stickslip import cosim
 
@@ -38,6 +39,21 @@ def test_adaptive_steps_take_fewer_steps_for_the_same_error(transient_pair, line
     assert better < worse
     assert few["steps"] < many["steps"] / 20
     assert few["rejected"] > 0
+
+
+@pytest.mark.parametrize("method", ["iterative", "jacobi"])
+@pytest.mark.parametrize("interpolates", [True, False])
+def test_the_error_follows_the_tolerance_of_adaptive_steps(
+    two_masses, linear, method, interpolates
+):
+    """Also where FMUs take the mean of a parabola, which is of second order only."""
+    for tolerance in (1e-5, 1e-7):
+        system = two_masses.system(linear, interpolates=interpolates)
+        adaptive = cosim.Coupling(method, degree=2, adaptive=cosim.Adaptive(tolerance))
+        result = system.prepare(step=0.25, stop=1.0, coupling=adaptive).run()
+        exact = [expm(two_masses.matrix * t)[0, 0] for t in result.time]
+        error = np.abs(result["left.y1"] - exact).max()
+        assert 1e-3 * tolerance < error < tolerance
 
 
 def test_a_step_is_kept_just_when_its_prediction_holds(linear):
