@@ -17,12 +17,13 @@ from stickslip.evaluation.arena.commands import COMMANDS, moves, training
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
-from stickslip.evaluation.arena.protocol import UNFINISHED, Plan, build, run_arena
+from stickslip.evaluation.arena.protocol import Plan, build, run_arena
 from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.evaluation.arena.validation import WORST, validate, validate_changed
 from stickslip.evaluation.arena.writing import write_arena
 from stickslip.models.export.units import force_and_length
+from stickslip.results.folder import UNFINISHED
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -332,6 +333,13 @@ def test_what_is_unknown_is_named(options, message, tmp_path, capsys):
         ('[a]\nlaw = "lugre"\nparameters = { F_x = 1.0 }\n', "drive has no parameter F_x"),
         ('[a]\nlaw = "lugre"\nloop = { K_p = 1.0 }\n', "expected K_p and K_i"),
         ("[a", "drives.toml"),
+        ("[a]\nlaw = 3\n", "expected text as law"),
+        ('[a]\nlaw = "lugre"\nparameters = 1\n', "parameters: expected a table of numbers"),
+        ('[a]\nlaw = "lugre"\naxis = { mass = 1.0 }\n', "axis: 'mass' is unknown"),
+        ('[a]\nlaw = "lugre"\naxis = { m = -1.0 }\n', "m is -1 kg"),
+        ('[a]\nlaw = "lugre"\nspeed = 0\n', "speed: expected a number above 0"),
+        ('[a]\nlaw = "lugre"\nparameters = { F_s = 300.0 }\n', "not below the force limit"),
+        ('[a]\nlaw = "lugre"\nloop = { K_p = 8e5, K_i = 1.0 }\n', "unstable"),
     ],
 )
 def test_a_bad_file_of_drives_is_one_line(text, message, tmp_path):
@@ -339,6 +347,21 @@ def test_a_bad_file_of_drives_is_one_line(text, message, tmp_path):
     file.write_text(text)
     with pytest.raises((UsageError, models.ModelError), match=message.replace("(", r"\(")):
         read_drives(file)
+
+
+def test_a_loop_is_designed_for_the_mass_of_its_drive_unless_the_file_tells_another(tmp_path):
+    file = tmp_path / "drives.toml"
+    file.write_text(
+        '[own]\nlaw = "dahl"\nparameters = { m = 0.1, u_max = 9.0, encoder_step = 1e-8 }\n'
+        '[other]\nlaw = "dahl"\nparameters = { m = 0.1 }\naxis = { m = 0.2, b = 0.0 }\n'
+    )
+    own, other = read_drives(file)
+    assert (own.axis.m, own.sheet.peak_force, own.sheet.encoder_step) == (0.1, 9.0, 1e-8)
+    assert (other.axis.m, other.axis.b, other.mass) == (0.2, 0.0, 0.1)
+    assert other.loop.K_p / own.loop.K_p == pytest.approx(2.0, rel=0.1)
+    build(tmp_path, Plan([own], ["none"]))
+    controller = cosim.Fmu(tmp_path / "own" / "velocity_controller.fmu")
+    assert controller.variables["u_max"].start == 9.0
 
 
 def test_tuning_records_measurements_only_and_sets_nothing_of_the_drive(built, loop, monkeypatch):
