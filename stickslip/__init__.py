@@ -20,6 +20,7 @@ _PLACES = {
         *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
     ),
     "stickslip.cosim.control": ("linearise", "measure_response"),
+    "stickslip.contents": ("info",),
     "stickslip.evaluation.arena.comparison": ("arena",),
     "stickslip.evaluation.phenomena": ("phenomena",),
     "stickslip.fmi.errors": ("Fault",),

@@ -1,3 +1,4 @@
+from stickslip.contents import info as info
 from stickslip.cosim import Adaptive as Adaptive
 from stickslip.cosim import Coupling as Coupling
 from stickslip.cosim import Fmu as Fmu
