@@ -36,7 +36,7 @@ _PLACES = {
     "stickslip.report.bode": ("draw_bode",),
     "stickslip.servo": (
         *("Axis", "LoopSpecification", "VelocityLoop"),
-        *("design_velocity_filter", "design_velocity_loop"),
+        *("close_velocity_loop", "design_velocity_filter", "design_velocity_loop"),
     ),
     "stickslip.servo.closed_loop": ("closed_loop", "robustness"),
     "stickslip.servo.observer": ("design_observer",),

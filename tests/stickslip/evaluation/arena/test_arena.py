@@ -1,12 +1,15 @@
 """The arena on a few drives and entrants, with small budgets."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot as plt
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
@@ -14,6 +17,8 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena import entrants as registry
 from stickslip.evaluation.arena.commands import COMMANDS, moves, training
+from stickslip.evaluation.arena.comparison import Comparison
+from stickslip.evaluation.arena.comparison import arena as arena_of
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
@@ -258,6 +263,46 @@ def test_the_table_has_every_cell(arena):
     peaks = table[table["metric"] == "Ms"]["median"]
     assert (peaks <= 2.2).all()
     assert not (folder / UNFINISHED).exists()
+
+
+def test_python_gives_the_arena_of_the_command(arena, tmp_path):
+    found, folder = arena
+    comparison = Comparison(found, arena_table(found))
+    here, carried = comparison.errors(), comparison.errors("C", carried=True)
+    assert here.shape == carried.shape == (4, 2)
+    assert here.loc["pi"].tolist() == pytest.approx([1.0, 1.0])
+    means = np.exp(np.log(here).mean(axis=1))
+    assert comparison.ranking["mean here"].to_dict() == pytest.approx(means.to_dict())
+    assert (comparison.sensitivity() <= 2.2).all(axis=None)
+    assert comparison.failures == {}
+    written = comparison.write(tmp_path / "written")
+    assert (written / "arena.csv").read_bytes() == (folder / "arena.csv").read_bytes()
+    with mpl.rc_context({"backend": "agg"}):
+        left, right = comparison.plot()
+        plt.close("all")
+    assert [text.get_text() for text in left.texts] == [f"{x:.2f}" for x in here.to_numpy().flat]
+    assert right.get_title() == "tuned on lugre, carried over"
+
+
+def test_the_options_of_python_are_those_of_the_command(built, tmp_path):
+    """Drives and ports are tables; a FMU of the user that fails is named, and the others go on."""
+    ports = {
+        "inputs": {"v": "v_ref"},
+        "output": "F",
+        "axis": {"lead": "tau_i"},
+        "values": {"v_t": -1},
+    }
+    mine = shutil.copy(built / "static_feedforward.fmu", tmp_path / "mine.fmu")
+    stage = {"axis_1": {"law": "dahl", "parameters": {"m": 3.0}}}
+    given = {"own": {mine: ports}, "evaluations": 10, "seeds": 1}
+    comparison = arena_of(["none"], stage, **given)
+    assert comparison.errors().index.tolist() == ["none", "mine"]
+    assert comparison.errors()["axis_1"]["none"] == pytest.approx(1.0)
+    assert list(comparison.failures) == [("axis_1", "mine")]
+    with pytest.raises(UsageError, match=r"ports of mine\.fmu: 'input' is unknown"):
+        arena_of(["none"], stage, own={mine: {"input": {}}})
+    with pytest.raises(UsageError, match="drives: drive 'axis_1': expected a table with law"):
+        arena_of(["none"], {"axis_1": {"low": "dahl"}})
 
 
 def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
