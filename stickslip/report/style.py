@@ -88,7 +88,7 @@ def house_style() -> Iterator[None]:
         yield
 
 
-class _Page(Figure):
+class PageFigure(Figure):
     """A figure that a notebook shows, whether pyplot is in use or not."""
 
     def _repr_png_(self) -> bytes:
@@ -100,7 +100,7 @@ class _Page(Figure):
 def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
     """Return an empty figure of a size in mm; ``free`` leaves the placing of axes to the caller."""
     size = (width / 25.4, height / 25.4)
-    return _Page(figsize=size, layout=None if free else "constrained")
+    return PageFigure(figsize=size, layout=None if free else "constrained")
 
 
 def name_panel(axes: Axes, letter: str, title: str) -> None:
