@@ -20,6 +20,7 @@ _PLACES = {
         *("read_ssp", "read_tables", "write_fmu", "write_ssp"),
     ),
     "stickslip.cosim.control": ("linearise", "measure_response"),
+    "stickslip.contents": ("info",),
     "stickslip.evaluation.arena.comparison": ("arena",),
     "stickslip.evaluation.phenomena": ("phenomena",),
     "stickslip.fmi.errors": ("Fault",),
@@ -35,7 +36,7 @@ _PLACES = {
     "stickslip.report.bode": ("draw_bode",),
     "stickslip.servo": (
         *("Axis", "LoopSpecification", "VelocityLoop"),
-        *("design_velocity_filter", "design_velocity_loop"),
+        *("close_velocity_loop", "design_velocity_filter", "design_velocity_loop"),
     ),
     "stickslip.servo.closed_loop": ("closed_loop", "robustness"),
     "stickslip.servo.observer": ("design_observer",),

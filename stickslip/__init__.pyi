@@ -1,3 +1,4 @@
+from stickslip.contents import info as info
 from stickslip.cosim import Adaptive as Adaptive
 from stickslip.cosim import Coupling as Coupling
 from stickslip.cosim import Fmu as Fmu
@@ -38,6 +39,7 @@ from stickslip.results.learned_folder import write_learned as write_learned
 from stickslip.servo import Axis as Axis
 from stickslip.servo import LoopSpecification as LoopSpecification
 from stickslip.servo import VelocityLoop as VelocityLoop
+from stickslip.servo import close_velocity_loop as close_velocity_loop
 from stickslip.servo import design_velocity_filter as design_velocity_filter
 from stickslip.servo import design_velocity_loop as design_velocity_loop
 from stickslip.servo.closed_loop import closed_loop as closed_loop

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from typing import NoReturn
 
@@ -25,6 +24,8 @@ from stickslip.fmi.process import (
     interruptible,
     open_standard_streams,
 )
+from stickslip.output import answered, messages
+from stickslip.parser import Parser
 
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
@@ -54,10 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     open_standard_streams()  # those that cron or a service has closed
     given = list(sys.argv[1:] if arguments is None else arguments)
-    debug = argparse.Namespace(debug="--debug" in given)  # anywhere
-    given = [word for word in given if word != "--debug"]
-    options = _parser(given).parse_args(given, debug)
-    with interruptible():
+    plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
+    options = _parser(given).parse_args(given, plain)
+    with interruptible(), messages(options):
         try:
             return _status(options)
         except KeyboardInterrupt as interruption:
@@ -74,7 +74,7 @@ def _status(options: argparse.Namespace) -> int:
     try:
         # One thread, so that results do not depend on how many the linear algebra would take.
         with threadpool_limits(limits=1, user_api="blas"):
-            status: int | None = options.run(options)
+            status = answered(options, options.run)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of the output has ended
         _drop_output()
@@ -85,7 +85,7 @@ def _status(options: argparse.Namespace) -> int:
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)
         return 1
-    return status or 0
+    return status
 
 
 def _drop_output() -> None:
@@ -93,26 +93,20 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"stickslip: {message}; see '{self.prog} --help'\n")
-
-
 class _Version(argparse.Action):
     """Prints the installed version, which takes time to find."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version  # late, for commands that start quickly
+
         print(f"stickslip {version('stickslip')}")
         parser.exit()
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="stickslip", description="Learn a friction compensator for a servo drive, in FMUs."
     )
-    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     parser.add_argument("--version", action=_Version, nargs=0, help="show it and leave")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     called = next((word for word in arguments if not word.startswith("-")), None)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ from stickslip.cosim.signals.signals import Input
 from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 
-_STEPS = 500  # of an FMU that proposes no step
+_STEPS = 500  # of a run for which no step is proposed
+_VARYING = {"continuous", "discrete"}
 
 
 def simulate(
@@ -30,11 +32,12 @@ def simulate(
     Parameters
     ----------
     path : a system, FILE.fmu or FILE.ssp
-    stop, step : [s], instead of those that the file proposes; an FMU without a step gets 1/500 of
-        the time from start to stop
+    stop, step : [s], instead of those that the file proposes; where it proposes no step, the
+        smallest that its FMUs propose, or 1/500 of the time from start to stop
     parameters : start values by name, ``component.variable`` or, of one FMU, ``variable``
     inputs : signals by exposed input; an .ssp file may bring its own
-    record : names or patterns such as ``drive.*``; all outputs and inputs by default
+    record : names or patterns such as ``drive.*``; all outputs and inputs by default, or all
+        variables of a system that has none
     options : of ``System.prepare``, such as ``tolerance``, ``isolation`` and ``allow_nan``
 
     Raises
@@ -46,7 +49,7 @@ def simulate(
     """
     model = Model.of(path)
     for name, value in (parameters or {}).items():
-        model.system.set(model.qualified(name), value)
+        model.set(name, value)
     with model.prepare(stop=stop, step=step, record=model.record(record), **options) as simulation:
         return simulation.run(inputs=model.inputs if inputs is None else dict(inputs))
 
@@ -103,34 +106,85 @@ class Model:
         UsageError
             When they make no run.
         """
-        experiment = replace(
-            self.experiment,
-            stop=self.experiment.stop if stop is None else stop,
-            step=self.experiment.step if step is None else step,
-        )
-        start = experiment.start or 0.0
-        lone = self.path.suffix == ".fmu"
-        if lone and experiment.stop is not None and experiment.step is None:
-            experiment = replace(experiment, step=(experiment.stop - start) / _STEPS)
-        if experiment.stop is None or experiment.step is None:
-            missing = "stop" if experiment.stop is None else "step"
-            if not self.path.suffix:
-                raise UsageError(f"system '{self.path}': give {missing}=, a time [s]")
-            raise UsageError(f"{self.path}: the file proposes no {missing}; give --{missing}")
+        start = self.experiment.start or 0.0
+        stop = self.experiment.stop if stop is None else stop
+        if stop is None:
+            raise UsageError(self._lacks("stop"))
+        step = self.step(stop) if step is None else step
+        if step is None:
+            raise UsageError(self._lacks("step"))
         try:
-            return self.system.prepare(
-                start=start, stop=experiment.stop, step=experiment.step, record=record, **options
-            )
+            return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
             hint = "" if "tolerance" in str(fault) else "; see --stop and --step"
             raise UsageError(f"{self.path}: {fault}{hint}") from fault
 
+    def step(self, stop: float) -> float | None:
+        """Return the step of a run to a stop time [s]; None for a system from Python.
+
+        It is the one that the file proposes, else the smallest that its FMUs propose, reduced so
+        that it divides the run, else 1/500 of the run.
+        """
+        if self.experiment.step is not None or not self.path.suffix:
+            return self.experiment.step
+        duration = stop - (self.experiment.start or 0.0)
+        proposed = (one.experiment.step for one in self.system.components.values())
+        least = min((step for step in proposed if step), default=None)
+        if least is None or not 0.0 < least < duration < math.inf:
+            return duration / _STEPS
+        return duration / math.ceil(duration / least * (1.0 - 1e-9))
+
+    def idle_inputs(self, inputs: Iterable[str]) -> dict[str, tuple[Any, str]]:
+        """Return start value and unit of the inputs without a source, signal and set value.
+
+        Parameters
+        ----------
+        inputs : the exposed inputs that have a signal
+        """
+        system, sources, driven = self.system, self.system.sources(), {*inputs}
+        found = {}
+        for name, component in system.components.items():
+            for variable in component.variables.values():
+                key = f"{name}.{variable.name}"
+                if variable.causality != "input" or key in system.parameters:
+                    continue
+                for element in system.variable(key).elements():
+                    one = f"{name}.{element.name}"
+                    source = sources.get(one)
+                    live = source in driven if source in system.inputs else source is not None
+                    if not live and one not in system.parameters:
+                        found[source or one] = (element.start, system.unit(one) or "")
+        return found
+
+    def _lacks(self, time: str) -> str:
+        if not self.path.suffix:
+            return f"system '{self.path}': give {time}=, a time [s]"
+        return f"{self.path}: the file proposes no {time}; give --{time}"
+
     def record(
         self, names: Iterable[str] | None, every: int = 1, keep: str = "all"
     ) -> cosim.Record:
-        """Return what to record; names are qualified."""
-        qualified = [self.qualified(name) for name in names] if names else None
+        """Return what to record; names are qualified.
+
+        By default outputs and exposed inputs, and where there are none, all variables.
+        """
+        qualified = [self.qualified(name) for name in names] if names else self.without_outputs()
         return cosim.Record(qualified, every, keep)  # type: ignore[arg-type]
+
+    def without_outputs(self) -> list[str] | None:
+        """Return all variables of a system without outputs and exposed inputs; else None."""
+        variables = [
+            (c, v) for c, part in self.system.components.items() for v in part.variables.values()
+        ]
+        if self.system.inputs or any(v.causality == "output" for _, v in variables):
+            return None
+        kept = [f"{c}.{v.name}" for c, v in variables if v.is_plain and v.variability in _VARYING]
+        return kept or None
+
+    def set(self, name: str, value: object) -> None:
+        """Give a variable a start value, or the one that an exposed input is connected to."""
+        target, *others = self.system.inputs.get(name, (self.qualified(name),))
+        self.system.set(name if others else target, value)
 
     def qualified(self, name: str) -> str:
         """Return component.variable, of a lone component also for the variable alone."""

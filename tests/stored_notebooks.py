@@ -18,7 +18,7 @@ from nbclient import NotebookClient
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
-LONGEST = 120
+LONGEST = 600
 """Of a cell [s]."""
 _KERNEL = "this-interpreter"
 

@@ -86,15 +86,12 @@ def _neighbours(system: System) -> list[str]:
 
 
 def _select(system: System, record: Iterable[str] | None) -> list[str]:
-    usual = [*system.inputs]
-    for component, fmu in system.components.items():
-        usual += [
-            f"{component}.{element.name}"
-            for v in fmu.variables.values()
-            if v.causality == "output"
-            for element in system.variable(f"{component}.{v.name}").elements()
-            if element.is_signal
-        ]
+    shown = _of_causality(system, "output") or [
+        name
+        for name in _of_causality(system, "local")
+        if system.variable(name).variability not in {"constant", "fixed"}
+    ]
+    usual = [*system.inputs, *shown]
     if record is None:
         return usual
     kept: dict[str, None] = {}
@@ -106,6 +103,17 @@ def _select(system: System, record: Iterable[str] | None) -> list[str]:
             )
         kept |= dict.fromkeys(found or _recordable(system, wanted))
     return list(kept)
+
+
+def _of_causality(system: System, causality: str) -> list[str]:
+    return [
+        f"{component}.{element.name}"
+        for component, fmu in system.components.items()
+        for v in fmu.variables.values()
+        if v.causality == causality
+        for element in system.variable(f"{component}.{v.name}").elements()
+        if element.is_signal
+    ]
 
 
 def _summed(system: System, label: str, deviation: Deviation) -> Deviation:

@@ -86,8 +86,7 @@ class Fmu(Component):
     def __init__(self, path: str | os.PathLike[str], *, interface: Interface | None = None) -> None:
         self.path = Path(path).absolute()
         self.label = self.path.name
-        self.folder = unpack(self.path, "fmus", FmuError)
-        description = self._read_description()
+        self.folder, description = described(self.path)
         self.description = description
         self.version = description.version
         self.name = description.name or self.path.stem
@@ -162,21 +161,6 @@ class Fmu(Component):
             raise FmuError(f"{self.path}: no interface {wanted!r}; it has {', '.join(interfaces)}")
         return interfaces, wanted or interfaces[0]
 
-    def _read_description(self) -> Description:
-        names = {file.name for file in self.folder.iterdir()}
-        if _DESCRIPTION not in names:
-            near = [
-                shown(str(file.relative_to(self.folder)))
-                for file in self.folder.rglob("*")
-                if file.name.casefold() == _DESCRIPTION.casefold()
-            ]
-            hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
-            raise FmuError(f"{self.path}: {_DESCRIPTION} is missing; this is not an FMU{hint}")
-        try:
-            return read_description(parse_xml((self.folder / _DESCRIPTION).read_bytes()))
-        except (Malformed, DescriptionFault) as fault:
-            raise FmuError(f"{self.path}: {_DESCRIPTION}: {fault}") from fault
-
     def _find_binary(self) -> Path:
         if not _IDENTIFIER.fullmatch(self.identifier) or is_device(self.identifier):
             raise FmuError(
@@ -224,6 +208,29 @@ class Fmu(Component):
             if unknown.dependencies is not None:
                 feedthrough[unknown.name] = inputs.intersection(unknown.dependencies)
         return feedthrough
+
+
+def described(path: Path) -> tuple[Path, Description]:
+    """Unpack an FMU, also one that this machine cannot run; return its folder and description.
+
+    Raises
+    ------
+    FmuError
+    """
+    folder = unpack(path, "fmus", FmuError)
+    names = {file.name for file in folder.iterdir()}
+    if _DESCRIPTION not in names:
+        near = [
+            shown(str(file.relative_to(folder)))
+            for file in folder.rglob("*")
+            if file.name.casefold() == _DESCRIPTION.casefold()
+        ]
+        hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
+        raise FmuError(f"{path}: {_DESCRIPTION} is missing; this is not an FMU{hint}")
+    try:
+        return folder, read_description(parse_xml((folder / _DESCRIPTION).read_bytes()))
+    except (Malformed, DescriptionFault) as fault:
+        raise FmuError(f"{path}: {_DESCRIPTION}: {fault}") from fault
 
 
 def _rebuild(path: Path, interface: Interface) -> Fmu:

@@ -151,6 +151,19 @@ class Result:
         write_parquet(Path(path), self.frame(), self.units)
         return Path(path)
 
+    def to_excel(self, path: str | os.PathLike[str]) -> Path:
+        """Write ``time`` (s) and the signals into the sheet of a workbook, names in the first row.
+
+        Raises
+        ------
+        CosimError
+            When openpyxl is not installed, or a sheet has not as many rows or columns.
+        """
+        from stickslip.cosim.signals.tables import write_excel
+
+        write_excel(Path(path), self.frame())
+        return Path(path)
+
     @cached_property
     def _columns(self) -> dict[str, int]:
         return {name: column for column, name in enumerate(self.names)}

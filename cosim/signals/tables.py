@@ -18,6 +18,8 @@ from stickslip.fmi.messages import printable, shown
 if TYPE_CHECKING:
     import pandas as pd
 
+_SHEET = (1_048_576, 16_384)  # rows and columns of a sheet of Excel
+
 
 def read_tables(
     source: pd.DataFrame | str | os.PathLike[str], held: bool | Collection[str] = False
@@ -67,12 +69,37 @@ def write_parquet(path: Path, frame: pd.DataFrame, units: Mapping[str, str | Non
     atomic_write(path, stream.getvalue())
 
 
+def write_excel(path: Path, frame: pd.DataFrame) -> None:
+    """Write a frame, its index as the first column, into the sheet of a workbook.
+
+    Raises
+    ------
+    CosimError
+        When openpyxl is not installed, or a sheet has not as many rows or columns.
+    """
+    if len(frame) >= _SHEET[0] or len(frame.columns) >= _SHEET[1]:
+        raise CosimError(
+            f"{path}: a sheet of Excel has {_SHEET[0]} rows and {_SHEET[1]} columns, the result"
+            f" {len(frame) + 1} and {len(frame.columns) + 1}; record less, or write .csv"
+        )
+    stream = io.BytesIO()
+    try:
+        frame.to_excel(stream, engine="openpyxl")
+    except ImportError:
+        raise CosimError(
+            f"{path}: Excel files need openpyxl; install it with pip install 'stickslip[excel]'"
+        ) from None
+    atomic_write(path, stream.getvalue())
+
+
 def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
     import pandas as pd  # late, for those who start quickly
 
     if isinstance(source, pd.DataFrame):
         return _from_frame(source, "the data frame")
     path = Path(source)
+    if path.suffix in (".xls", ".xlsx"):
+        raise SignalError(f"{path}: expected a table .csv or .parquet; save it as one of these")
     if path.suffix != ".parquet":
         return Table.all_from_csv(path)
     _arrow(SignalError, path)

@@ -9,14 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from stickslip.models.errors import UnknownModel
-from stickslip.models.export.description import Model, Variable
+from stickslip.models.export.description import Model, Role, Variable
 from stickslip.models.firmware.c99 import explained
 from stickslip.models.firmware.program import Program
 from stickslip.models.firmware.translation import translated
 from stickslip.models.firmware.words import SMALLEST, distinct, literal
 
 _PARTS = {"x": "states", "w": "memory", "u": "inputs", "p": "parameters", "y": "outputs"}
-_ROLES = {"x": "state", "w": "memory", "u": "input", "p": "parameter", "y": "output"}
+_ROLES: dict[str, Role] = {
+    "x": "state",
+    "w": "memory",
+    "u": "input",
+    "p": "parameter",
+    "y": "output",
+}
 _STRUCTS = {"x": "States", "w": "Memory", "u": "Inputs", "p": "Parameters", "y": "Outputs"}
 
 
@@ -107,18 +113,19 @@ def _block(model: Model, program: Program) -> str:
     )
 
 
-def _elements(model: Model, role: str) -> Iterable[tuple[str, tuple[int, ...], list[Variable]]]:
+def _elements(model: Model, role: Role) -> Iterable[tuple[str, tuple[int, ...], list[Variable]]]:
     """Yield the fields of a struct with their sizes and elements."""
-    for name, size in model.fields.get(role, ()):  # type: ignore[call-overload]
+    for name, size in model.fields.get(role, ()):
         yield name, size, [v for v in model.variables if v.name.partition("[")[0] == name]
 
 
 def _shown(model: Model) -> dict[str, str]:
     """Return the names of inputs, parameters and outputs as variables of the function block."""
     learned = model.ports.learned.values() if model.ports else ()
+    roles: tuple[Role, ...] = ("input", "parameter", "output")
     return distinct(
         [
-            *(f for role in ("input", "parameter", "output") for f, _, _ in _elements(model, role)),
+            *(f for role in roles for f, _, _ in _elements(model, role)),
             *dict.fromkeys(variable.partition("[")[0] for variable in learned),
         ]
     )
@@ -147,7 +154,7 @@ def _started(model: Model, program: Program) -> Iterable[str]:
                 yield f"{target}{f'[{k}]' if size else ''} := {_number(v.start)};"
 
 
-def _declarations(model: Model, roles: Iterable[str]) -> Iterable[str]:
+def _declarations(model: Model, roles: Iterable[Role]) -> Iterable[str]:
     shown = _shown(model)
     for role in roles:
         for name, size, (first, *others) in _elements(model, role):

@@ -4,9 +4,10 @@ The first line of the file, ``stickslip NAME`` and what it does, makes it a comm
 """
 
 import argparse
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
+
+from stickslip.output import LOG
 
 SEVERAL: dict[str, Any] = {"nargs": "+", "action": "extend", "default": []}
 """An option that takes several values and can be repeated."""
@@ -36,8 +37,8 @@ def at_least(least: int) -> Callable[[str], int]:
 
 
 def warn(message: str) -> None:
-    """Print a warning to standard error."""
-    print(f"stickslip: warning: {message}", file=sys.stderr)
+    """Print a warning to standard error, unless with ``--quiet``."""
+    LOG.warning("%s", message)
 
 
 def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse.Action) -> None:
@@ -49,3 +50,9 @@ def add_old_spelling(parser: argparse.ArgumentParser, old: str, action: argparse
         default=argparse.SUPPRESS,
         help=argparse.SUPPRESS,
     )
+
+
+def or_(names: Iterable[str]) -> str:
+    """Return names as ``a, b or c``."""
+    *most, last = names
+    return f"{', '.join(most)} or {last}" if most else last

@@ -17,6 +17,7 @@ from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
 from stickslip.evaluation.arena.table import arena_table, ranking
 from stickslip.evaluation.arena.tuning import Budget
 from stickslip.evaluation.arena.writing import FILES, write_arena
+from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
 
@@ -59,8 +60,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Run the arena, write its files, print the ranking; return 1 if a cell failed."""
+def run(options: argparse.Namespace) -> Answer:
+    """Run the arena, write its files and print the ranking; status 1 if a cell failed."""
     plan = _plan(options)
     with reserved(options.out, FILES), TerminalProgress() as progress:
         cells = len(plan.drives) * len(plan.entrants)
@@ -75,7 +76,9 @@ def run(options: argparse.Namespace) -> int:
         write_arena(arena, table, options.out)
     _print(arena, table)
     print(f"all results are in {options.out}; open arena.html first")
-    return 1 if arena.reasons else 0
+    failed = [{"drive": d, "entrant": n, "reason": r} for (d, n), r in arena.reasons.items()]
+    document = {"folder": options.out, "table": table, "failed": failed}
+    return Answer(document, 1 if failed else 0)
 
 
 def _plan(options: argparse.Namespace) -> Plan:

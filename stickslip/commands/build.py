@@ -11,6 +11,7 @@ from stickslip import models
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_platform_option, parse_platforms
 from stickslip.fmi.process import Threads
+from stickslip.output import Answer
 
 VERSIONS: tuple[models.FmiVersion, ...] = (2, 3)
 
@@ -28,7 +29,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
     platforms = parse_platforms(options.platform)
     versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
@@ -45,8 +46,11 @@ def run(options: argparse.Namespace) -> None:
             name, folders[version], fmi=version, platforms=platforms, law=options.law
         )
 
+    written = []
     with Threads(os.cpu_count()) as pool:
         for path in pool.each(build, itertools.product(names, versions)):
             print(path)
+            written.append(path)
             if options.cross_check:
                 models.write_cross_check(path.stem, path.parent, options.law)
+    return Answer({"written": written})

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 from stickslip import fmucheck
 from stickslip.commands import FLAG, add_options
 from stickslip.fmucheck import Report, Severity
+from stickslip.output import Answer
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -16,7 +16,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.epilog = "status 0: no errors; 1: errors (with --strict also warnings); 2: usage"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE.fmu")
     flags = {
-        "--json": "print findings as JSON",
         "--strict": "warnings count as errors",
         "--no-run": "do not load the binary",
     }
@@ -26,19 +25,17 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Print what was found; return 1 if any of it is an error."""
+def run(options: argparse.Namespace) -> Answer:
+    """Print what was found; status 1 if any of it is an error."""
     reports = [
         fmucheck.check(path, run=not options.no_run, timeout=options.timeout)
         for path in options.files
     ]
-    if options.json:
-        print(json.dumps({"version": 1, "files": [r.as_json() for r in reports]}, indent=2))
-    else:
-        for report in reports:
-            _print(report)
+    for report in reports:
+        _print(report)
     worst = Severity.WARNING if options.strict else Severity.ERROR
-    return int(any(finding.severity >= worst for report in reports for finding in report))
+    status = int(any(finding.severity >= worst for report in reports for finding in report))
+    return Answer({"version": 1, "files": [r.as_json() for r in reports]}, status)
 
 
 def _print(report: Report) -> None:

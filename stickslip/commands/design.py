@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.commands.tables import write_files
+from stickslip.output import Answer
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.systems import nominal_parameters
@@ -33,7 +34,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Design, print gains and margins, and write them with the nominal loop's matrices."""
     loop = design_velocity_loop(
         Axis(options.mass, options.viscous, options.current_lag),
@@ -47,6 +48,7 @@ def run(options: argparse.Namespace) -> None:
     content = {**figures, "nominal_loop": nominal_parameters(loop)}
     files = {"design.json": json.dumps(content, indent=2) + "\n"}
     write_files(options.out, {"name": "design"}, files)
+    return Answer(content)
 
 
 def summary(loop: VelocityLoop) -> dict[str, float]:

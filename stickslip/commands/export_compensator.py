@@ -14,6 +14,7 @@ from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.evaluation.guards import benefits_on_drives, feedforward
 from stickslip.models.firmware import write_compensator
+from stickslip.output import Answer
 from stickslip.results.learned import LearnedFile
 
 MOST_SAMPLES = 10_000_000
@@ -43,7 +44,7 @@ def add_form_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write the compensator with its learned start values and print the paths.
 
     What the guards find goes to standard error. The force is reduced to the largest share that
@@ -59,6 +60,7 @@ def run(options: argparse.Namespace) -> None:
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
+    return Answer({"written": paths})
 
 
 def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force: bool) -> float:

@@ -12,6 +12,7 @@ from stickslip.commands.export_compensator import add_form_option
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import UsageError
 from stickslip.models.firmware import write_compensator
+from stickslip.output import Answer
 from stickslip.results.learned import LearnedFile
 
 
@@ -25,7 +26,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write each component under its name and print the paths.
 
     Raises
@@ -36,6 +37,7 @@ def run(options: argparse.Namespace) -> None:
     components = LearnedFile(options.parameters).components
     if not components:
         raise UsageError(f"{options.parameters}: contains no components")
+    written: list[Path] = []
     for name, model in components.items():
         given: dict[str, Any] = {
             "start": {v.name: v.start for v in model.variables if v.role == "parameter"},
@@ -47,3 +49,5 @@ def run(options: argparse.Namespace) -> None:
         else:
             paths = write_compensator(options.out, options.form, model=model.name, **given)
         print(*paths, sep="\n")
+        written += paths
+    return Answer({"written": written})

@@ -9,6 +9,7 @@ from typing import Any
 from stickslip import models
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_fmu_options, fmu_options
+from stickslip.output import Answer
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
@@ -25,7 +26,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write DIR/NAME.fmu and print its path."""
     described = models.read_lti(options.file)
     path = models.export_lti(
@@ -37,3 +38,4 @@ def run(options: argparse.Namespace) -> None:
         **fmu_options(options),
     )
     print(path)
+    return Answer({"written": [path]})

@@ -12,6 +12,7 @@ from stickslip.commands.export_compensator import add_form_option
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.models.firmware import write_compensator
+from stickslip.output import Answer
 from stickslip.results.learned import LearnedFile
 from stickslip.servo.observer import LIMIT
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -31,7 +32,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write the observer with its designed gains and print the paths.
 
     Raises
@@ -56,6 +57,7 @@ def run(options: argparse.Namespace) -> None:
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
     print(*paths, sep="\n")
+    return Answer({"written": paths})
 
 
 def _refusals(learned: LearnedFile) -> list[str]:

@@ -12,6 +12,7 @@ from stickslip.commands import add_options
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import UsageError
+from stickslip.output import Answer
 
 NAME = "FILE.ssp"
 
@@ -40,7 +41,7 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write DIR/NAME.fmu, named like the package, and print its path."""
     file = Path(options.what)
     system, experiment = cosim.read_ssp(file, options.variant)
@@ -60,3 +61,4 @@ def run(options: argparse.Namespace) -> None:
         **fmu_options(options),
     )
     print(path)
+    return Answer({"written": [path]})

@@ -15,6 +15,7 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
 from stickslip.fleet.writing import files_of, write_fleet
 from stickslip.identification.fitting.identifiability import LEVELS, NOT_IDENTIFIABLE
+from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.jobs import Outcome
@@ -38,14 +39,14 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Learn all drives, write the results, print what is known; return 1 if a drive failed."""
+def run(options: argparse.Namespace) -> Answer:
+    """Learn all drives, write the results, print what is known; status 1 if a drive failed."""
     drives = read_fleet(options.table)
     with reserved(options.out, files_of(drives)):
         return _learn(options, drives)
 
 
-def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
+def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
     execution = Execution(options.workers, options.where, resume=options.resume)
     with TerminalProgress() as progress:
         done = 0
@@ -66,14 +67,15 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> int:
     if fleet.kept:
         print(f"{fleet.kept} of {len(drives)} drives were learned before and kept")
     print(f"all results are in {options.out}; open fleet.png first")
+    document = {"folder": options.out, "table": table, "failed": fleet.reasons}
     if not fleet.reasons:
-        return 0
+        return Answer(document)
     print(
         f"stickslip: {len(fleet.reasons)} of {len(drives)} drives failed; the reasons are above "
         f"and in {options.out / 'fleet.csv'}",
         file=sys.stderr,
     )
-    return 1
+    return Answer(document, 1)
 
 
 def _print_drives(fleet: Fleet) -> None:

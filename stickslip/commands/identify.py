@@ -11,6 +11,7 @@ from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import write_files
 from stickslip.identification.stages import identify
+from stickslip.output import Answer
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
 from stickslip.servo.datasheet import LOOP
@@ -24,7 +25,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Run the experiments, print the estimates with standard errors, and write them."""
     truth = drive_changes(options.set)
     drive_truth(truth)
@@ -39,3 +40,4 @@ def run(options: argparse.Namespace) -> None:
         changed = {f"drive.{name}": value for name, value in truth.items()}
         files = {"identified.json": json.dumps(content, indent=2) + "\n"}
         write_files(options.out, {"name": "identify", "set": changed}, files)
+        return Answer(content)

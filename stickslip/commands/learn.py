@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
+from typing import Any
 
 from stickslip.catalog.parameters import learnable_laws, unit_of
 from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
@@ -28,10 +29,12 @@ from stickslip.commands.tables import (
 from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
+from stickslip.output import Answer
 from stickslip.pipeline.learned import AUTO, LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 from stickslip.results.folder import reserved
+from stickslip.results.learned import log_document
 from stickslip.results.learned_folder import FILES, write_learned
 
 CRITERIA: dict[str, CriterionName] = {
@@ -83,7 +86,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
     options.compensation = _compensation(options.compensator, options.law)
@@ -94,9 +97,9 @@ def run(options: argparse.Namespace) -> None:
         findings = read_and_check(options.log, description)[1]
         print_findings(findings)
         raise_errors(options.log, findings)
-        return
+        return Answer({"findings": [str(finding) for finding in findings]})
     with reserved(options.out, FILES):
-        _learn(options, description)
+        return Answer(_learn(options, description))
 
 
 def _compensation(name: str, law: str) -> Choice | None:
@@ -116,7 +119,7 @@ def _compensation(name: str, law: str) -> Choice | None:
     return known[name]
 
 
-def _learn(options: argparse.Namespace, description: Description) -> None:
+def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
     checkpoint = options.out and options.out / "learning.checkpoint.json"
     with TerminalProgress() as progress, execution_of(options, checkpoint) as execution:
         learned = learn(
@@ -147,6 +150,7 @@ def _learn(options: argparse.Namespace, description: Description) -> None:
             progress.stage("writing the results")
             write_learned(learned, options.out, force=options.force)
             _print_written(learned, options)
+    return log_document(learned) | {"folder": options.out}
 
 
 def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:

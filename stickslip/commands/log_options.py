@@ -66,7 +66,7 @@ def one_of(what: str, *given: Path | None) -> Path:
     paths = [path for path in given if path is not None]
     if len(paths) != 1:
         got = " and ".join(map(str, paths)) or "none"
-        raise UsageError(f"expected {what} as the first argument, before options; got {got}")
+        raise UsageError(f"expected {what} as an argument; got {got}")
     return paths[0]
 
 

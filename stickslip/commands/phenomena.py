@@ -10,6 +10,7 @@ import pandas as pd
 from stickslip import models
 from stickslip.evaluation.phenomena import phenomena
 from stickslip.fmi.files import atomic_write
+from stickslip.output import Answer
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -25,14 +26,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Print a row for each phenomenon and a column for each law, or draw the published figures."""
     if options.published:
         from stickslip.report.canudas_1995 import draw_published  # late, for matplotlib is slow
 
-        atomic_write(options.published, draw_published())
-        return
-    print(table_of(phenomena(*options.laws)))
+        return Answer({"written": [atomic_write(options.published, draw_published())]})
+    found = phenomena(*options.laws)
+    print(table_of(found))
+    return Answer({"phenomena": found.reset_index()})
 
 
 def table_of(found: pd.DataFrame) -> str:

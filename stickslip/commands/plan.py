@@ -15,6 +15,7 @@ from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
+from stickslip.output import Answer
 from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, draw_plan, plan
 
 _OPTIONS = {
@@ -53,7 +54,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Write the command, and print when each part runs and how far it travels."""
     for path, suffix in ((options.out, ".csv"), (options.plot, ".png")):
         if path and path.suffix.lower() != suffix:
@@ -67,9 +68,9 @@ def run(options: argparse.Namespace) -> None:
         atomic_write(options.plot, draw_plan(table, stretches, length))
     _print_parts(table, stretches, length)
     _warn_of_speed(table, limits, length)
-    print(options.out)
-    if options.plot:
-        print(options.plot)
+    written = [path for path in (options.out, options.plot) if path]
+    print(*written, sep="\n")
+    return Answer({"written": written, "parts": [_part(table, one) for one in stretches]})
 
 
 def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
@@ -115,12 +116,18 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit]:
     return replace(ROTARY if chosen == "rotary" else LINEAR, **values), (*given, fallback)[0]
 
 
+def _part(table: pd.DataFrame, stretch: Stretch) -> dict[str, Any]:
+    """Return what a stretch is, its times [s] and the parameters that it shows."""
+    begin, end = table["time"].to_numpy()[[stretch.begin, stretch.end]]
+    return {"begin": begin, "end": end, "name": stretch.part.name, "shows": stretch.part.shows}
+
+
 def _print_parts(table: pd.DataFrame, stretches: tuple[Stretch, ...], length: Unit) -> None:
-    time, v, x = (table[name].to_numpy() for name in table.columns)
+    _, v, x = (table[name].to_numpy() for name in table.columns)
     for stretch in stretches:
-        begin, end = time[stretch.begin], time[stretch.end]
-        shows = " ".join(stretch.part.shows)
-        print(f"{begin:7.2f} to {end:6.2f} s  {stretch.part.name:16} {shows}")
+        part = _part(table, stretch)
+        times = f"{part['begin']:7.2f} to {part['end']:6.2f} s"
+        print(f"{times}  {part['name']:16} {' '.join(part['shows'])}")
     unit, per = length.name, 1.0 / length.factor
     print(f"speed up to {abs(v).max() * per:.3g} {unit}/s; ends at its start position")
     below, above = max(0.0, -x.min()) * per, x.max() * per

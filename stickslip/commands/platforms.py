@@ -17,6 +17,7 @@ def add_platform_option(parser: argparse.ArgumentParser) -> None:
         "--platform",
         nargs="+",
         default=["host"],
+        choices=["host", "all", *PLATFORMS],
         metavar="PLATFORM",
         help=f"host (default), all, or some of {', '.join(PLATFORMS)}",
     )

@@ -1,4 +1,4 @@
-"""Progress on a terminal: a line for each stage, a bar for the generations; quiet in a pipe."""
+"""Progress: lines for stages and a bar for generations on a terminal; with ``-v`` in a pipe too."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Self
 from tqdm import tqdm
 
 from stickslip import ga
+from stickslip.output import LOG, quiet
 
 
 class TerminalProgress:
@@ -15,13 +16,16 @@ class TerminalProgress:
 
     def __init__(self) -> None:
         self._stream = sys.stderr
+        self._shown = self._stream.isatty() and not quiet()
         self._bar: tqdm[None] | None = None
 
     def stage(self, name: str) -> None:
         """Print the stage that begins."""
         self._close_bar()
-        if self._stream.isatty():
+        if self._shown:
             print(f"{name} ...", file=self._stream, flush=True)
+        else:
+            LOG.info("%s", name)
 
     def generation(self, algorithm: ga.Optimiser) -> None:
         """Move the bar on."""
@@ -29,7 +33,7 @@ class TerminalProgress:
             self._bar = tqdm(
                 total=algorithm.limits.generations,
                 unit="generation",
-                disable=not self._stream.isatty(),
+                disable=not self._shown,
                 file=self._stream,
             )
         self._bar.update(algorithm.generation - self._bar.n)

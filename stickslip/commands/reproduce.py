@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,7 @@ from stickslip.commands.tables import print_published, print_table4
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
 from stickslip.identification.stages import identify
+from stickslip.output import Answer
 from stickslip.pipeline.record_mode import reproduce_from_recording
 from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth, reproduce
 from stickslip.pipeline.studies import with_studies
@@ -75,6 +77,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
+LEARNED = "learned.json"
 Show = Callable[[], None]
 """Prints what was computed."""
 
@@ -137,7 +140,7 @@ MODES = {
 """By name: what computes and writes, the names of the files, and the folder by default."""
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Reproduce, write the results and print the main figures."""
     _check(options)
     mode = "published" if options.as_published else options.mode
@@ -163,6 +166,9 @@ def run(options: argparse.Namespace) -> None:
         show = compute(chosen, fmus, progress, execution, out)
     show()
     print(f"all results are in {out}; open report.html first")
+    learned = out / LEARNED
+    found = json.loads(learned.read_text(encoding="utf-8")) if LEARNED in files else {}
+    return Answer({"folder": out, **found})
 
 
 def _check(options: argparse.Namespace) -> None:

@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import nullcontext
+import io
+from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from stickslip import cosim
-from stickslip.commands import FLAG, SEVERAL, add_options
+from stickslip.commands import FLAG, SEVERAL, add_options, or_, warn
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.isolation import add_isolation, isolation_of
 from stickslip.errors import UsageError
-from stickslip.fmi.files import require_regular_file
+from stickslip.fmi.files import atomic_write, require_regular_file
+from stickslip.output import LOG, Answer
 from stickslip.results.folder import writable
 from stickslip.simulation import Model
+
+PICTURES = (".png", ".svg", ".pdf")
+WRITERS = {
+    ".csv": cosim.Result.to_csv,
+    ".parquet": cosim.Result.to_parquet,
+    ".xlsx": cosim.Result.to_excel,
+}
+SIGNAL = ("signal", "unit", "min", "max", "end")
+WINDOW = Path()
+_MOST = 8  # names in a warning
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +34,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE.ssp|FILE.fmu")
     numbers = {
         "--stop S": "stop time, instead of that of the file",
-        "--step S": "communication step, instead of that of the file; 1/500 of the run for an FMU "
-        "that proposes none",
+        "--step S": "communication step, instead of that of the file; where it proposes none, the "
+        "smallest of its FMUs, or 1/500 of the run",
         "--tolerance REL": "relative tolerance of the solvers, instead of that of the FMUs",
         "--until S": "halt at this time, before the stop",
         "--real-time FACTOR": "simulated seconds per second (default: full speed)",
@@ -33,7 +46,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     files = {
         "--input FILE.csv|FILE.parquet": "table with a column time [s] and one per input, "
         "interpolated linearly (default: the input in the package)",
-        "--out FILE.csv|FILE.parquet": "file for the recorded signals",
+        "--out FILE.csv|FILE.parquet|FILE.xlsx": "file for the recorded signals",
         "--save FILE": "file for the state at --until",
         "--resume FILE": "continue from a saved state",
     }
@@ -45,6 +58,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, several, **SEVERAL)
     add_options(parser, {"--allow-nan": "continue when an output is NaN or infinite"}, **FLAG)
     add_options(parser, {"--variant NAME": "variant of the .ssp to load, if it has several"})
+    parser.add_argument(
+        "--plot",
+        nargs="?",
+        type=_picture,
+        const=WINDOW,
+        metavar="FILE.png|FILE.svg|FILE.pdf",
+        help="draw the recorded signals, without a file in a window, or where there is none, into "
+        "a .png named like the model",
+    )
     points = parser.add_mutually_exclusive_group()
     add_options(points, {"--every N": "record every N-th point"}, type=int, default=1)
     add_options(points, {"--last": "record only the last point"}, **FLAG)
@@ -52,23 +74,34 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def _picture(text: str) -> Path:
+    """Return the file of a plot."""
+    if Path(text).suffix not in PICTURES:
+        raise argparse.ArgumentTypeError(f"{text}: expected a file that ends in {or_(PICTURES)}")
+    return Path(text)
+
+
+def run(options: argparse.Namespace) -> Answer:
     """Run, write the samples if asked to, and print the range and end of each signal."""
-    if options.out:
-        require_regular_file(options.out)
-    with writable(options.out.parent) if options.out else nullcontext():
-        _simulate(options)
-
-
-def _simulate(options: argparse.Namespace) -> None:
-    model = Model.open(options.file, options.variant)
-    for name, value in split_assignments(options.set).items():
-        model.system.set(model.qualified(name), value)
-    inputs = model.inputs
+    if options.out and options.out.suffix not in WRITERS:
+        raise UsageError(f"{options.out}: expected a file that ends in {or_(WRITERS)}")
     if options.look is not None and options.real_time is None:
         raise UsageError("--look is for --real-time; give it")
     if options.hold and not options.input:
         raise UsageError("--hold names columns of --input; give one")
+    with ExitStack() as folders:
+        for file in (options.out, options.plot):
+            if file and file != WINDOW:
+                require_regular_file(file)
+                folders.enter_context(writable(file.parent))
+        return _simulate(options)
+
+
+def _simulate(options: argparse.Namespace) -> Answer:
+    model = Model.open(options.file, options.variant)
+    for name, value in split_assignments(options.set).items():
+        model.set(name, value)
+    inputs = model.inputs
     if options.input:
         tables = cosim.read_tables(options.input, options.hold)
         inputs = {model.exposed(name): table for name, table in tables.items()}
@@ -92,15 +125,66 @@ def _simulate(options: argparse.Namespace) -> None:
         if options.save:
             simulation.save(options.save)
         pacing = simulation.pacing
-    if options.out:
-        write = result.to_parquet if options.out.suffix == ".parquet" else result.to_csv
-        write(options.out)
+    _warn(options, model, inputs, simulation.spec.step)
+    written = [WRITERS[options.out.suffix](result, options.out)] if options.out else []
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
+    signals = []
     for name in result.names if len(result.time) else ():  # a resumed run may keep no point
-        signal, unit = result[name], result.units[name] or ""
-        print(f"{name:32} {unit:8} {signal.min():14.6g} {signal.max():14.6g} {signal[-1]:14.6g}")
+        values, unit = result[name], result.units[name]
+        ends = values.min(), values.max(), values[-1]
+        signals.append(dict(zip(SIGNAL, (name, unit, *ends), strict=True)))
+        print(f"{name:32} {unit or '':8} " + " ".join(f"{value:14.6g}" for value in ends))
     if pacing:
         print(
             f"real time: late {pacing.overruns} of {pacing.looks} times by more than"
             f" {pacing.interval} s, at most {max(0.0, pacing.worst):.3g} s"
         )
+    if options.plot is not None:
+        written += _plot(result, options.plot, options.file)
+    for file in written:
+        print(file)
+    times = {"start": simulation.spec.start, "stop": simulation.spec.stop}
+    return Answer(
+        {"file": options.file, **times, "step": simulation.spec.step, "stopped": result.stopped}
+        | {"points": len(result.time), "signals": signals, "written": written}
+    )
+
+
+def _warn(
+    options: argparse.Namespace, model: Model, inputs: Mapping[str, object], step: float
+) -> None:
+    """Warn of inputs without values, and name what was chosen where nothing was proposed."""
+    if idle := model.idle_inputs(inputs):
+        shown = [f"{n} = {value} {unit}".rstrip() for n, (value, unit) in idle.items()]
+        names = ", ".join(shown[:_MOST]) + (", ..." if len(idle) > _MOST else "")
+        warn(
+            f"inputs that stay at their start values: {names}; give them signals by --input "
+            "FILE.csv, or constants by --set"
+        )
+    if not options.record and (unknown := model.without_outputs()):
+        warn(f"{options.file}: no outputs and no inputs; all {len(unknown)} variables are recorded")
+    if options.step is None and model.experiment.step is None:
+        LOG.info("%s: the file proposes no step; %g s is used", options.file, step)
+
+
+def _plot(result: cosim.Result, file: Path, model: Path) -> list[Path]:
+    """Draw the signals into a file or a window; return the file."""
+    if not len(result.time) or not result.names:
+        warn("nothing was recorded that could be drawn")
+        return []
+    import matplotlib as mpl  # late, for those who only simulate
+    from matplotlib import pyplot as plt
+
+    if file != WINDOW:
+        mpl.use("agg")
+    result.plot()
+    figure = plt.gcf()
+    if file == WINDOW:
+        if figure.canvas.required_interactive_framework:
+            plt.show()
+            return []
+        file = Path(f"{model.stem}.png")
+    stream = io.BytesIO()
+    figure.savefig(stream, format=file.suffix[1:], dpi=150)
+    plt.close(figure)
+    return [atomic_write(file, stream.getvalue())]

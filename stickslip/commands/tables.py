@@ -84,10 +84,12 @@ def print_benefit(benefit: Benefit, file: TextIO | None = None) -> None:
 
 def print_holds(holds: Mapping[str, Hold]) -> None:
     """Print how a cascade holds its position without and with each compensation."""
-    print(f"\nat rest, worst simulated drive{'':9} swing [um]  reversals")
+    print("\nat rest, on the worst simulated drive:")
     for name, hold in holds.items():
-        row = f"{name:38} {1e6 * hold.swing:11.3g} {hold.reversals:10}"
-        print(f"{row} in {hold.duration:.3g} s; {hold.drive}")
+        swing = f"swings by {1e6 * hold.swing:.3g} {hold.unit}"
+        print(
+            f"{name:24} {swing}, {hold.reversals} reversals in {hold.duration:.3g} s; {hold.drive}"
+        )
 
 
 def print_parts(observed: Observed) -> None:

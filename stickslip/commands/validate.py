@@ -7,7 +7,9 @@ drive FMU, as in Table 4 of the paper, and the components of learned.json stand 
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
@@ -16,8 +18,11 @@ from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import print_comparison, print_prediction, print_table4, write_files
 from stickslip.errors import UsageError
 from stickslip.evaluation.attribution import attribute
+from stickslip.evaluation.compared_logs import sentences
+from stickslip.evaluation.log_verdict import verdict
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
+from stickslip.output import Answer
 from stickslip.pipeline.log_validation import compare_logs, read_log, validate_log
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
@@ -58,25 +63,23 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Compare with a log, or evaluate on the simulated drive."""
     learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
     if options.log is None and options.without is None:
-        _on_simulated_drive(options, learned)
-        return
+        return Answer(_on_simulated_drive(options, learned))
     if options.set or options.velocity_filter:
         raise UsageError("--set and --velocity-filter are of the simulated drive; not with --log")
     if options.log is None:
         raise UsageError("--without: expected --log with a log of the same drive, compensated")
     if options.without:
         with reserved(options.out, COMPARISON_FILES):
-            _on_two_logs(options, learned)
-        return
+            return Answer(_on_two_logs(options, learned))
     with reserved(options.out, LOG_FILES):
-        _on_log(options, learned)
+        return Answer(_on_log(options, learned))
 
 
-def _on_log(options: argparse.Namespace, learned: LearnedFile) -> None:
+def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     log = read_log(options.log, description_of(options), learned, print_findings)
     found, values = validate_log(log, learned), learned.drive
     print_prediction(found, values)
@@ -84,9 +87,15 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> None:
         command = {"name": "validate", "log": log.reading.recording.source}
         write_log_validation(found, learned, log.controller, options.out, command)
         print(f"all results are in {options.out}; open report.html first")
+    first, *reasons = verdict(found, values)
+    changes = {name: asdict(change) for name, change in found.changes.items()}
+    signals = {
+        name: asdict(error) | {"ratio": error.ratio} for name, error in found.signals.items()
+    }
+    return {"verdict": first, "reasons": reasons, "signals": signals, "changes": changes}
 
 
-def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> None:
+def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     description = description_of(options)
     compensated, without = (
         read_log(path, description, learned) for path in (options.log, options.without)
@@ -98,9 +107,16 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> None:
         names = (recording.source, compensated.reading.recording.source)
         write_comparison(found, recording.motion, names, learned, without.controller, options.out)
         print(f"all results are in {options.out}; open report.html first")
+    compared = {"measured": found.measured, "simulated": found.simulated}
+    reductions = {
+        kind: {name: asdict(reduction) for name, reduction in one.reductions.items()}
+        for kind, one in compared.items()
+        if one
+    }
+    return {"sentences": sentences(found), "reductions": reductions}
 
 
-def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> None:
+def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
     truth = drive_changes(options.set)
     drive_truth(truth)
@@ -129,3 +145,4 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> No
         }
         files = {n: t.to_csv(index=False, lineterminator="\n") for n, t in tables.items()}
         write_files(options.out, command, files)
+    return {name.removesuffix(".csv"): table for name, table in tables.items()}

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from stickslip.commands import SEVERAL, add_options
-from stickslip.errors import ResultsError
+from stickslip.output import LOG, Answer
 from stickslip.results.folder import verify
 
 
@@ -24,11 +24,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> Answer:
     """Print a line for each file that is not as it was written."""
-    bad = []
+    bad, document = [], {}
     for folder in options.folders:
         verdict = verify(folder, options.without)
+        document[str(folder)] = {"faults": verdict.faults, "notes": verdict.notes}
         for name, fault in (*verdict.notes.items(), *verdict.faults.items()):
             shown = name if name.isprintable() else repr(name)
             print(f"{folder / shown}: {fault}")
@@ -37,4 +38,5 @@ def run(options: argparse.Namespace) -> None:
         else:
             print(f"{folder}: {verdict}")
     if bad:
-        raise ResultsError("; ".join(bad))
+        LOG.error("%s", "; ".join(bad))
+    return Answer(document, 1 if bad else 0)

@@ -12,14 +12,12 @@ from stickslip.errors import UsageError
 from stickslip.fleet.job import learn_drive
 from stickslip.fleet.table import Drive, LogSource
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
-from stickslip.results.folder import MANIFEST, complete, refuse_foreign, staged
+from stickslip.results.folder import MANIFEST, UNFINISHED, complete, refuse_foreign, staged
 from stickslip.results.learned import SCHEMA, versions
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.jobs import Job, Outcome, run_jobs
 
 TABLE = "fleet.csv"
-UNFINISHED = "unfinished"
-"""The folder of what is learned while a study runs; earlier results stay until it ends."""
 
 
 @dataclass(frozen=True)

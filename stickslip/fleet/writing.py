@@ -10,12 +10,12 @@ from typing import Any
 import pandas as pd
 
 from stickslip.fleet.picture import draw_fleet
-from stickslip.fleet.study import TABLE, UNFINISHED, Fleet
+from stickslip.fleet.study import TABLE, Fleet
 from stickslip.fleet.table import Drive, Variant
 from stickslip.fmi.files import atomic_write
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.report.page import picture_files
-from stickslip.results.folder import remove_results, staged
+from stickslip.results.folder import completed
 
 COLUMNS = [
     *("name", "parameter", "unit", "value", "standard_error", "low", "high", "identifiability"),
@@ -60,23 +60,19 @@ def write_fleet(fleet: Fleet, table: pd.DataFrame, folder: Path) -> None:
 
     Raises
     ------
-    UsageError
-        When a file to be replaced is the user's.
-    OSError
-        When a file cannot be written.
+    UsageError, OSError
+        As ``results.folder.staged``.
     """
     names = [drive.name for drive in fleet.drives]
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
     pictures = draw_fleet(table) if fleet.learned else {}
     command = {"name": "fleet", "drives": names}
-    with staged(folder, command, without=files_of(fleet.drives)) as staging:
+    with completed(folder, command, files_of(fleet.drives), {TABLE: table}) as staging:
         atomic_write(staging / "fleet.json", json.dumps({"drives": known}, indent=2) + "\n")
         for kind, picture in pictures.items():
             atomic_write(staging / f"fleet.{kind}", picture)
         for name, document in fleet.learned.items():
             atomic_write(staging / _learned(name), json.dumps(document, indent=2) + "\n")
-        atomic_write(staging / TABLE, table.to_csv(index=False, lineterminator="\n"))
-    remove_results(folder / UNFINISHED)
 
 
 def _learned(name: str) -> str:

@@ -159,6 +159,12 @@ class LearnedFromRecording(Learned):
         """Return a row for each parameter in SI units, with its 95 % interval."""
         return self.estimation.table()
 
+    def __repr__(self) -> str:
+        values = ", ".join(
+            f"{name} = {one.value:.5g}" for name, one in self.estimation.known.items()
+        )
+        return f"LearnedFromRecording({self.estimation.law.name}: {values})"
+
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the parameters, what is written and what is warned of."""
         rows = [

@@ -24,6 +24,7 @@ def draw_bode(
     *,
     title: str = "",
     distortion: bool = False,
+    label: str = "designed",
 ) -> Figure:
     """Draw gain [dB] and phase [deg] over frequency [Hz].
 
@@ -32,6 +33,7 @@ def draw_bode(
     designed : what the measurements should show; one input, one output, discrete or continuous
     measured : label -> a measurement and the output of it to show, from its input
     distortion : whether to draw below how much of each output is no fundamental [%]
+    label : of what the measurements should show
     """
     f = np.concatenate([m.f for m, _ in measured.values()])
     line = np.geomspace(0.8 * f.min(), min(1.25 * f.max(), _highest(designed)), 600)
@@ -42,11 +44,11 @@ def draw_bode(
         )
         gain, phase = axes[:2]
         drawn: dict[str, Any] = {"color": INK, "lw": THICK, "zorder": 1}
-        _draw(gain, phase, line, _response(designed, line), label="designed", **drawn)
-        for k, (label, (response, output)) in enumerate(measured.items()):
+        _draw(gain, phase, line, _response(designed, line), label=label, **drawn)
+        for k, (name, (response, output)) in enumerate(measured.items()):
             look: dict[str, Any] = {"color": _COLOURS[k % 5], "marker": _MARKS[k % 5], "lw": 0.8}
             at = _response(designed, response.f)
-            _draw(gain, phase, response.f, response.response(output), at, label=label, **look)
+            _draw(gain, phase, response.f, response.response(output), at, label=name, **look)
             if distortion:
                 axes[2].plot(response.f, 100 * response.distortion[output], **look)
         gain.set(xscale="log", ylabel="Gain [dB]", title=title)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from threading import Lock
 from typing import Any
 
@@ -21,6 +22,8 @@ PAGE = 183.0
 """Width of two columns [mm]."""
 RESOLUTION = 300
 """Of PNG files [dots per inch]."""
+_SCREEN = 110
+"""Of figures in a notebook."""
 
 INK = "#1a1a1a"
 GREY = "#6f6f6f"
@@ -85,10 +88,19 @@ def house_style() -> Iterator[None]:
         yield
 
 
+class PageFigure(Figure):
+    """A figure that a notebook shows, whether pyplot is in use or not."""
+
+    def _repr_png_(self) -> bytes:
+        content = BytesIO()
+        self.savefig(content, format="png", dpi=_SCREEN)
+        return content.getvalue()
+
+
 def new_figure(width: float, height: float, *, free: bool = False) -> Figure:
     """Return an empty figure of a size in mm; ``free`` leaves the placing of axes to the caller."""
     size = (width / 25.4, height / 25.4)
-    return Figure(figsize=size, layout=None if free else "constrained")
+    return PageFigure(figsize=size, layout=None if free else "constrained")
 
 
 def name_panel(axes: Axes, letter: str, title: str) -> None:

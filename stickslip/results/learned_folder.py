@@ -48,7 +48,9 @@ RECORD_FILES = (
 """What ``write_record_results`` writes."""
 
 
-def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = False) -> None:
+def write_learned(
+    learned: LearnedFromRecording, folder: Path | str, *, force: bool = False
+) -> None:
     """Write learned.json, report and, if nothing speaks against it or it is forced, the FMU.
 
     Raises
@@ -56,6 +58,7 @@ def write_learned(learned: LearnedFromRecording, folder: Path, *, force: bool = 
     OSError
         When a file cannot be written.
     """
+    folder = Path(folder)
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     if force:
         learned = learned.with_whole_force()

@@ -62,6 +62,16 @@ class Robustness:
         )
 
 
+def sliding(loop: VelocityLoop, friction: float, samples: int) -> dict[str, Array]:
+    """Return what a compensator sees in motion at constant speed against a friction [N], by role.
+
+    Arrays are (samples,).
+    """
+    v, force = np.full(samples, SPEED), np.full(samples, friction + loop.axis.b * SPEED)
+    x = np.asarray(SPEED * loop.T_s * np.arange(samples), dtype=float)
+    return {"v_ref": v, "x_enc": x, "F_motor": force, "v_est": v, "u": force}
+
+
 class ChainResponse:
     """Measures a chain of compensators again and again, with other parameters.
 
@@ -117,15 +127,7 @@ class ChainResponse:
         self, loop: VelocityLoop, values: Mapping[str, float], friction: float
     ) -> dict[str, ComplexArray]:
         """Return the response of the chain's force to each signal that it takes, (n,)."""
-        n = np.arange(SETTLED + SAMPLES + 1)
-        force = np.full(len(n), friction + loop.axis.b * SPEED)
-        still: dict[str, Array] = {
-            "v_ref": np.full(len(n), SPEED),
-            "x_enc": np.asarray(SPEED * loop.T_s * n, dtype=float),
-            "F_motor": force,
-            "v_est": np.full(len(n), SPEED),
-            "u": force,
-        }
+        still = sliding(loop, friction, SETTLED + SAMPLES + 1)
         assert self._simulation is not None  # noqa: S101 - a signal is measured
         still = {role: still[role] for role in self._simulation.spec.system.inputs}
         before = self._run(values, still)

@@ -143,7 +143,7 @@ def test_a_force_that_just_touches_static_friction(build, excess):
     ],
 )
 def test_the_motion_under_a_sampled_force_is_that_of_another_program(build, law, expected, error):
-    """By fixed steps of 0.8 us, which leave GMS the larger error, with the force held for 0.5 ms."""
+    """By fixed steps of 0.8 us, which leave GMS the larger error; the force holds for 0.5 ms."""
     time = 5e-4 * np.arange(4001)
     force = 9.5 * np.sin(2 * np.pi * time) + 3.0 * np.sin(2 * np.pi * 3.3 * time)
     found = by_master(build(f"stage+{law}", 2), held(time, force[:-1]), 5e-4)

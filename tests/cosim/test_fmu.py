@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 import zipfile
 
 import pytest
@@ -97,6 +98,21 @@ def test_an_identifier_with_a_hyphen_names_a_file_all_the_same(make, tmp_path):
         inputs={"u": 2.0},
     )
     assert result["2-gain.y"][-1] == 6.0
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_without_outputs_shows_its_local_variables(make, tmp_path, version):
+    content = members(make("gain", version))
+    text = content["modelDescription.xml"].decode().replace('"output"', '"local"')
+    text = re.sub(r"<Outputs>.*</Outputs>|<Output [^>]*/>", "", text)
+    content["modelDescription.xml"] = text.encode()
+    path = pack(tmp_path / "gain.fmu", content)
+    result = simulate(path, stop=0.1, step=0.1, parameters={"k": 3.0}, inputs={"u": 2.0})
+    assert result["gain.y"][-1] == 6.0
+    assert all(
+        cosim.Fmu(path).variables[n.removeprefix("gain.")].causality != "parameter"
+        for n in result.names[1:]
+    )
 
 
 def test_no_file(tmp_path):

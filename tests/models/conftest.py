@@ -28,6 +28,23 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture
+def network(fmus: Path) -> Callable[..., cosim.Result]:
+    """Run a learning network alone: ``network("rbf", v_r, u, gamma=0.0)``, with its weights."""
+
+    def run(name: str, v_r: np.ndarray, u: np.ndarray, **parameters: float) -> cosim.Result:
+        system = cosim.System()
+        system.add("fmu", fmus / f"{name}.fmu", {"m": 1e-6, "b": 0.0, **parameters})
+        system.expose("v_r", "fmu.v_r")
+        system.expose("u", "fmu.u")
+        known = system.components["fmu"].variables
+        record = ("fmu.F", *(f"fmu.{one}" for one in known if one.startswith("w[")))
+        with system.prepare(step=5e-4, stop=5e-4 * (len(v_r) - 1), record=record) as simulation:
+            return simulation.run(inputs={"v_r": v_r, "u": u})
+
+    return run
+
+
 Prepare = Callable[..., cosim.Simulation]
 
 

@@ -84,6 +84,9 @@ def _name_points(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
             va="center",
             fontsize=6.5,
             color=style.INK,
+            arrowprops={"arrowstyle": "-", "lw": 0.3, "color": style.GREY, "shrinkB": 2.0}
+            if dy
+            else None,
         )
 
 

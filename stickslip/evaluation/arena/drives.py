@@ -9,18 +9,20 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stickslip import models
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena.entrants import SPEED
 from stickslip.evaluation.guards.trial import axis_values
 from stickslip.fmi.files import MOST_TEXT, parse_toml, read_limited
 from stickslip.results.learned import LearnedFile
-from stickslip.servo.axis import Axis
+from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, design_velocity_loop
 
 AXIS = Axis(5.557, 6.6135, Datasheet().tau_i)
-"""The axis for which the loop is designed, whatever the drive is: that of the paper's stage."""
+"""That of the paper's stage."""
 QUIET = 0.25
 """Noise of the encoder of a learned drive, relative to its step."""
 SHARES = {"friction": (0.5, 0.8, 1.2, 1.5), "mass": (0.5, 0.8, 1.25, 2.0), "lag": (5.0,)}
@@ -31,7 +33,7 @@ NOISE = 3.0
 """Factor on the noise."""
 Changes = Mapping[str, tuple[str, Mapping[str, float]]]
 """What is changed -> command, and start values of the drive FMU."""
-_KEYS = {"title", "law", "parameters", "loop", "nominal"}
+_KEYS = {"title", "law", "parameters", "loop", "nominal", "axis", "speed"}
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,7 @@ class Drive:
     @property
     def mass(self) -> float:
         """The true mass [kg]."""
-        return float(self.parameters.get("m", self.axis.m))
+        return float(self.parameters.get("m", AXIS.m))
 
 
 def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
@@ -198,18 +200,54 @@ def _drives(where: str, content: dict[str, Any]) -> tuple[list[Drive], dict[str,
                 f"{where}: drive '{name}': expected a table with law and, if needed,"
                 f" {', '.join(sorted(_KEYS - {'law'}))}"
             )
-        if not name.replace("_", "").replace("-", "").isalnum():
-            raise UsageError(f"{where}: drive '{name}': expected letters, digits, '_' and '-'")
-        parameters = {**common, **table.get("parameters", {})}
         try:
-            models.load_model("drive", table["law"]).with_start(parameters)
-        except models.ModelError as error:
+            found.append(_drive(name, table, common))
+        except (UsageError, ControlError, models.ModelError) as error:
             raise UsageError(f"{where}: drive '{name}': {error}") from None
-        loop = table.get("loop", {})
-        if loop and set(loop) != {"K_p", "K_i"}:
-            raise UsageError(f"{where}: drive '{name}': loop: expected K_p and K_i")
-        title, nominal = table.get("title", name), table.get("nominal", False)
-        found.append(Drive(name, title, table["law"], parameters, loop, nominal))
     if not found:
         raise UsageError(f"{where}: expected a table for each drive, got none")
     return found, common
+
+
+def _drive(name: str, table: Mapping[str, Any], common: Any) -> Drive:
+    """Return the drive of a table; ``common`` are parameters of all drives."""
+    if not name.replace("_", "").replace("-", "").isalnum():
+        raise UsageError("expected a name of letters, digits, '_' and '-'")
+    law, title, nominal = table["law"], table.get("title", name), table.get("nominal", False)
+    if not (isinstance(law, str) and isinstance(title, str) and isinstance(nominal, bool)):
+        raise UsageError("expected text as law and title, true or false as nominal")
+    parameters = {
+        **_numbers("measurement", common),
+        **_numbers("parameters", table.get("parameters", {})),
+    }
+    model = models.load_model("drive", law).with_start(parameters)
+    true = {v.name: v.start for v in model.variables if v.role == "parameter"}
+    for force in ("F_s", "F_c"):
+        if true.get(force, 0.0) >= true["u_max"]:
+            raise UsageError(
+                f"its {force} of {true[force]:g} N is not below the force limit u_max of"
+                f" {true['u_max']:g} N"
+            )
+    loop, speed = _numbers("loop", table.get("loop", {})), table.get("speed", SPEED)
+    if loop and set(loop) != {"K_p", "K_i"}:
+        raise UsageError("loop: expected K_p and K_i")
+    own = {"m": true["m"], "b": true["b"], "tau_i": true["tau_i"] * bool(true["current_loop"])}
+    assumed = _numbers("axis", table.get("axis", {}))
+    if unknown := sorted(assumed.keys() - own.keys()):
+        raise UsageError(f"axis: '{unknown[0]}' is unknown; expected {', '.join(own)}")
+    if type(speed) not in (int, float) or not 0.0 < speed < np.inf:
+        raise UsageError(f"speed: expected a number above 0, got {speed!r}")
+    axis = Axis(**{**own, **assumed})
+    sheet = Datasheet(axis.m, true["u_max"], axis.tau_i, true["encoder_step"], true["noise_F"])
+    drive = Drive(
+        name, title, law, parameters, loop, nominal, axis, sheet=sheet, speed=float(speed)
+    )
+    _ = drive.loop  # raises where it is unstable
+    return drive
+
+
+def _numbers(key: str, found: Any) -> dict[str, float]:
+    """Return a table of numbers from a file."""
+    if not isinstance(found, dict) or not all(isinstance(x, int | float) for x in found.values()):
+        raise UsageError(f"{key}: expected a table of numbers")
+    return found

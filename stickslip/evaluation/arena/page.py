@@ -14,7 +14,7 @@ from stickslip.evaluation.arena.drawing import draw_circle, draw_pareto
 from stickslip.evaluation.arena.entrants import Entrant
 from stickslip.evaluation.arena.protocol import Arena
 from stickslip.evaluation.arena.table import ALL, budget_text, ranking, relative_errors
-from stickslip.evaluation.arena.validation import POINTS
+from stickslip.evaluation.arena.validation import PER_STEP, POINTS, WORST
 from stickslip.report.markup import Html, element, join, paragraph, quiet, table, tile
 from stickslip.report.page import Illustration, Section, made_with
 from stickslip.report.quantity import number
@@ -185,20 +185,40 @@ def _pareto(arena: Arena, found: pd.DataFrame) -> Section | None:
         " the motion of the drive after which the training error was within 5 % of that at the"
         " end. The line joins entrants that no other one surpasses in both."
     )
+    about = quiet(
+        "Changed drive: the largest factor by which the error of the trapezoid grows on drives with"
+        " 0.5 to 1.5 times the friction, 0.5 to 2 times the mass or 5 times the lag of the current"
+        " loop. Resolution: error of slow reversals per step of the encoder [1/s]. States: numbers"
+        " kept between samples."
+    )
     shown = Illustration(
         "pareto",
         partial(draw_pareto, points),
         "Error against control effort, and against learning time, of each entrant",
         text,
     )
+    wide = points.join(_further(found))
     rows = [
-        (name, *(number(float(value), 3) for value in row))
-        for name, row in zip(points.index, points.to_numpy(), strict=True)
+        (name, *(number(float(value), 3) if np.isfinite(value) else "–" for value in row))
+        for name, row in zip(wide.index, wide.to_numpy(), strict=True)
     ]
-    heads = ("Entrant", "Error", "Control effort", "Learning time [s]", "Largest Ms")
-    return Section(
-        "Error, effort and learning time", shown, table(heads, rows, "Means over the drives")
+    heads = (
+        *("Entrant", "Error", "Control effort", "Learning time [s]", "Largest Ms"),
+        *("Changed drive", "Resolution", "States"),
     )
+    return Section(
+        "Error, effort and learning time",
+        shown,
+        table(heads, rows, "Means over the drives"),
+        about,
+    )
+
+
+def _further(found: pd.DataFrame) -> pd.DataFrame:
+    """Return robustness, sensitivity to the encoder [1/s] and states, a row an entrant."""
+    here = found[found["tuned_on"] == found["drive"]]
+    means = here.pivot_table("median", "compensator", "metric")
+    return means.reindex(columns=[WORST, PER_STEP, "states"])
 
 
 def _points(arena: Arena, found: pd.DataFrame) -> pd.DataFrame:

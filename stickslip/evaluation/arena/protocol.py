@@ -36,15 +36,13 @@ from stickslip.evaluation.arena.validation import (
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.files import MOST_TEXT, atomic_write, digest, parse_json, read_limited
 from stickslip.fmi.process import temporary_folder
-from stickslip.results.folder import MANIFEST, complete, staged
+from stickslip.results.folder import MANIFEST, UNFINISHED, complete, staged
 from stickslip.results.learned import versions
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.jobs import Outcome, ended_by_signals, run_jobs
 
 REFERENCES = ("pi", "none")
 """Entrants to which errors are relative, the preferred one first."""
-UNFINISHED = "unfinished"
-"""The folder of what is known while an arena runs."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,8 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
     found = tune(cell.fmus, loop, one, plan.budget, seed, sheet, drive.speed)
     # What a clock shows is no result: it differs from run to run.
     document["time"] = {"tuning": time.thread_time() - begun}
-    document["time"] |= seconds_per_step(cell.fmus, loop, one)
+    measured = found.tuned(one, loop, sheet), found.coarse.friction
+    document["time"] |= seconds_per_step(cell.fmus, loop, one, *measured)
     document["footprint"] = footprint(cell.fmus, one)
     tries = {drive.name: found}
     commands = [command.scaled(factor) for command in COMMANDS.values()]
@@ -268,6 +267,7 @@ def build(folder: Path, plan: Plan) -> None:
         models.build_fmu("drive", own, start=drive.parameters, law=drive.law)
         for file in sorted(common.iterdir()):
             shutil.copy(file, own)
+        models.build_fmu("velocity_controller", own, start={"u_max": drive.sheet.peak_force})
 
 
 def _origin(cell: Cell) -> dict[str, Any]:

@@ -7,7 +7,8 @@ import zipfile
 from pathlib import Path
 
 from stickslip import cosim
-from stickslip.evaluation.arena.entrants import Entrant
+from stickslip.evaluation.arena.entrants import Entrant, Tuned
+from stickslip.servo.chain_response import sliding
 from stickslip.servo.systems import lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -35,17 +36,26 @@ def footprint(fmus: Path, one: Entrant) -> dict[str, float]:
     return found
 
 
-def seconds_per_step(fmus: Path, loop: VelocityLoop, one: Entrant) -> dict[str, float]:
-    """Return the processor time of a sample of its FMUs [s]; nothing where it has none."""
+def seconds_per_step(
+    fmus: Path, loop: VelocityLoop, one: Entrant, tuned: Tuned, friction: float
+) -> dict[str, float]:
+    """Return the processor time of a sample of its FMUs [s], in motion against a friction [N].
+
+    Nothing where it has none, or where one fails.
+    """
     if not one.chain:
         return {}
     system, force = lone_chain(fmus, loop, one.chain)
     taken = []
     record = cosim.Record((force,), keep="last")
+    moving = sliding(loop, friction, STEPS + 1)
+    inputs = {role: moving[role] for role in system.inputs}
     with system.prepare(step=loop.T_s, stop=STEPS * loop.T_s, record=record) as simulation:
-        inputs = dict.fromkeys(system.inputs, 0.01)
         for _ in range(REPEATS):
             begun = time.thread_time()
-            simulation.run({}, inputs)
+            try:
+                simulation.run(tuned.parameters, inputs)
+            except cosim.SimulationError:
+                return {}
             taken.append(time.thread_time() - begun)
     return {"step": min(taken) / STEPS}

@@ -31,6 +31,7 @@ ROBUSTNESS, RESOLUTION = "T", "R"
 """Commands on which a drive is changed: its friction, mass and lag; its encoder and its noise."""
 RATIO, WORST = "error ratio", "worst error ratio"
 """Metrics of drives with other friction, mass or lag."""
+PER_STEP = "error per encoder step"
 
 
 Figures = dict[tuple[str, str, str], list[float]]
@@ -127,7 +128,7 @@ def validate_changed(
     if {*STEPS} <= {*whole}:
         (fine, low), (coarse, high) = STEPS.items()
         slope = (whole[coarse] - whole[fine]) / ((high - low) * step)
-        ratios[RESOLUTION, "error per encoder step", "1/s"] = slope.tolist()
+        ratios[RESOLUTION, PER_STEP, "1/s"] = slope.tolist()
     return ratios
 
 

@@ -2,9 +2,10 @@
 
 Held with a position error, the integral raises the force until the drive breaks away. With F_s
 above F_c it slips past the target and is held again, on the other side. In the linear loop a force
-meets the stiffness K_p K_x + K_i, so a slow slip is about (F_s - F_c) / (K_p K_x + K_i) long; the
-integral then needs (F_s + F_c) / (K_i K_x e) for the way back, with e half of that. The drive is
-held for two such periods after each motion.
+meets the stiffness K_p K_x + K_i, so a slow slip is at most about (F_s - F_c) / (K_p K_x + K_i)
+long; the integral then needs (F_s + F_c) / (K_i K_x e) for the way back, with e half of that. The
+drive is held for ``PERIODS`` of that cycle after each motion. Targets lie between two encoder
+steps, where the integral never rests.
 """
 
 from __future__ import annotations
@@ -22,9 +23,9 @@ from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
-SHORTEST, LONGEST = 1.0, 10.0
-"""Of a hold [s]."""
-MOVES = (3.0, 25.0, 250.0)
+SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
+"""Of a hold [s], and how many periods of the limit cycle to be expected it has."""
+MOVES = (3.5, 25.5, 250.5)
 """Lengths of small moves before a hold, in encoder steps."""
 RISE = 20
 """Samples of such a move."""
@@ -42,12 +43,14 @@ class Hold:
     reversals : changes of direction there, by more than half of the swing and half an encoder step
     duration : of that half [s]
     drive : on which
+    unit : of a millionth of a position, for people
     """
 
     swing: float
     reversals: int
     duration: float
     drive: str = ""
+    unit: str = "um"
 
     def hunts(self, limit: float) -> bool:
         """Tell whether it goes to and fro, farther than a limit [m]."""
@@ -55,7 +58,7 @@ class Hold:
 
 
 def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
-    """Return for how long a drive is held: two periods of the limit cycle to be expected [s].
+    """Return for how long a drive is held: periods of the limit cycle to be expected [s].
 
     Parameters
     ----------
@@ -67,7 +70,7 @@ def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) ->
     F_s = max(friction.get("F_s", F_c), F_c)
     slip = max((F_s - F_c) / (loop.K_p * loop.K_x + loop.K_i), step)
     period = 2.0 * (F_s + F_c) / (integral * 0.5 * slip)
-    return float(np.clip(2.0 * period, SHORTEST, LONGEST))
+    return float(np.clip(PERIODS * period, SHORTEST, LONGEST))
 
 
 def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
@@ -93,8 +96,8 @@ def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float
         return []
     message = (
         f"{described(hold)} with the compensator on a drive with {hold.drive}, and"
-        f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} um; switch the"
-        " integral off at rest, lower K_i, or raise K_p"
+        f" {described(found['none'])} without; expected at most {1e6 * limit:.3g} {hold.unit};"
+        " switch the integral off at rest, lower K_i, or raise K_p"
     )
     return [Finding("hunting", hold.swing, limit, "m", message)]
 
@@ -102,8 +105,8 @@ def hunting_at_rest(found: Mapping[str, Hold], compensated: Variant, step: float
 def described(hold: Hold) -> str:
     """Return what a hold showed."""
     return (
-        f"at rest the position swings by {1e6 * hold.swing:.3g} um with {hold.reversals} reversals"
-        f" in {hold.duration:.3g} s"
+        f"at rest the position swings by {1e6 * hold.swing:.3g} {hold.unit} with"
+        f" {hold.reversals} reversals in {hold.duration:.3g} s"
     )
 
 
@@ -126,7 +129,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
         for half in halves
     ]
     worst = max(found, key=lambda hold: (hold.reversals >= 2, hold.swing))
-    return replace(worst, drive=drive.name)
+    return replace(worst, drive=drive.name, unit="urad" if bench.rotary else "um")
 
 
 def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list[int]]:

@@ -11,14 +11,23 @@
 
 from stickslip.results.folder.locking import locked, writable
 from stickslip.results.folder.manifest import MANIFEST, Manifest, refuse_foreign
-from stickslip.results.folder.publishing import complete, remove_results, reserved, staged
+from stickslip.results.folder.publishing import (
+    UNFINISHED,
+    complete,
+    completed,
+    remove_results,
+    reserved,
+    staged,
+)
 from stickslip.results.folder.verification import Verdict, verify
 
 __all__ = [
     "MANIFEST",
+    "UNFINISHED",
     "Manifest",
     "Verdict",
     "complete",
+    "completed",
     "locked",
     "refuse_foreign",
     "remove_results",

@@ -37,6 +37,8 @@ from stickslip.results.folder.manifest import (
 )
 
 READY = f"{PREFIX}ready"
+UNFINISHED = "unfinished"
+"""The folder of what a command with many jobs has found so far."""
 
 
 @contextmanager
@@ -93,6 +95,26 @@ def staged(
             raise OSError(error.errno, error.strerror, name) from error
         finally:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def completed(
+    folder: Path, command: Mapping[str, Any], without: Collection[str], tables: Mapping[str, Any]
+) -> Iterator[Path]:
+    """Give a folder as ``staged`` does, for the results of all jobs.
+
+    Adds the tables (pandas, by file name), and removes what was kept while the jobs ran.
+
+    Raises
+    ------
+    UsageError, ResultsError, OSError
+        As ``staged``.
+    """
+    with staged(folder, command, without) as staging:
+        yield staging
+        for name, table in tables.items():
+            atomic_write(staging / name, table.to_csv(index=False, lineterminator="\n"))
+    remove_results(folder / UNFINISHED)
 
 
 def complete(folder: Path) -> None:

@@ -158,6 +158,14 @@ RESULTS = Path(__file__).parents[3] / "results" / "paper"
 _SYSTEM = {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], "D": [[0.0]], "inputs": {"u": "N"}}
 
 
+def _adapted() -> bytes:
+    """Return a learned.json with what a compensator learned while it ran."""
+    document = json.loads((RESULTS / "learned.json").read_bytes())
+    weights = {"s_0": 0.75, "rate": 0.05, "q_min": 2e-4}
+    document["components"] = {"scale": {"model": "adaptive_scale", "parameters": weights}}
+    return json.dumps(document).encode()
+
+
 def read_json(file: Path) -> None:
     data = file.read_bytes()
     if b"evaluations" in data and b"genes" in data:
@@ -173,6 +181,7 @@ def read_json(file: Path) -> None:
             "loop",
             "validation",
             "datasheet",
+            "behind",
         ):
             getattr(learned, entry)
     else:
@@ -185,6 +194,7 @@ PARSERS["json"] = text(
     _JSON,
     [
         (RESULTS / "learned.json").read_bytes(),
+        _adapted(),
         _checkpoint(),
         json.dumps(_SYSTEM).encode(),
         b'{"num": [1], "den": [1, 0.5], "dt": 0.1, "outputs": ["y"]}',

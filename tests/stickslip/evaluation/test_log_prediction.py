@@ -126,7 +126,7 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
     ("more", "message"),
     [
         (["--set", "drive.m=3"], "not with --log"),
-        (["--parameters", "other.json"], "expected a learned.json as the first argument"),
+        (["--parameters", "other.json"], "expected a learned.json as an argument"),
     ],
 )
 def test_options_that_do_not_go_together_are_refused(learned, log, more, message, capsys):

@@ -10,6 +10,7 @@ from stickslip.servo.datasheet import LOOP
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import Opened, peak_sensitivity
 from stickslip.servo.systems import build_loop
+from stickslip.servo.velocity_loop import close_velocity_loop
 
 K_X = 75.4
 
@@ -19,12 +20,18 @@ def loop():
     return design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
 
 
-def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path):
+def closed(loop, K_i=None, K_x=K_X, **changes):
+    gains = loop.T_s, loop.tau_f, loop.K_p, loop.K_i if K_i is None else K_i
+    return close_velocity_loop(loop.axis, *gains, K_x=K_x, **changes)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.4])
+def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path, share):
     for name in ("velocity_controller", "nominal_loop"):
         models.build_fmu(name, tmp_path)
     ideal = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0, "encoder": 0, "dac": 0}
     models.build_fmu("drive", tmp_path, start=ideal)
-    cascade = loop.changed(K_x=K_X)
+    cascade = closed(loop, velocity_feedforward=share)
     t = np.arange(801) * loop.T_s
     v_cmd = 0.01 * np.sin(2.0 * np.pi * 5.0 * t)
     record = ("drive.v", "drive.x", "nominal.v_r")
@@ -32,10 +39,36 @@ def test_without_friction_the_fmus_move_as_the_nominal_loop(loop, tmp_path):
     with system.prepare(step=loop.T_s, stop=float(t[-1]), record=record) as simulation:
         run = simulation.run({}, cascade.commands(v_cmd))
     assert run["drive.v"] == pytest.approx(run["nominal.v_r"], abs=1e-9)
+    v, x = cascade.response(v_cmd)
+    assert run["drive.v"] == pytest.approx(v, abs=1e-9)
+    assert run["drive.x"] == pytest.approx(x, abs=1e-8)
+    if share < 1.0:
+        return
     plain = control.forced_response(loop.nominal, inputs=v_cmd).outputs
     x_cmd = cascade.commands(v_cmd)["x_cmd"]
     with_position = np.abs(run["drive.x"] - x_cmd).max()
     assert with_position < 0.5 * np.abs(np.cumsum(plain - v_cmd) * loop.T_s).max()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("integral", [True, False])
+def test_the_lag_at_constant_speed(loop, share, integral):
+    """The position error commands what the feedforward lacks, and without an integral b v / K_p."""
+    cascade = closed(loop, velocity_feedforward=share, K_i=loop.K_i if integral else 0.0)
+    v_cmd = np.full(4000, 0.03)
+    _, x = cascade.response(v_cmd)
+    lag = cascade.commands(v_cmd)["x_cmd"][-1] - x[-1]
+    viscous = 0.0 if integral else loop.axis.b * 0.03 / loop.K_p
+    # The velocity estimate is exact at constant speed; the first sample ends at T_s.
+    assert lag == pytest.approx(((1.0 - share) * 0.03 + viscous) / K_X, abs=2e-8)
+
+
+def test_without_feedforward_a_slow_outer_loop_is_a_low_pass_of_the_first_order(loop):
+    """The velocity loop is ten times faster: v = (1 - e^(-K_x t)) v_cmd."""
+    cascade = closed(loop, velocity_feedforward=0.0, K_x=20.0)
+    t = np.arange(1000) * loop.T_s
+    v, _ = cascade.response(np.full(1000, 1.0))
+    assert v == pytest.approx(1.0 - np.exp(-20.0 * t), abs=0.05)
 
 
 def test_the_sensitivity_is_that_of_the_open_loop(loop):

@@ -1,12 +1,15 @@
 """The arena on a few drives and entrants, with small budgets."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot as plt
 
 from stickslip import cosim, models
 from stickslip.catalog.parameters import PAPER
@@ -14,15 +17,18 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.evaluation.arena import entrants as registry
 from stickslip.evaluation.arena.commands import COMMANDS, moves, training
+from stickslip.evaluation.arena.comparison import Comparison
+from stickslip.evaluation.arena.comparison import arena as arena_of
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import Coarse, Tuned, default_names, entrant, own_part
-from stickslip.evaluation.arena.protocol import UNFINISHED, Plan, build, run_arena
+from stickslip.evaluation.arena.protocol import Plan, build, run_arena
 from stickslip.evaluation.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
 from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.evaluation.arena.validation import WORST, validate, validate_changed
 from stickslip.evaluation.arena.writing import write_arena
 from stickslip.models.export.units import force_and_length
+from stickslip.results.folder import UNFINISHED
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -259,6 +265,46 @@ def test_the_table_has_every_cell(arena):
     assert not (folder / UNFINISHED).exists()
 
 
+def test_python_gives_the_arena_of_the_command(arena, tmp_path):
+    found, folder = arena
+    comparison = Comparison(found, arena_table(found))
+    here, carried = comparison.errors(), comparison.errors("C", carried=True)
+    assert here.shape == carried.shape == (4, 2)
+    assert here.loc["pi"].tolist() == pytest.approx([1.0, 1.0])
+    means = np.exp(np.log(here).mean(axis=1))
+    assert comparison.ranking["mean here"].to_dict() == pytest.approx(means.to_dict())
+    assert (comparison.sensitivity() <= 2.2).all(axis=None)
+    assert comparison.failures == {}
+    written = comparison.write(tmp_path / "written")
+    assert (written / "arena.csv").read_bytes() == (folder / "arena.csv").read_bytes()
+    with mpl.rc_context({"backend": "agg"}):
+        left, right = comparison.plot()
+        plt.close("all")
+    assert [text.get_text() for text in left.texts] == [f"{x:.2f}" for x in here.to_numpy().flat]
+    assert right.get_title() == "tuned on lugre, carried over"
+
+
+def test_the_options_of_python_are_those_of_the_command(built, tmp_path):
+    """Drives and ports are tables; a FMU of the user that fails is named, and the others go on."""
+    ports = {
+        "inputs": {"v": "v_ref"},
+        "output": "F",
+        "axis": {"lead": "tau_i"},
+        "values": {"v_t": -1},
+    }
+    mine = shutil.copy(built / "static_feedforward.fmu", tmp_path / "mine.fmu")
+    stage = {"axis_1": {"law": "dahl", "parameters": {"m": 3.0}}}
+    given = {"own": {mine: ports}, "evaluations": 10, "seeds": 1}
+    comparison = arena_of(["none"], stage, **given)
+    assert comparison.errors().index.tolist() == ["none", "mine"]
+    assert comparison.errors()["axis_1"]["none"] == pytest.approx(1.0)
+    assert list(comparison.failures) == [("axis_1", "mine")]
+    with pytest.raises(UsageError, match=r"ports of mine\.fmu: 'input' is unknown"):
+        arena_of(["none"], stage, own={mine: {"input": {}}})
+    with pytest.raises(UsageError, match="drives: drive 'axis_1': expected a table with law"):
+        arena_of(["none"], {"axis_1": {"low": "dahl"}})
+
+
 def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
     found, folder = arena
 
@@ -332,6 +378,13 @@ def test_what_is_unknown_is_named(options, message, tmp_path, capsys):
         ('[a]\nlaw = "lugre"\nparameters = { F_x = 1.0 }\n', "drive has no parameter F_x"),
         ('[a]\nlaw = "lugre"\nloop = { K_p = 1.0 }\n', "expected K_p and K_i"),
         ("[a", "drives.toml"),
+        ("[a]\nlaw = 3\n", "expected text as law"),
+        ('[a]\nlaw = "lugre"\nparameters = 1\n', "parameters: expected a table of numbers"),
+        ('[a]\nlaw = "lugre"\naxis = { mass = 1.0 }\n', "axis: 'mass' is unknown"),
+        ('[a]\nlaw = "lugre"\naxis = { m = -1.0 }\n', "m is -1 kg"),
+        ('[a]\nlaw = "lugre"\nspeed = 0\n', "speed: expected a number above 0"),
+        ('[a]\nlaw = "lugre"\nparameters = { F_s = 300.0 }\n', "not below the force limit"),
+        ('[a]\nlaw = "lugre"\nloop = { K_p = 8e5, K_i = 1.0 }\n', "unstable"),
     ],
 )
 def test_a_bad_file_of_drives_is_one_line(text, message, tmp_path):
@@ -339,6 +392,27 @@ def test_a_bad_file_of_drives_is_one_line(text, message, tmp_path):
     file.write_text(text)
     with pytest.raises((UsageError, models.ModelError), match=message.replace("(", r"\(")):
         read_drives(file)
+
+
+def test_a_loop_is_designed_for_the_mass_that_the_file_tells(tmp_path, monkeypatch):
+    file = tmp_path / "drives.toml"
+    file.write_text(
+        '[own]\nlaw = "dahl"\nparameters = { m = 0.1, u_max = 9.0, encoder_step = 1e-8 }\n'
+        '[other]\nlaw = "dahl"\nparameters = { m = 0.1 }\naxis = { m = 0.2, b = 0.0 }\n'
+    )
+    own, other = read_drives(file)
+    assert (own.axis.m, own.sheet.peak_force, own.sheet.encoder_step) == (0.1, 9.0, 1e-8)
+    assert (other.axis.m, other.axis.b, other.mass) == (0.2, 0.0, 0.1)
+    assert other.loop.K_p / own.loop.K_p == pytest.approx(2.0, rel=0.1)
+    built = []
+
+    def record(name, folder, start=None, **_):
+        folder.mkdir(parents=True, exist_ok=True)
+        built.append((name, folder.name, start))
+
+    monkeypatch.setattr(models, "build_fmu", record)
+    build(tmp_path, Plan([own], ["none"]))
+    assert ("velocity_controller", "own", {"u_max": 9.0}) in built
 
 
 def test_tuning_records_measurements_only_and_sets_nothing_of_the_drive(built, loop, monkeypatch):

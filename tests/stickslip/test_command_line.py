@@ -1,0 +1,301 @@
+"""The command line: words in any order, suggestions, JSON, quiet, verbose, info and plots."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import stickslip as ss
+from stickslip import cosim, models
+from stickslip.cli import COMMANDS, main
+
+SHORT = ["--stop", "0.02", "--step", "0.001"]
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory):
+    return models.build_fmu("stage", tmp_path_factory.mktemp("fmus"))
+
+
+@pytest.fixture
+def package(stage, tmp_path):
+    """Return an .ssp of one stage that proposes no times."""
+    system = cosim.System("loop")
+    system.add("axis", stage, {"m": 2.0})
+    system.expose("force", "axis.u")
+    system.expose_output("speed", "axis.v")
+    return cosim.write_ssp(system, tmp_path / "loop.ssp")
+
+
+def run(*arguments):
+    return main([str(argument) for argument in arguments])
+
+
+def usage(capsys, *arguments) -> str:
+    """Return the one line of a command that is called in a wrong way."""
+    with pytest.raises(SystemExit, match="2"):
+        run(*arguments)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("stickslip: ")
+    return line
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "FILE --set m=2 b=0 --record v x",
+        "--set m=2 b=0 FILE --record v x",
+        "--set m=2 b=0 --record v x FILE",
+        "--record v FILE x --set m=2 b=0",
+        "--record v x --set m=2 --set b=0 -- FILE",
+        "--rec v x FILE --set=m=2 --set b=0",
+        "--plot FILE --set m=2 b=0 --record v x",
+    ],
+)
+def test_a_file_is_found_wherever_it_stands(arguments, stage, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words = arguments.replace("FILE", str(stage)).split()
+    assert run("simulate", *SHORT, "--json", "--set", "u=40", *words) == 0
+    signals = {one["signal"]: one for one in json.loads(capsys.readouterr().out)["signals"]}
+    assert [*signals] == ["stage.v", "stage.x"]
+    # Above friction: the speed after 20 ms lies between that with and without friction.
+    assert (40 - 9) / 2 * 0.02 < signals["stage.v"]["end"] < 40 / 2 * 0.02
+
+
+def test_files_and_folders_are_found_after_patterns_and_choices(tmp_path, capsys):
+    assert run("design", "--out", tmp_path) == 0
+    assert run("verify", "--without", "*.fmu", tmp_path) == 0
+    assert "intact" in capsys.readouterr().out
+    platforms = ["--platform", "x86_64-linux", "x86_64-windows"]
+    assert run("build", *platforms, "stage", "--fmi", "3", "--out", tmp_path / "fmus") == 0
+    names = zipfile.ZipFile(tmp_path / "fmus" / "stage.fmu").namelist()
+    assert {name.split("/")[1] for name in names if name.startswith("binaries/")} >= {
+        "x86_64-linux",
+        "x86_64-windows",
+    }
+
+
+def test_a_log_may_follow_its_options(tmp_path, capsys):
+    missing = tmp_path / "none.csv"
+    for words in (
+        ["--controller", "PI", "--gain", "K_p=1", "K_i=2", missing],
+        ["--column", "force=1", missing, "--check"],
+        ["--out", tmp_path / "out", missing],
+        ["--log", missing],
+    ):
+        assert run("learn", *words) == 1
+        assert f"{missing}: cannot be read (No such file" in capsys.readouterr().err
+
+
+def test_a_system_to_export_may_follow_its_options(package, tmp_path, capsys):
+    assert run("export", "--as", "fmu", package, "--step", "0.001", "--out", tmp_path) == 0
+    assert capsys.readouterr().out.split() == [str(tmp_path / "loop.fmu")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ("simulat x.fmu", "there is no 'simulat'; did you mean 'simulate'?"),
+        ("simulate --stpo 2 x.fmu", "there is no option '--stpo'; did you mean '--stop'"),
+        ("learn --lwa auto x.csv", "there is no option '--lwa'; did you mean '--law'"),
+        ("learn --law lugr x.csv", "--law: there is no 'lugr'; did you mean 'lugre'"),
+        ("export compensatr", "did you mean 'compensator'"),
+        ("build --platform x86-linux", "--platform: there is no 'x86-linux'; did you mean"),
+        ("simulate --set a=1 x x.fmu", "--set: expected NAME=VALUE, got 'x'"),
+        ("simulate --plot x.bmp x.fmu", "x.bmp: expected a file that ends in .png, .svg or .pdf"),
+        ("simulate x.fmu y", "there is no place for 'y'"),
+        ("simulate --set a=1 b=2", "required: FILE.ssp|FILE.fmu"),
+        ("simulate --st 1 x.fmu", "--st is short for several options: --stop, --step"),
+    ],
+)
+def test_what_is_mistyped_gets_a_suggestion(arguments, says, capsys):
+    line = usage(capsys, *arguments.split())
+    assert says in line
+    assert "--help'" in line
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_the_common_options(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        run(command, "--help")
+    shown = capsys.readouterr().out
+    for option in ("--json", "--quiet", "--verbose", "--debug"):
+        assert option in shown
+
+
+@pytest.mark.parametrize(
+    ("arguments", "keys"),
+    [
+        ("simulate STAGE --stop 0.02", {"signals", "step", "points"}),
+        ("info STAGE", {"variables", "experiment", "interfaces", "platforms"}),
+        ("build stage --fmi 3 --out OUT", {"written"}),
+        ("check STAGE --no-run", {"files", "version"}),
+        ("design", {"K_p", "nominal_loop"}),
+        ("plan --out OUT/plan.csv", {"written", "parts"}),
+        ("phenomena dahl", {"phenomena"}),
+    ],
+)
+def test_json_is_a_document_and_quiet_is_nothing(arguments, keys, stage, tmp_path, capsys):
+    words = arguments.replace("STAGE", str(stage)).replace("OUT", str(tmp_path)).split()
+    assert run(*words, "--json") == 0
+    document = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert keys <= {*document}
+    for path in document.get("written", ()):
+        (tmp_path / path).unlink()
+    assert run("--quiet", *words) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_an_error_is_printed_with_quiet_too(tmp_path, capsys):
+    assert run("simulate", "-q", "none.fmu") == 1
+    assert "No such file" in capsys.readouterr().err
+    (tmp_path / "manifest.json").write_text('{"files": {"a": "%s"}}' % ("0" * 64))
+    assert run("verify", "-q", tmp_path) == 1
+    out, err = capsys.readouterr()
+    assert not out
+    assert str(tmp_path) in err
+
+
+def test_verbose_names_what_was_chosen(package, capsys):
+    arguments = ["simulate", package, "--stop", "0.02", "--set", "force=1"]
+    assert run(*arguments) == 0
+    assert capsys.readouterr().err == ""
+    assert run(*arguments, "-v") == 0
+    assert "proposes no step; 0.0005 s is used" in capsys.readouterr().err
+
+
+def test_inputs_that_stay_at_their_start_values_are_named(stage, package, tmp_path, capsys):
+    force = tmp_path / "force.csv"
+    force.write_text("time,u,force\n0,0,0\n1,50,50\n")
+    signal = force.with_name("u.csv")
+    signal.write_text("time,u\n0,0\n1,50\n")
+    for file, name in ((stage, "u"), (package, "force")):
+        assert run("simulate", file, *SHORT) == 0
+        warning = capsys.readouterr().err
+        assert re.search(rf"warning: inputs that stay at .*: {name} = 0\S* N;", warning)
+        assert run("simulate", file, *SHORT, "--set", f"{name}=3") == 0
+        assert capsys.readouterr().err == ""
+    assert run("simulate", stage, *SHORT, "--input", signal) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_package_runs_at_the_smallest_step_of_its_fmus(package, stage):
+    proposed = cosim.Fmu(stage).experiment.step
+    result = ss.simulate(package, stop=3.3 * proposed, parameters={"force": 10.0})
+    assert np.diff(result.time) == pytest.approx(3.3 * proposed / 4)
+
+
+def edited(fmu, path, changes):
+    """Return a copy of an FMU with another description."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == "modelDescription.xml":
+                for pattern, text in changes.items():
+                    data, n = re.subn(pattern, text, data, flags=re.DOTALL)
+                    assert n
+            new.writestr(name, data)
+    return path
+
+
+def test_a_model_without_outputs_records_its_variables(stage, tmp_path, capsys):
+    changes = {rb'causality="(input|output)"': rb'causality="local"'}
+    changes[rb"<ModelStructure>.*</ModelStructure>"] = b"<ModelStructure/>"
+    changes[rb"<ModelExchange.*?</ModelExchange>|<ModelExchange[^>]*/>"] = b""
+    fmu = edited(stage, tmp_path / "mute.fmu", changes)
+    assert run("simulate", fmu, *SHORT, "--json") == 0
+    out, err = capsys.readouterr()
+    assert "no outputs and no inputs; all" in err
+    assert {"stage.x", "stage.v", "stage.F_f"} <= {s["signal"] for s in json.loads(out)["signals"]}
+
+
+def test_plot_writes_a_picture(stage, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("simulate", stage, *SHORT, "--set", "u=9", "--plot") == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "stage.png"
+    assert (tmp_path / "stage.png").read_bytes().startswith(b"\x89PNG")
+    for name, begin in (("a.svg", b"<?xml"), ("a.pdf", b"%PDF")):
+        assert run("simulate", stage, *SHORT, "--set", "u=9", "--plot", name) == 0
+        assert (tmp_path / name).read_bytes().startswith(begin)
+
+
+def test_results_are_written_as_the_suffix_says(stage, tmp_path, capsys):
+    tables = []
+    for name, read in (("a.csv", pd.read_csv), ("a.xlsx", pd.read_excel)):
+        assert run("simulate", stage, *SHORT, "--set", "u=20", "--out", tmp_path / name) == 0
+        tables.append(read(tmp_path / name))
+    pd.testing.assert_frame_equal(*tables, check_dtype=False, rtol=1e-14)
+    assert run("simulate", stage, *SHORT, "--out", tmp_path / "a.mat") == 1
+    assert "a.mat: expected a file that ends in .csv, .parquet or .xlsx" in capsys.readouterr().err
+
+
+def test_info_shows_what_an_fmu_contains(stage, capsys):
+    assert run("info", stage) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"\n  m +Real +kg +5\.557 .*Moving mass\n", shown)
+    assert "CoSimulation, ModelExchange" in shown
+    assert "der(x)" not in shown
+    assert run("info", stage, "--all") == 0
+    assert "der(x)" in capsys.readouterr().out
+    found = ss.info(stage)
+    described = cosim.Fmu(stage)
+    table = found.variables.set_index("name")
+    assert [*table.index] == [*described.variables]
+    assert table.start["m"] == described.variables["m"].start
+    assert found.facts["experiment"]["step"] == described.experiment.step
+    assert "Moving mass" in found._repr_html_()
+
+
+def test_info_reads_an_fmu_of_another_platform(tmp_path, capsys):
+    other = models.build_fmu("stage", tmp_path, platforms=[_windows()])
+    assert run("info", other, "--json") == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["platforms"] == ["win64"]
+    assert {v["name"]: v["unit"] for v in document["variables"]}["sigma_0"] == "N/m"
+
+
+def _windows():
+    from stickslip.fmi.toolchain import PLATFORMS
+
+    return PLATFORMS["x86_64-windows"]
+
+
+def test_info_shows_what_a_system_contains(package, capsys):
+    assert run("info", package) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"\n  force +N +axis\.u\n", shown)
+    assert re.search(r"\n  speed +m/s +axis\.v\n", shown)
+    found = ss.info(package)
+    table = found.variables.set_index("name")
+    assert table.start["axis.m"] == 2.0  # that of the package
+    assert table.source["axis.u"] == "force"
+    assert [*found["connections"].to_records(index=False)[0]] == ["force", "axis.u", "N"]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("a.xml", "expected a file .ssp or .fmu"),
+        ("a.fmu", "No such file"),
+        ("a.ssp", "No such file"),
+    ],
+)
+def test_info_of_something_else_is_one_line(name, says, tmp_path, capsys):
+    assert run("info", tmp_path / name) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert says in line
+
+
+def test_the_package_loads_nothing_large():
+    code = "import sys, stickslip; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    assert not {"numpy", "scipy", "pandas", "lxml", "stickslip.cosim"} & {*loaded.stdout.split()}
