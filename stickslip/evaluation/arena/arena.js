@@ -1,5 +1,5 @@
-"use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
+const packed = Uint8Array.from(atob(document.getElementById("data").textContent), c => c.charCodeAt(0));
+const data = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).json();
 const dialog = document.getElementById("cell");
 const W = 900, H = 170, LEFT = 56, BOTTOM = 24, TOP = 8;
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import json
+from base64 import b64encode
 from functools import partial
 from importlib.resources import files
 
@@ -335,12 +337,13 @@ def _script(arena: Arena, found: pd.DataFrame) -> Html:
     data = {"cells": cells, "motions": motions, "points": POINTS}
     data["reference"] = arena.plan.reference
     data["errors"], data["deep"] = _errors(arena, found), DEEP
-    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    packed = gzip.compress(json.dumps(data, separators=(",", ":")).encode(), mtime=0)
     folder = files(__package__)
     look = folder.joinpath("arena.css").read_text(encoding="utf-8")
     code = folder.joinpath("arena.js").read_text(encoding="utf-8")
     return Html(
         f"<style>\n{look}</style>\n"
         '<dialog id="cell" aria-label="Time plots of a cell"></dialog>\n'
-        f'<script type="application/json" id="data">{text}</script>\n<script>\n{code}</script>'
+        f'<script type="application/gzip" id="data">{b64encode(packed).decode()}</script>\n'
+        f'<script type="module">\n{code}</script>'
     )

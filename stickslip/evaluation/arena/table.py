@@ -18,6 +18,8 @@ COLUMNS = [
     *("tuned_on", "budget", "reason"),
 ]
 RELATIVE = "relative error"
+DIGITS = 6
+"""Significant digits of the figures."""
 ALL = "all"
 """The command of a row that is a mean over all commands."""
 TUNING = {
@@ -55,7 +57,9 @@ def arena_table(arena: Arena) -> pd.DataFrame:
     entrants = {name: k for k, name in enumerate(arena.plan.entrants)}
     keys = table["drive"].map(order) * len(entrants) + table["compensator"].map(entrants)
     table = table.assign(key=keys).sort_values("key", kind="stable")[COLUMNS]
-    return table.astype({"median": float, "worst": float}).reset_index(drop=True)
+    figures = ["median", "worst"]
+    table[figures] = table[figures].astype(float).map(lambda value: float(f"{value:.{DIGITS}g}"))
+    return table.reset_index(drop=True)
 
 
 def time_table(arena: Arena) -> pd.DataFrame:

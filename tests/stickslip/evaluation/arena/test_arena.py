@@ -1,7 +1,9 @@
 """The arena on a few drives and entrants, with small budgets."""
 
+import gzip
 import json
 import shutil
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 
@@ -329,8 +331,9 @@ def test_a_killed_arena_resumes_to_the_same_bytes(arena, tmp_path):
 def test_the_page_has_a_plot_for_every_cell_of_the_heat_maps(arena):
     found, folder = arena
     page = (folder / "arena.html").read_text(encoding="utf-8")
-    data = page.partition('id="data">')[2].partition("</script>")[0]
-    plotted, errors = (json.loads(data)[key] for key in ("cells", "errors"))
+    packed = page.partition('id="data">')[2].partition("</script>")[0]
+    data = json.loads(gzip.decompress(b64decode(packed)))
+    plotted, errors = data["cells"], data["errors"]
     heavy = relative_errors(arena_table(found), found.plan, carried=True)["heavy"]
     assert errors["heavy|static|lugre"][ALL] == pytest.approx(heavy["static"], rel=1e-3)
     assert {*errors} == {*plotted}
