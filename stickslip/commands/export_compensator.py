@@ -16,14 +16,17 @@ from stickslip.evaluation.guards import benefits_on_drives, feedforward
 from stickslip.models.firmware import write_compensator
 from stickslip.output import Answer
 from stickslip.results.learned import LearnedFile
+from stickslip.servo.systems import Compensator
 
+NAME = "compensator"
+"""Of the command, of what it writes, and of the model that evaluates any law."""
 MOST_SAMPLES = 10_000_000
 """Of a validation command."""
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
     """Declare the command."""
-    parser = exports.add_parser("compensator", help="the tuned compensator: FMU, C or PLC code")
+    parser = exports.add_parser(NAME, help="the tuned compensator: FMU, C or PLC code")
     parameters = {"--parameters FILE.json": "parameters of the compensator: a learned.json"}
     add_options(parser, parameters, type=Path, required=True)
     add_form_option(parser)
@@ -51,19 +54,20 @@ def run(options: argparse.Namespace) -> Answer:
     makes the loop worse nowhere; where there is none, nothing is written.
     """
     learned = LearnedFile(options.parameters)
-    start = learned.compensator
+    one = learned.feedforward
+    law = learned.law.name if one.model == NAME else None
     try:
-        models.load_model("compensator", learned.law.name).with_start(start)
-        share = _guarded_share(learned, start, force=options.force)
-        start = learned.law.share(start, share)
-        paths = _write(options, learned.law.name, start)
+        models.load_model(one.model, law).with_start(one.values)
+        share = _guarded_share(learned, one, force=options.force)
+        start = learned.law.share(one.values, share)
+        paths = _write(options, one.model, law, start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     print(*paths, sep="\n")
     return Answer({"written": paths})
 
 
-def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force: bool) -> float:
+def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> float:
     """Try a compensator, print what is found, and return the share of its force to export.
 
     Raises
@@ -91,7 +95,7 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
         learned.law,
         loop,
         learned.friction,
-        [feedforward(compensator)],
+        [feedforward(one.values, model=one.model)],
         learned.drives,
         command,
         learned.datasheet,
@@ -113,9 +117,12 @@ def _guarded_share(learned: LearnedFile, compensator: dict[str, float], *, force
     return 1.0 if force else benefit.share
 
 
-def _write(options: argparse.Namespace, law: str, start: dict[str, float]) -> list[Path]:
+def _write(
+    options: argparse.Namespace, model: str, law: str | None, start: dict[str, float]
+) -> list[Path]:
     if options.form != "fmu":
-        return write_compensator(options.out, options.form, start=start, law=law)
-    return [
-        models.build_fmu("compensator", options.out, start=start, law=law, **fmu_options(options))
-    ]
+        return write_compensator(
+            options.out, options.form, start=start, law=law, model=model, called=NAME
+        )
+    further = fmu_options(options)
+    return [models.build_fmu(model, options.out, start=start, law=law, called=NAME, **further)]

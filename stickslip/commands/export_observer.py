@@ -11,11 +11,14 @@ from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.export_compensator import add_form_option
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
+from stickslip.fmi.process import temporary_folder
 from stickslip.models.firmware import write_compensator
 from stickslip.output import Answer
 from stickslip.results.learned import LearnedFile
+from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.observer import LIMIT
-from stickslip.servo.sensitivity import peak_sensitivity
+from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_loop import VelocityLoop
 
 NAME = "observer"
 
@@ -41,18 +44,20 @@ def run(options: argparse.Namespace) -> Answer:
         When learning refused it, or the peak sensitivity of the loop is too large with it.
     """
     learned = LearnedFile(options.parameters)
-    start = learned.observer.parameters()
-    for refusal in _refusals(learned):
-        if not options.force:
-            raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
-        warn(refusal)
+    observer = learned.observer
+    model, start = observer.model, observer.values
     try:
+        models.load_model(model).with_start(start)
+        for refusal in _refusals(learned, observer):
+            if not options.force:
+                raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
+            warn(refusal)
         if options.form == "fmu":
             further = fmu_options(options)
-            paths = [models.build_fmu("dob", options.out, start=start, called=NAME, **further)]
+            paths = [models.build_fmu(model, options.out, start=start, called=NAME, **further)]
         else:
             paths = write_compensator(
-                options.out, options.form, start=start, model="dob", called=NAME
+                options.out, options.form, start=start, model=model, called=NAME
             )
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
@@ -60,15 +65,23 @@ def run(options: argparse.Namespace) -> Answer:
     return Answer({"written": paths})
 
 
-def _refusals(learned: LearnedFile) -> list[str]:
+def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
     found = []
     if learned.observer_refusal:
         found.append(f"learn does not recommend the observer: {learned.observer_refusal}")
     if learned.loop is not None:
-        peak = peak_sensitivity(learned.loop, learned.observer)
+        peak = _peak(learned.loop, observer, learned.validation.height)
         if not peak <= LIMIT:
             found.append(
                 f"with the observer the loop has a peak sensitivity of {peak:.3g}; expected at "
                 f"most {LIMIT:g}"
             )
     return found
+
+
+def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
+    """Return the peak sensitivity of a loop with an observer, measured on its FMU."""
+    with temporary_folder() as folder:
+        models.build_fmu(observer.model, folder)
+        with ChainResponse(folder, loop, [observer], abs(speed)) as response:
+            return response.of(loop, {}, friction=0.0).peak

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from stickslip.catalog.parameters import learnable_laws, unit_of
-from stickslip.commands import FLAG, add_old_spelling, add_options, at_least, warn
+from stickslip.catalog.parameters import unit_of
+from stickslip.commands import FLAG, SEVERAL, add_old_spelling, add_options, at_least, warn
 from stickslip.commands.assignments import add_law_option
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.commands.log_options import (
@@ -21,18 +21,19 @@ from stickslip.commands.log_options import (
 from stickslip.commands.progress import TerminalProgress
 from stickslip.commands.tables import (
     print_benefit,
+    print_compared,
     print_holds,
     print_laws,
     print_parts,
     print_tracking,
 )
-from stickslip.errors import UsageError
 from stickslip.identification.estimation import CriterionName, Estimation, Search
 from stickslip.logs import Description, raise_errors
 from stickslip.output import Answer
-from stickslip.pipeline.learned import AUTO, LearnedFromRecording
+from stickslip.pipeline.candidates import AUTO, SIGNALS, law_of
+from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.log_learning import learn, read_and_check
-from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
+from stickslip.pipeline.observed import BOTH, OBSERVER
 from stickslip.results.folder import reserved
 from stickslip.results.learned import log_document
 from stickslip.results.learned_folder import FILES, write_learned
@@ -78,20 +79,21 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--compensator",
-        default="auto",
+        default="",
         metavar="NAME",
-        help="what is written: LAW for feedforward of friction, LAW+dob for a disturbance observer "
-        "added to it, dob for the observer alone, auto (default) for what is recommended",
+        help="what is written: a feedforward such as static or the name of the law, an observer "
+        "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
+        "that the log supports (default: the law, and ekbf where it helps)",
     )
+    absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
+    add_options(parser, absent, choices=sorted(SIGNALS), **SEVERAL)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
-    options.compensation = _compensation(options.compensator, options.law)
-    if options.law == "auto" and options.compensator.partition("+")[0] in learnable_laws():
-        options.law = options.compensator.partition("+")[0]
+    law_of(options.compensator, options.law, options.without)
     description = description_of(options)
     if options.check:
         findings = read_and_check(options.log, description)[1]
@@ -100,23 +102,6 @@ def run(options: argparse.Namespace) -> Answer:
         return Answer({"findings": [str(finding) for finding in findings]})
     with reserved(options.out, FILES):
         return Answer(_learn(options, description))
-
-
-def _compensation(name: str, law: str) -> Choice | None:
-    """Return what a ``--compensator`` asks for.
-
-    Raises
-    ------
-    UsageError
-        When there is no compensator of this name for the law.
-    """
-    known: dict[str, Choice | None] = {"auto": None, "dob": OBSERVER}
-    for one in learnable_laws() if law == "auto" else [law]:
-        known |= {one: FEEDFORWARD, f"{one}+dob": BOTH}
-    if name not in known:
-        expected = ", ".join(known)
-        raise UsageError(f"--compensator {name}: expected one of {expected}; --law gives the law")
-    return known[name]
 
 
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
@@ -130,7 +115,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             seed=options.seed,
             seeds=options.seeds,
             search=Search(options.algorithm, execution=execution),
-            compensation=options.compensation,
+            compensator=options.compensator,
+            absent=options.without,
             on_findings=print_findings,
             on_stage=progress.stage,
         )
@@ -140,7 +126,9 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             print_tracking(learned.tracking, rotary=rotary)
         if learned.trial:
             print_benefit(learned.benefit or learned.trial.benefit)
-            if learned.trial.observed:
+            if learned.trial.compared:
+                print_compared(learned.trial.compared)
+            elif learned.trial.observed:
                 print_parts(learned.trial.observed)
             if learned.trial.holds:
                 print_holds(learned.trial.holds)
@@ -161,10 +149,13 @@ def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -
     elif benefit and benefit.share < 1.0:
         share = "1, as --force asks for" if options.force else f"{benefit.share:g}"
         print(f"share of the force in compensator.fmu: {share}; {benefit.reason}")
-    if options.compensation in (OBSERVER, BOTH) and learned.observer_refusal:
+    if options.compensator and learned.choice in (OBSERVER, BOTH) and learned.observer_refusal:
         fate = "written" if learned.observer and options.force else "not written"
         warn(f"observer.fmu is {fate}: {learned.observer_refusal}")
-    print(f"written: {learned.writes(force=options.force) or 'no compensation'}")
+    written: str = learned.writes(force=options.force)
+    if written and learned.trial and learned.trial.compared:
+        written += f" ({learned.trial.compared.chosen.name})"
+    print(f"written: {written or 'no compensation'}")
     print(f"all results are in {options.out}; open report.html first")
 
 

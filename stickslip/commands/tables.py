@@ -19,6 +19,7 @@ from stickslip.evaluation.tracking import FEEDFORWARD, NONE, TRACKING_FIGURES, T
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation
 from stickslip.identification.selection import law_table
+from stickslip.pipeline.candidates import Compared
 from stickslip.pipeline.observed import Observed
 from stickslip.pipeline.steps import FILTERED, REDUCTION_WITH_FILTER
 from stickslip.results.folder import staged
@@ -109,6 +110,19 @@ def print_parts(observed: Observed) -> None:
         f"peak sensitivity {designed.sensitivity:.3g} with the observer, {designed.without:.3g} "
         f"without; recommended: {observed.recommended or 'none of them'}"
     )
+
+
+def print_compared(compared: Compared) -> None:
+    """Print what each compensator leaves of the error of none, and which one is chosen."""
+    print(
+        "\ntracking error relative to none, on the same simulated drives and commands:\n"
+        f"{'compensator':24}{'fitted drive':>14}{'mean':>8}{'worst':>8}{'Ms':>8}"
+    )
+    for one in compared.table().to_dict("records"):
+        note = "" if one["acceptable"] else "  worse than none"
+        sizes = f"{one['fitted']:14.3g}{one['mean']:8.3g}{one['worst']:8.4g}{one['Ms']:8.3g}"
+        print(f"{one['compensator']:24}{sizes}{note}")
+    print(compared.sentence)
 
 
 def print_laws(estimation: Estimation) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from stickslip.catalog.space import ParameterSpace
 from stickslip.evaluation.guards import (
     NONE,
+    Benefit,
     Hold,
     Known,
     Variant,
@@ -30,11 +31,13 @@ from stickslip.identification.fitting.conservative import bounded_by
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
 from stickslip.logs import Reading, Recording, implausible_mass
 from stickslip.models import Law
+from stickslip.pipeline.candidates import compare
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, SimulatedTrial
-from stickslip.pipeline.observed import FEEDFORWARD, try_observer
+from stickslip.pipeline.observed import FEEDFORWARD, kalman_designs, try_observer
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
 from stickslip.servo.measurement import smoothed
+from stickslip.servo.observer import MASSES
 from stickslip.servo.velocity_loop import (
     LoopSpecification,
     close_velocity_loop,
@@ -59,14 +62,17 @@ def try_compensator(
     reading: Reading,
     learned: LearnedFromRecording,
     *,
-    with_observer: bool = True,
+    compensator: str = "",
+    absent: Sequence[str] = (),
     workers: int = 1,
 ) -> LearnedFromRecording:
     """Try a learned compensator at the log's own speed, where a loop can be closed.
 
     Parameters
     ----------
-    with_observer : whether a disturbance observer is designed and tried beside it
+    compensator : what is tried, see ``candidates.compare``; empty for the feedforward, and a
+        disturbance observer beside it
+    absent : signals that the controller lacks, of ``candidates.SIGNALS``
     workers : number of runs in parallel
     """
     estimation = learned.estimation
@@ -98,24 +104,34 @@ def try_compensator(
         benefits = bench.benefits(feedforwards(law, learned.friction))
         best = best_of(benefits)
         found = findings_of(bench, learned.friction, best, best.share, errors)
-        observed = None
-        if with_observer:
-            m = estimation.known["m"]
-            observed = try_observer(bench, best, learned.friction, (m.low, m.high))
+        known, m = estimation.known["m"], loop.axis.m
+        masses = min(MASSES[0], known.low / m), 1.0, max(MASSES[-1], known.high / m)
+        observed = compared = None
+        if compensator:
+            compared = compare(bench, best, learned.friction, masses, compensator, absent)
+            observed = compared.chosen.observed
+        elif not absent:
+            designs = kalman_designs(bench, learned.friction["F_c"], masses)
+            observed = try_observer(bench, best, designs)
         held: dict[str, Hold] = {}
         if loop.K_x:
-            parts = observed.parts if observed else {FEEDFORWARD: best}
+            parts: dict[str, Benefit] = {FEEDFORWARD: best}
+            parts |= observed.parts.items() if observed else {}
+            wanted: str = (observed.recommended if observed else "") or FEEDFORWARD
+            if compared:
+                parts |= {row.name: row.benefit for row in compared.rows if row.benefit}
+                wanted = compared.chosen.name if compared.chosen.benefit else wanted
             variants = {name: one.variant.share(law, one.share) for name, one in parts.items()}
             held = holds(bench, [NONE, *variants.values()])
-            written = variants[(observed.recommended if observed else "") or FEEDFORWARD]
+            written = variants[wanted]
             found += hunting_at_rest(held, written, sheet.encoder_step)
-    others = [benefit for benefit in benefits if benefit is not best]
-    if observed is not None:
-        others += [part for part in (observed.alone, observed.both) if part is not None]
-    trial = SimulatedTrial(
-        command, sheet, best, tuple(map(str, found)), drives, tuple(others), observed, held
-    )
-    return replace(learned, trial=trial)
+    tried = [row.benefit for row in compared.rows if row.benefit] if compared else []
+    if observed is not None and not tried:
+        tried = [part for part in (observed.alone, observed.both) if part is not None]
+    others = tuple(one for one in (*benefits, *tried) if one is not best)
+    warnings = tuple(map(str, found))
+    trial = SimulatedTrial(command, sheet, best, warnings, drives, others, observed, held, compared)
+    return replace(learned, trial=trial, asked=compensator)
 
 
 def feedforwards(law: Law, friction: Mapping[str, float]) -> tuple[Variant, ...]:

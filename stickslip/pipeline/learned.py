@@ -30,14 +30,12 @@ from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.selection import choose, predictions
 from stickslip.logs import Finding, Recording
+from stickslip.pipeline.candidates import AUTO, Compared
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER, Choice, Observed
 from stickslip.servo.axis import ControlError
 from stickslip.servo.datasheet import Datasheet
-from stickslip.servo.velocity_filter import Observer
+from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
-
-AUTO = "auto"
-"""Name that stands for the law that a recording shows."""
 
 
 class Loops(NamedTuple):
@@ -95,11 +93,12 @@ class SimulatedTrial:
     Attributes
     ----------
     command, datasheet, drives : what it was tried on
-    benefit : tracking errors of what is written, and the share of its force that passes
+    benefit : tracking errors with feedforward of the law, and the share of its force that passes
     warnings : of the guards, a line each
     others : the same as ``benefit`` for other ways to compensate
-    observed : what a disturbance observer adds; None where none was tried
+    observed : what an observer adds; None where none was tried
     holds : how a cascade holds its position, by name of the way to compensate; else empty
+    compared : all compensators that were tried; None where there is only the default
     """
 
     command: Trapezoid
@@ -110,6 +109,7 @@ class SimulatedTrial:
     others: tuple[Benefit, ...] = ()
     observed: Observed | None = None
     holds: Mapping[str, Hold] = field(default_factory=dict)
+    compared: Compared | None = None
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
@@ -144,7 +144,7 @@ class LearnedFromRecording(Learned):
     trial : of the compensator in a loop; None where none was closed or the drive itself is there
     implausible : why the learned mass cannot be right, or empty
     tracking : simulated in the loop of the log, without and with the compensator
-    asked : what is to be written, None for what is recommended
+    asked : the compensator to be written, see ``candidates``; empty for what is recommended
     """
 
     estimation: Estimation
@@ -153,7 +153,7 @@ class LearnedFromRecording(Learned):
     trial: SimulatedTrial | None = None
     implausible: str = ""
     tracking: Tracking | None = None
-    asked: Choice | None = None
+    asked: str = ""
 
     def table(self) -> pd.DataFrame:
         """Return a row for each parameter in SI units, with its 95 % interval."""
@@ -185,9 +185,11 @@ class LearnedFromRecording(Learned):
     @property
     def choice(self) -> Choice:
         """What is written, unless it is refused: by default what is recommended."""
-        observed = self.trial.observed if self.trial else None
-        if self.asked is not None:
-            return self.asked
+        if self.trial is None:
+            return FEEDFORWARD if self.asked in ("", AUTO, self.estimation.law.name) else ""
+        if self.trial.compared:
+            return self.trial.compared.chosen.choice
+        observed = self.trial.observed
         return (observed.recommended if observed else "") or FEEDFORWARD
 
     @property
@@ -195,24 +197,44 @@ class LearnedFromRecording(Learned):
         """What the feedforward does that is written, with the observer where that was asked for."""
         if self.trial is None:
             return None
-        both = self.trial.observed.both if self.trial.observed else None
-        return both if both and self.asked == BOTH else self.trial.benefit
+        chosen = self.trial.compared.chosen if self.trial.compared else None
+        if chosen and chosen.benefit and chosen.choice in (FEEDFORWARD, BOTH):
+            return chosen.benefit
+        return self.trial.benefit
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The compensator's parameters by name, in SI units, at the share of its force tried."""
+        """Parameters of feedforward of the law, in SI units, at the share of its force tried."""
+        return self._shared(self.of_law) if self.of_law else dict(self.friction)
+
+    @property
+    def of_law(self) -> Benefit | None:
+        """What feedforward of the law does, with the observer where that was asked for."""
+        if self.trial is None or self.benefit is None:
+            return None
+        own = self.benefit.variant.feedforward_model == self.trial.benefit.variant.feedforward_model
+        return self.benefit if own else self.trial.benefit
+
+    @property
+    def feedforward(self) -> Compensator:
+        """The feedforward that is written, at the share of its force tried."""
         if self.benefit is None:
-            return dict(self.friction)
-        return self.benefit.variant.share(self.estimation.law, self.benefit.share).feedforward
+            return Compensator("compensator", "compensator", self.friction)
+        model = self.benefit.variant.feedforward_model
+        return Compensator("compensator", model, self._shared(self.benefit))
+
+    def _shared(self, benefit: Benefit) -> dict[str, float]:
+        return benefit.variant.share(self.estimation.law, benefit.share).feedforward
 
     def with_whole_force(self) -> LearnedFromRecording:
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self
-        benefit, observed = _whole(self.trial.benefit), self.trial.observed
+        observed, compared = self.trial.observed, self.trial.compared
         if observed and observed.both:
-            observed = replace(observed, both=_whole(observed.both))
-        return replace(self, trial=replace(self.trial, benefit=benefit, observed=observed))
+            observed = replace(observed, both=observed.both.whole())
+        trial = replace(self.trial, benefit=self.trial.benefit.whole(), observed=observed)
+        return replace(self, trial=replace(trial, compared=compared and compared.whole()))
 
     @property
     def refusal(self) -> str:
@@ -221,8 +243,8 @@ class LearnedFromRecording(Learned):
         return self._doubt or (benefit.refusal if benefit and not benefit.acceptable else "")
 
     @property
-    def observer(self) -> Observer | None:
-        """The disturbance observer that was designed; None for none."""
+    def observer(self) -> Compensator | None:
+        """The observer that was designed; None for none."""
         observed = self.trial.observed if self.trial else None
         return observed.designed.observer if observed and observed.designed else None
 
@@ -271,10 +293,6 @@ class LearnedFromRecording(Learned):
                 f"K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
             )
         return (*guesses, *self.trial.warnings)
-
-
-def _whole(benefit: Benefit) -> Benefit:
-    return replace(benefit, share=1.0, rows=benefit.full)
 
 
 def learn_recording(

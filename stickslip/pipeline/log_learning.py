@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,9 +21,9 @@ from stickslip.logs import (
     read_recording,
     samples_late,
 )
+from stickslip.pipeline.candidates import law_of
 from stickslip.pipeline.compensator_trial import loops_of_log, try_compensator
 from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
-from stickslip.pipeline.observed import FEEDFORWARD, Choice
 from stickslip.pipeline.tracking import with_tracking
 
 
@@ -49,7 +49,8 @@ def learn(
     seed: int = 0,
     seeds: int = 1,
     search: Search | None = None,
-    compensation: Choice | None = None,
+    compensator: str = "",
+    absent: Sequence[str] = (),
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> LearnedFromRecording:
@@ -59,16 +60,19 @@ def learn(
     ----------
     path : CSV, Parquet or MAT file
     description : of its columns and of the controller; by default the columns are detected
-    compensation : what is to be written, by default what is recommended; an observer is tried
-        unless it is the feedforward
+    compensator : what is to be written: ``auto`` for the best on the drives that the log supports,
+        or a name such as ``static+ekbf``; by default feedforward of the law, and a disturbance
+        observer if it helps
+    absent : of ``encoder`` and ``motor_force``, what the controller cannot give a compensator
 
     Raises
     ------
     RecordingError, UsageError
-        When the log cannot be read, or lacks a signal.
+        When the log cannot be read, or lacks a signal, or there is no such compensator.
     IdentificationError
         When it does not show a drive that slides.
     """
+    law = law_of(compensator, law, absent)
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
         on_stage("reading the log")
@@ -93,8 +97,9 @@ def learn(
         on_stage("trying the compensator")
         learned = try_compensator(
             reading,
-            replace(learned, asked=compensation),
-            with_observer=compensation != FEEDFORWARD,
+            learned,
+            compensator=compensator,
+            absent=absent,
             workers=search.execution.workers if search else 1,
         )
         return with_tracking(reading, learned)

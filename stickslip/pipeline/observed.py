@@ -1,4 +1,4 @@
-"""A disturbance observer beside the learned feedforward, tried on the same family of drives.
+"""An observer beside the learned feedforward, tried on the same family of drives.
 
 The observer corrects what the feedforward leaves, or takes its place. It is designed for the
 learned mass and all of its interval, at least 10 %, as fast as sensitivity and quantisation allow.
@@ -8,7 +8,7 @@ and then only a share of its estimate is compensated.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, Literal
@@ -18,9 +18,10 @@ import pandas as pd
 
 from stickslip.evaluation.guards import Bench, Benefit, Tried, Variant
 from stickslip.servo.axis import ControlError
-from stickslip.servo.observer import LIMIT, MASSES, DesignedObserver, design_observer
+from stickslip.servo.observer import LIMIT, DesignedObserver, design_observer
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_filter import Observer
 
 SLOWER = 0.3
 """Share of the Coulomb friction for which an observer is designed that has to be slower."""
@@ -30,6 +31,22 @@ FEEDFORWARD: Final = "feedforward"
 OBSERVER: Final = "observer"
 BOTH: Final = "feedforward + observer"
 Choice = Literal["feedforward", "observer", "feedforward + observer", ""]
+
+
+@dataclass(frozen=True)
+class Designed:
+    """An observer that was designed.
+
+    Attributes
+    ----------
+    observer : its component
+    sensitivity : largest peak sensitivity at any of the masses, with the observer
+    without : the same without it
+    """
+
+    observer: Compensator
+    sensitivity: float
+    without: float
 
 
 @dataclass(frozen=True)
@@ -45,7 +62,7 @@ class Observed:
     """
 
     feedforward: Benefit
-    designed: DesignedObserver | None = None
+    designed: Designed | None = None
     reason: str = ""
     alone: Benefit | None = None
     both: Benefit | None = None
@@ -90,27 +107,20 @@ class Observed:
         """
         rows = []
         for name, benefit in self.parts.items():
-            ratios = np.array([max(row.ratio, 1e-9) for row in benefit.rows])
-            first = [row.drive == benefit.rows[0].drive for row in benefit.rows]
             rows.append(
                 {
                     "part": name,
                     "share": benefit.share if benefit.variant.has_feedforward else np.nan,
-                    "fitted": float(np.exp(np.mean(np.log(ratios[first])))),
+                    "fitted": benefit.fitted_ratio,
                     "mean": benefit.mean_ratio,
-                    "worst": float(ratios.max()),
+                    "worst": benefit.worst_ratio,
                     "acceptable": benefit.acceptable,
                 }
             )
         return pd.DataFrame(rows)
 
 
-def try_observer(
-    bench: Bench,
-    feedforward: Benefit,
-    friction: Mapping[str, float],
-    mass: tuple[float, float],
-) -> Observed:
+def try_observer(bench: Bench, feedforward: Benefit, designs: Iterable[Designed]) -> Observed:
     """Try observers, each weaker than the one before it, until one is acceptable.
 
     With a feedforward that is acceptable both together have to be, otherwise the observer alone.
@@ -118,62 +128,95 @@ def try_observer(
     Parameters
     ----------
     feedforward : what is written without an observer, at its share
-    friction : as fitted, with the Coulomb friction ``F_c`` [N]
-    mass : ends of the interval of the mass [kg]
     """
-    tried: list[tuple[Tried, DesignedObserver, Benefit]] = []
     together = feedforward.acceptable
     try:
-        for designed in _designs(bench, friction["F_c"], mass):
-            variant = _variant(feedforward, designed, together=together)
-            shared = variant.share(bench.law, feedforward.share)
-            if tried and bench.is_worse(shared, tried[-1][0]):
-                continue
-            benefit = _tried(bench, feedforward, variant)
-            tried.append((max(benefit.rows, key=lambda row: row.ratio), designed, benefit))
-            if benefit.acceptable:
-                break
+        best, wanted = strongest(bench, feedforward, designs, together=together)
     except ControlError as error:
         return Observed(feedforward, reason=str(error))
-    _, best, wanted = min(tried, key=lambda one: one[0].ratio)
-    other = _tried(bench, feedforward, _variant(feedforward, best, together=not together))
+    other = _tried(bench, feedforward, best.observer, together=not together)
     alone, both = (other, wanted) if together else (wanted, other)
     return Observed(feedforward, best, "", alone, both)
 
 
-def _designs(bench: Bench, F_c: float, mass: tuple[float, float]) -> Iterator[DesignedObserver]:
-    """Yield observers from fast to weak.
+def strongest(
+    bench: Bench, feedforward: Benefit, designs: Iterable[Designed], *, together: bool
+) -> tuple[Designed, Benefit]:
+    """Return the first acceptable observer, or the one with the least worst ratio, as tried.
+
+    Parameters
+    ----------
+    together : whether it is tried with the feedforward, at the share of that
+
+    Raises
+    ------
+    ControlError
+        When there is no observer.
+    """
+    tried: list[tuple[Tried, Designed, Benefit]] = []
+    for designed in designs:
+        variant = _variant(feedforward, designed.observer, together=together)
+        shared = variant.share(bench.law, feedforward.share)
+        if tried and bench.is_worse(shared, tried[-1][0]):
+            continue
+        benefit = _tried(bench, feedforward, designed.observer, together=together)
+        tried.append((max(benefit.rows, key=lambda row: row.ratio), designed, benefit))
+        if benefit.acceptable:
+            break
+    if not tried:
+        raise ControlError("no observer")
+    _, best, benefit = min(tried, key=lambda one: one[0].ratio)
+    return best, benefit
+
+
+def kalman_designs(
+    bench: Bench, F_c: float, masses: tuple[float, ...], order: int = 1
+) -> Iterator[Designed]:
+    """Yield disturbance observers from fast to weak.
+
+    Parameters
+    ----------
+    F_c : Coulomb friction, as fitted [N]
+    masses : true masses, relative to that of the axis, at which the limit of Ms holds
+    order : of the disturbance
 
     Raises
     ------
     ControlError
         When there is none.
     """
-    m = bench.loop.axis.m
-    masses = min(MASSES[0], mass[0] / m), 1.0, max(MASSES[-1], mass[1] / m)
-    step = bench.datasheet.encoder_step
-    slowest = design_observer(bench.loop, step, F_c, masses=masses)
-    yield slowest
+
+    def designed(friction: float) -> DesignedObserver:
+        step = bench.datasheet.encoder_step
+        return design_observer(bench.loop, step, friction, masses=masses, order=order)
+
+    slowest = designed(F_c)
+    without = slowest.without
+    yield _designed(slowest.observer, slowest.sensitivity, without)
     with suppress(ControlError):
-        slowest = design_observer(bench.loop, step, SLOWER * F_c, masses=masses)
-        yield slowest
+        slowest = designed(SLOWER * F_c)
+        yield _designed(slowest.observer, slowest.sensitivity, slowest.without)
     for share in SHARES:
         observer = replace(slowest.observer, share=share)
-        peak = max(peak_sensitivity(bench.loop, observer, k * m) for k in masses)
+        peak = max(peak_sensitivity(bench.loop, observer, k * bench.loop.axis.m) for k in masses)
         if peak <= LIMIT:
-            yield replace(slowest, observer=observer, sensitivity=peak)
+            yield _designed(observer, peak, without)
 
 
-def _variant(feedforward: Benefit, designed: DesignedObserver, *, together: bool) -> Variant:
+def _designed(observer: Observer, sensitivity: float, without: float) -> Designed:
+    return Designed(Compensator("observer", "dob", observer.parameters()), sensitivity, without)
+
+
+def _variant(feedforward: Benefit, observer: Compensator, *, together: bool) -> Variant:
     """Return an observer alone, or together with the feedforward at its whole force."""
-    observer = Compensator("observer", "dob", designed.observer.parameters())
     if together:
         return Variant(BOTH, (*feedforward.variant.chain, observer))
     return Variant(OBSERVER, (observer,))
 
 
-def _tried(bench: Bench, feedforward: Benefit, variant: Variant) -> Benefit:
-    """Try a variant: with a feedforward at its share where that is acceptable, else at any."""
+def _tried(bench: Bench, feedforward: Benefit, observer: Compensator, *, together: bool) -> Benefit:
+    """Try an observer: with a feedforward at its share where that is acceptable, else at any."""
+    variant = _variant(feedforward, observer, together=together)
     if not (variant.has_feedforward and feedforward.acceptable):
         return bench.benefits([variant])[0]
     shared = variant.share(bench.law, feedforward.share)

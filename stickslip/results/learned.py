@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+import pandas as pd
 
 from stickslip.catalog.parameters import estimated, friction_law, start_unit, unit_of
 from stickslip.cosim import Simulation, Trapezoid
@@ -44,11 +45,13 @@ from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION, Datasheet
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
-from stickslip.servo.velocity_filter import Observer, VelocityFilter
+from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
 SCHEMA = 2
 """Version of the keys that this module writes, and the latest that it reads."""
+OBSERVER_MODEL = "dob"
+"""Model of an observer without an entry for it."""
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 IDENTIFIABILITY = ("standard_error", "low", "high", "identifiability", "sentence")
 LOOP_UNITS = {
@@ -209,13 +212,14 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["tracking"] = _tracking_document(learned.tracking)
     if learned.trial is None:
         return document
-    trial, benefit = learned.trial, learned.benefit or learned.trial.benefit
+    trial, benefit = learned.trial, learned.of_law or learned.trial.benefit
     if trial.holds:
         document["hold"] = {name: _hold_document(one) for name, one in trial.holds.items()}
     rotary = learned.estimation.recording.motion == "rotary"
     return document | {
         "share": {"value": benefit.share, "unit": "1"},
         "compensator": _with_units(benefit.variant.feedforward, rotary=rotary),
+        **_feedforward_entry(learned),
         **_observer_entry(learned),
         "validation": validation_document(trial.command),
         "datasheet": datasheet_document(trial.datasheet),
@@ -227,13 +231,7 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
             }
             for drive in trial.drives
         ],
-        "tracking_error": [
-            {
-                name: _finite(value) if isinstance(value, float) else value
-                for name, value in row.items()
-            }
-            for row in trial.table().to_dict("records")
-        ],
+        "tracking_error": _rows(trial.table()),
     }
 
 
@@ -247,6 +245,33 @@ def _hold_document(hold: Hold) -> dict[str, Any]:
     }
 
 
+def _feedforward_entry(learned: LearnedFromRecording) -> dict[str, Any]:
+    """Return all compensators that were tried, and a feedforward that is not the law's."""
+    compared = learned.trial.compared if learned.trial else None
+    if compared is None:
+        return {}
+    one = learned.feedforward
+    found: dict[str, Any] = {
+        "compensation": learned.choice,
+        "compared": {
+            "chosen": compared.chosen.name,
+            "sentence": compared.sentence,
+            "compensators": _rows(compared.table()),
+        },
+    }
+    if one.model != "compensator":
+        found["feedforward"] = _component(one)
+    return found
+
+
+def _component(one: Compensator) -> dict[str, Any]:
+    """Return a compensator that is none of a law."""
+    units = {known.name: known.unit or "1" for known in load_model(one.model).variables}
+    given = dict(one.values)
+    values = {name: {"value": float(x), "unit": units[name]} for name, x in given.items()}
+    return {"model": one.model, "parameters": values}
+
+
 def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the disturbance observer and what each part adds, where one was tried."""
     observed = learned.trial.observed if learned.trial else None
@@ -255,18 +280,24 @@ def _observer_entry(learned: LearnedFromRecording) -> dict[str, Any]:
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
     if observed.designed is not None:
         designed = observed.designed
-        units = {one.name: one.unit for one in load_model("dob").variables}
+        component = _component(designed.observer)
+        if component["model"] == OBSERVER_MODEL:
+            del component["model"]
         entry |= {
-            "parameters": {
-                name: {"value": value, "unit": units[name]}
-                for name, value in designed.observer.parameters().items()
-            },
+            **component,
             "peak_sensitivity": {"value": designed.sensitivity, "unit": "1"},
             "peak_sensitivity_without": {"value": designed.without, "unit": "1"},
         }
-    parts = observed.summary().to_dict("records")
-    rows = [{k: _finite(v) if isinstance(v, float) else v for k, v in one.items()} for one in parts]
+    rows = _rows(observed.summary())
     return {"compensation": learned.choice, "observer": entry, "error_ratio_of_parts": rows}
+
+
+def _rows(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table as plain data; a number that is not finite is None."""
+    return [
+        {str(key): _finite(x) if isinstance(x, float) else x for key, x in row.items()}
+        for row in table.to_dict("records")
+    ]
 
 
 def _with_units(values: Mapping[str, float], *, rotary: bool) -> dict[str, dict[str, Any]]:
@@ -473,8 +504,31 @@ class LearnedFile:
             ) from None
 
     @property
-    def observer(self) -> Observer:
-        """The disturbance observer, for the axis and the sample period in the file.
+    def feedforward(self) -> Compensator:
+        """The feedforward that is exported: that of the law, or another one in the file."""
+        entry = self.document.get("feedforward")
+        if entry is None:
+            return Compensator("compensator", "compensator", self.compensator)
+        return self._component("feedforward", entry)
+
+    def _component(self, name: str, entry: Any, model: str = "") -> Compensator:
+        """Return a compensator that is none of a law."""
+        entry = entry if isinstance(entry, dict) else {}
+        model = str(entry.get("model", model))
+        values = self._values(name, entry.get("parameters"))
+        component = "compensator" if name == "feedforward" else name
+        try:
+            one = Compensator(component, model, _with_switches(values, load_model(model)))
+            missing = [key for key in one.ports.axis if key not in values]
+        except ValueError as error:  # no model, or no compensator
+            raise UsageError(f"{self.path}: {name}: {error}") from None
+        if missing:
+            raise UsageError(f"{self.path}: {name}: '{missing[0]}' is missing")
+        return one
+
+    @property
+    def observer(self) -> Compensator:
+        """The observer, for the axis and the sample period in the file.
 
         Raises
         ------
@@ -488,16 +542,7 @@ class LearnedFile:
                 f"{self.path}: contains no disturbance observer: "
                 f"{entry.get('refusal') or 'learn from a log whose loop and mass are known'}"
             )
-        values = self._values("observer", entry["parameters"])
-        try:
-            axis = Axis(**{name: values[name] for name in _AXIS})
-            gains = {name: values[name] for name in _GAINS}
-            gains["L_1"] = values.get("L_1", 0.0)
-            return Observer(VelocityFilter(axis, values["T_s"], **gains), values["share"])
-        except KeyError as error:
-            raise UsageError(f"{self.path}: observer: {error} is missing") from None
-        except ValueError as error:  # a ControlError
-            raise UsageError(f"{self.path}: observer: {error}") from None
+        return self._component("observer", entry, OBSERVER_MODEL)
 
     @property
     def observer_refusal(self) -> str:
@@ -615,10 +660,8 @@ class LearnedFile:
     def _drive(self, entry: Mapping[str, Any]) -> Drive:
         """Return an entry of ``family``."""
         law = friction_law(str(entry["law"]))
-        values: dict[str, float | bool] = dict(self._values("family", entry["parameters"]))
         model = load_model("drive", law.name)
-        switches = [one.name for one in model.variables if one.type == "boolean"]
-        values |= {name: bool(values[name]) for name in switches if name in values}
+        values = _with_switches(self._values("family", entry["parameters"]), model)
         try:
             model.with_start(values)
         except StartValueError as error:
@@ -642,6 +685,12 @@ class LearnedFile:
             f"{self.path}: {name}: expected names, each with a finite value and a unit; "
             f"got {entry!r:.80}"
         )
+
+
+def _with_switches(values: Mapping[str, float], model: Model) -> dict[str, float | bool]:
+    """Return values of a model with its switches as booleans."""
+    switches = {one.name for one in model.variables if one.type == "boolean"}
+    return {name: bool(value) if name in switches else value for name, value in values.items()}
 
 
 def _loop_of(entry: Mapping[str, float]) -> VelocityLoop:

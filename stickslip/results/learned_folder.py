@@ -64,14 +64,22 @@ def write_learned(
         learned = learned.with_whole_force()
     further = []
     if learned.trial and learned.benefit:
-        further.append(compensation(learned.benefit, learned.trial.observed))
+        further.append(
+            compensation(learned.benefit, learned.trial.observed, learned.trial.compared)
+        )
     opening = []
-    if learned.tracking and learned.benefit:
-        motion, share = learned.estimation.recording.motion, learned.benefit.share
-        observed = learned.observer is not None
+    if learned.tracking and learned.trial:
+        motion, share = learned.estimation.recording.motion, learned.trial.benefit.share
         refusal = "" if force else learned.refusal
         opening.append(
-            tracking_section(learned.tracking, motion, share, observed=observed, refusal=refusal)
+            tracking_section(
+                learned.tracking,
+                motion,
+                share,
+                observed=learned.observer is not None,
+                compared=learned.trial.compared is not None,
+                refusal=refusal,
+            )
         )
     written = learned.writes(force=force)
     absent = [
@@ -93,8 +101,8 @@ def write_learned(
             export=written in (FEEDFORWARD, BOTH),
         )
         if learned.observer and written in (OBSERVER, BOTH):
-            start = learned.observer.parameters()
-            models.build_fmu("dob", staging, start=start, called="observer")
+            one = learned.observer
+            models.build_fmu(one.model, staging, start=one.values, called="observer")
         loop = learned.known_loop
         if loop and loop.K_x and written in (FEEDFORWARD, BOTH):
             models.build_fmu("nominal_loop", staging, start=nominal_parameters(loop))
@@ -119,8 +127,9 @@ def write_compensator(
     """
     write_json(document, staging / "learned.json")
     if export:
-        law = learned.estimation.law.name
-        models.build_fmu("compensator", staging, start=learned.compensator, law=law)
+        one, law = learned.feedforward, learned.estimation.law.name
+        of_law = law if one.model == "compensator" else None
+        models.build_fmu(one.model, staging, start=one.values, law=of_law, called="compensator")
     write_estimation_report(learned.estimation, learned.findings, staging, further, opening)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.servo.measurement import Array
-from stickslip.servo.sensitivity import ComplexArray, Opened
+from stickslip.servo.sensitivity import ComplexArray, Opened, Response
 from stickslip.servo.systems import Compensator, lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -27,7 +27,7 @@ LOWEST = 4
 SETTLED = 400
 """Samples at the operating point before the impulse."""
 SPEED = 0.01
-"""Operating point [m/s]: sliding, where friction adds next to nothing to the loop."""
+"""Operating point by default [m/s]."""
 CHANGES = {"x_enc": 1e-9, "F_motor": 1e-6, "v_est": 1e-9, "u": 1e-6}
 """Size of the impulse [m, N, m/s, N]: small against a Stribeck velocity and a presliding force."""
 
@@ -62,14 +62,21 @@ class Robustness:
         )
 
 
-def sliding(loop: VelocityLoop, friction: float, samples: int) -> dict[str, Array]:
+def sliding(
+    loop: VelocityLoop, friction: float, samples: int, speed: float = SPEED
+) -> dict[str, Array]:
     """Return what a compensator sees in motion at constant speed against a friction [N], by role.
 
     Arrays are (samples,).
     """
-    v, force = np.full(samples, SPEED), np.full(samples, friction + loop.axis.b * SPEED)
-    x = np.asarray(SPEED * loop.T_s * np.arange(samples), dtype=float)
+    v, force = np.full(samples, speed), np.full(samples, friction + loop.axis.b * speed)
+    x = np.asarray(speed * loop.T_s * np.arange(samples), dtype=float)
     return {"v_ref": v, "x_enc": x, "F_motor": force, "v_est": v, "u": force}
+
+
+def frequencies(loop: VelocityLoop) -> Array:
+    """Return those at which responses are measured (n,) [Hz]."""
+    return np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
 
 
 class ChainResponse:
@@ -79,11 +86,15 @@ class ChainResponse:
     ----------
     fmus : folder of the FMUs
     chain : compensators in the order in which their forces are added
+    speed : operating point [m/s]: sliding, where friction adds next to nothing to the loop
     """
 
-    def __init__(self, fmus: Path, loop: VelocityLoop, chain: Sequence[Compensator]) -> None:
+    def __init__(
+        self, fmus: Path, loop: VelocityLoop, chain: Sequence[Compensator], speed: float = SPEED
+    ) -> None:
         roles = {role for one in chain for role in one.ports.inputs.values()}
         self._roles = [role for role in CHANGES if role in roles]
+        self._speed = speed
         self._simulation: cosim.Simulation | None = None
         self._opened: tuple[VelocityLoop, Opened] | None = None
         if self._roles:
@@ -106,28 +117,40 @@ class ChainResponse:
         friction : force of sliding [N], by which the motor moves the axis
         m : true mass [kg], by default that of the loop's axis
         """
-        opened, stable = self._opened_at(loop, m), True
-        measured = self._responses(loop, values, friction) if self._simulation else {}
-        found, stable = opened.response_with(measured)
-        if not stable:
+        opened = self._opened_at(loop, m)
+        found = self.responses([opened], values, friction)
+        if not found:
             return Robustness(np.inf, np.inf)
-        density = 2.0 * loop.T_s * np.abs(found.noisy) ** 2
+        (closed,) = found
+        density = 2.0 * loop.T_s * np.abs(closed.noisy) ** 2
         noise = float(np.sqrt(np.trapezoid(density, opened.f)))
-        return Robustness(found.peak, noise, *found.margins())
+        return Robustness(closed.peak, noise, *closed.margins())
+
+    def responses(
+        self, axes: Sequence[Opened], values: Mapping[str, float], friction: float
+    ) -> list[Response]:
+        """Return how a loop with the chain responds on several axes; none if it is unstable on one.
+
+        Parameters
+        ----------
+        axes : the loop opened on each of them, at ``frequencies``
+        """
+        measured = self._impulses(axes[0].loop, values, friction) if self._simulation else {}
+        found = [opened.response_with(measured) for opened in axes]
+        return [response for response, _ in found] if all(stable for _, stable in found) else []
 
     def _opened_at(self, loop: VelocityLoop, m: float | None) -> Opened:
         """Return the loop without the chain; that of the last call where it is the same."""
         known = self._opened
         if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
-            f = np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
-            known = self._opened = loop, Opened(loop, m, f)
+            known = self._opened = loop, Opened(loop, m, frequencies(loop))
         return known[1]
 
-    def _responses(
+    def _impulses(
         self, loop: VelocityLoop, values: Mapping[str, float], friction: float
     ) -> dict[str, ComplexArray]:
         """Return the response of the chain's force to each signal that it takes, (n,)."""
-        still = sliding(loop, friction, SETTLED + SAMPLES + 1)
+        still = sliding(loop, friction, SETTLED + SAMPLES + 1, self._speed)
         assert self._simulation is not None  # noqa: S101 - a signal is measured
         still = {role: still[role] for role in self._simulation.spec.system.inputs}
         before = self._run(values, still)

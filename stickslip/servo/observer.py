@@ -63,6 +63,7 @@ class DesignedObserver:
     without : the same without it
     error, error_without : expected RMS of the velocity error [m/s]
     reversal, reversal_without : what reversals of friction leave of it [m/s]
+    weights : of the Kalman filter
     """
 
     observer: Observer
@@ -72,6 +73,14 @@ class DesignedObserver:
     error_without: float
     reversal: float
     reversal_without: float
+    weights: FilterSpecification
+
+    def slower(self, factor: float) -> Observer:
+        """Return an observer with a rate of the disturbance that is smaller by a factor."""
+        rate = factor * self.weights.disturbance_rate
+        known = self.observer.filter
+        weights = replace(self.weights, disturbance_rate=rate)
+        return Observer(design_velocity_filter(known.axis, known.T_s, weights))
 
 
 def design_observer(
@@ -120,23 +129,25 @@ def design_observer(
     best = search.best(without)
     if best.reversal > HIDDEN * without.reversal:
         best = replace(search, loudest=(1.0 + QUIET) * without.error).best(without)
-    if best.reversal > WORTHWHILE * without.reversal or best.observer is None:
+    if best.reversal > WORTHWHILE * without.reversal or not (best.observer and best.weights):
         raise ControlError(
             f"no disturbance observer with a peak sensitivity of at most {limit:g} reduces what"
             " reversals of friction leave without adding more noise; the controller alone is as"
             " fast as the encoder step and the noise of the force allow"
         )
     peaks, errors = (best.peak, without.peak), (best.error, without.error)
-    return DesignedObserver(best.observer, *peaks, *errors, best.reversal, without.reversal)
+    reversals = best.reversal, without.reversal
+    return DesignedObserver(best.observer, *peaks, *errors, *reversals, best.weights)
 
 
 class _Candidate(NamedTuple):
-    """An observer, or None, with its peak sensitivity and expected RMS errors [m/s]."""
+    """An observer, or None, its peak sensitivity, expected RMS errors [m/s], and its weights."""
 
     observer: Observer | None
     peak: float
     error: float
     reversal: float
+    weights: FilterSpecification | None = None
 
 
 @dataclass(frozen=True)
@@ -177,7 +188,7 @@ class _Search:
     ) -> tuple[_Candidate, Weights | None]:
         """Return the better of a candidate and one with these weights, and its weights."""
         try:
-            found = self.tried(self._designed(*weights))
+            found = self._designed(*weights)
         except np.linalg.LinAlgError:  # the axis is so slow that no gains follow from the weights
             return best, place
         if found.peak > self.limit or found.error > (self.loudest or np.inf):
@@ -195,24 +206,36 @@ class _Search:
         """Return an observer with what it does at the worst mass."""
         responses = [opened.response(observer) for opened in self.opened]
         peak = max(response.peak for response in responses)
-        errors = [self._errors(*one) for one in zip(self.opened, responses, strict=True)]
+        weights = self.step, self.friction, self.noise
+        both = zip(self.opened, responses, strict=True)
+        errors = [expected_errors(*one, *weights) for one in both]
         error, reversal = map(max, zip(*errors, strict=True))
         return _Candidate(observer, peak, error, reversal)
 
-    def _designed(self, rate: float, noise: float) -> Observer:
+    def _designed(self, rate: float, noise: float) -> _Candidate:
         T_s, axis = self.loop.T_s, self.loop.axis
         unit = axis.m * self.step / T_s**2
         per_time = np.sqrt(T_s) * T_s ** (self.order - 1)
         weights = FilterSpecification(self.step, noise * unit, rate * unit / per_time, self.order)
-        return Observer(design_velocity_filter(axis, T_s, weights))
+        found = self.tried(Observer(design_velocity_filter(axis, T_s, weights)))
+        return found._replace(weights=weights)
 
-    def _errors(self, opened: Opened, response: Response) -> tuple[float, float]:
-        """Return the expected RMS error [m/s], whole and that of the reversals."""
-        f, T_s = opened.f, opened.T_s
-        step = 2.0 * self.friction * np.sqrt(REVERSALS)
-        reversal = np.abs(step * response.disturbed / (2.0 * np.pi * f)) ** 2
-        quantised = self.step**2 / 12 * T_s * np.abs(response.noisy) ** 2
-        driven = self.noise**2 * T_s * np.abs(response.driven) ** 2
-        densities = (reversal + quantised + driven, reversal)
-        whole, first = (float(np.sqrt(2.0 * np.trapezoid(one, f))) for one in densities)
-        return whole, first
+
+def expected_errors(
+    opened: Opened, response: Response, encoder_step: float, friction: float, force_noise: float
+) -> tuple[float, float]:
+    """Return the expected RMS velocity error [m/s] at one mass, whole and that of reversals.
+
+    Parameters
+    ----------
+    response : of a loop with any observer, at the frequencies of ``opened``
+    encoder_step, friction, force_noise : as for ``design_observer``
+    """
+    f, T_s = opened.f, opened.T_s
+    step = 2.0 * friction * np.sqrt(REVERSALS)
+    reversal = np.abs(step * response.disturbed / (2.0 * np.pi * f)) ** 2
+    quantised = encoder_step**2 / 12 * T_s * np.abs(response.noisy) ** 2
+    driven = force_noise**2 * T_s * np.abs(response.driven) ** 2
+    densities = (reversal + quantised + driven, reversal)
+    whole, first = (float(np.sqrt(2.0 * np.trapezoid(one, f))) for one in densities)
+    return whole, first

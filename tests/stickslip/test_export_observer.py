@@ -74,4 +74,8 @@ def test_what_learn_refused_or_never_designed_is_refused_in_a_line(export):
     del broken["observer"]["parameters"]["tau_i"]
     assert "observer: 'tau_i' is missing" in export(broken)[2]
     broken["observer"]["parameters"]["tau_i"] = {"value": -1.0}
-    assert "observer: tau_i is -1 s; expected 0 or above" in export(broken)[2]
+    assert "observer: dob: tau_i = -1 s is outside 0 .. 1 s" in export(broken)[2]
+    broken["observer"]["model"] = "drive"
+    assert "observer: model 'drive' is not a compensator" in export(broken)[2]
+    broken["observer"]["model"] = "absent"
+    assert "observer: " in export(broken)[2]

@@ -4,9 +4,9 @@ import json
 from functools import partial
 
 import pytest
+from fmpy import read_model_description
 
 from stickslip.cli import main
-from stickslip.commands.learn import _compensation
 from stickslip.identification.estimation import Search
 from stickslip.report.page import Picture
 from stickslip.results.learned_folder import FILES
@@ -164,13 +164,40 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
     assert (tmp_path / "compensator.fmu").exists()
 
 
-def test_the_compensator_that_is_asked_for_belongs_to_the_law(log, capsys):
-    asked = {"auto": None, "dob": "observer", "dahl": "feedforward"}
-    asked["dahl+dob"] = "feedforward + observer"
-    for law in ("dahl", "auto"):
-        assert {name: _compensation(name, law) for name in asked} == asked
-    assert main(["learn", "--log", str(log), "--compensator", "dahl"]) == 1
-    expected = (
-        "--compensator dahl: expected one of auto, dob, lugre, lugre+dob; --law gives the law"
-    )
-    assert expected in capsys.readouterr().err
+def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, capsys):
+    refused = {
+        ("dahl",): "'dahl': --law is lugre; there are static, lugre, ekbf",
+        ("lffc",): "it is trained on the drive; 'stickslip arena --drive learned.json'",
+        ("ekbf+static",): "both in this order, such as static+ekbf",
+        ("ekbf", "--without", "motor_force"): "a signal that the controller lacks: motor_force",
+    }
+    for name, message in refused.items():
+        assert main(["learn", "--log", str(log), "--compensator", *name]) == 1
+        assert message in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("without_pictures")
+def test_the_best_compensator_is_written_and_exported(log, tmp_path, capsys):
+    """All forms of it are those of learned.json, and it is no worse than the default."""
+    out = tmp_path / "out"
+    arguments = ["learn", str(log), "--judge", "inverse", "--out", str(out)]
+    assert main([*arguments, "--compensator", "auto"]) == 0
+    document = json.loads((out / "learned.json").read_text())
+    compared = document["compared"]
+    assert compared["sentence"] in capsys.readouterr().out
+    assert compared["sentence"].replace("'", "’") in (out / "report.html").read_text("utf-8")
+    rows = {row["compensator"]: row for row in compared["compensators"]}
+    chosen = rows[compared["chosen"]]
+    assert chosen["acceptable"]
+    assert chosen["mean"] <= 1.05 * min(row["mean"] for row in rows.values() if row["acceptable"])
+    assert chosen["Ms"] <= 2.2
+    for what, key in (("compensator", "feedforward"), ("observer", "observer")):
+        expected = what in document["compensation"].replace(key, what)
+        assert (out / f"{what}.fmu").exists() == expected
+        if expected:
+            given = ["--parameters", str(out / "learned.json"), "--out", str(tmp_path)]
+            for form in ("fmu", "c", "st"):
+                assert main(["export", what, *given, "--as", form]) == 0
+            both = [read_model_description(f / f"{what}.fmu") for f in (out, tmp_path)]
+            starts = [{one.name: one.start for one in of.modelVariables} for of in both]
+            assert starts[0] == starts[1]

@@ -8,7 +8,7 @@ import pytest
 
 from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards import Known, bench_of, family, feedforward
-from stickslip.pipeline.observed import BOTH, OBSERVER, Observed, try_observer
+from stickslip.pipeline.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import VALIDATION, Datasheet
 from stickslip.servo.observer import LIMIT
@@ -34,7 +34,7 @@ def observed() -> Observed:
     assert len(drives) == 3
     with bench_of(LAW, loop, FRICTION, drives, command, sheet) as bench:
         (whole,) = bench.benefits([feedforward(FRICTION)], shares=(1.0,))
-        return try_observer(bench, whole, FRICTION, (0.95 * AXIS.m, 1.2 * AXIS.m))
+        return try_observer(bench, whole, kalman_designs(bench, FRICTION["F_c"], (0.9, 1.0, 1.2)))
 
 
 def test_an_observer_takes_the_place_of_a_feedforward_that_harms(observed):

@@ -14,10 +14,11 @@ the compensator assumes.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.guards.benefit import (
+    FEEDFORWARD,
     NONE,
     Bench,
     Benefit,
@@ -130,7 +131,9 @@ def bench_of(
     """Build the loop in which variants are tried; parameters as for ``benefits_on_drives``."""
     with temporary_folder() as folder:
         tried = commands(command, loop.T_s, friction, datasheet.encoder_step, rotary=rotary)
-        yield Bench(folder, law, loop, drives, tried, feed, datasheet, rotary, workers)
+        bench = Bench(folder, law, loop, drives, tried, feed, datasheet, rotary, workers)
+        with closing(bench):
+            yield bench
 
 
 def findings_of(
@@ -140,7 +143,9 @@ def findings_of(
     share: float,
     standard_errors: Mapping[str, float],
 ) -> list[Finding]:
-    """Return what all guards find on a share of the feedforward of a variant."""
+    """Return what all guards find on a share of the feedforward of a variant, if it has a law."""
+    if benefit.variant.feedforward_model != FEEDFORWARD:
+        return []
     trial = Trial(
         bench.folder_of(bench.law.name),
         bench.loop,

@@ -15,16 +15,17 @@ near the limit is therefore the mean of several such runs.
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property, partial
-from itertools import chain
+from functools import cached_property, partial
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
 
-from stickslip import cosim
+from stickslip import cosim, models
 from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards.family import MOVES, Command, Drive
 from stickslip.evaluation.guards.trial import axis_values
@@ -44,8 +45,9 @@ CLOSE = (0.9, 1.25)
 """Ratios between which a run is repeated: a single one may pass or fail by chance."""
 FIGURES = ("velocity", "position")
 """What errors are of; that of the position counts in a cascade."""
+_LEAST = 1e-9  # ratio that counts as none
 FEEDFORWARD = "compensator"
-"""Model whose force a share reduces."""
+"""Component whose force a share reduces; also the model that evaluates any law."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +66,12 @@ class Variant:
     @property
     def has_feedforward(self) -> bool:
         """Whether a share of its force can be taken."""
-        return any(one.model == FEEDFORWARD for one in self.chain)
+        return any(one.name == FEEDFORWARD for one in self.chain)
 
     def share(self, law: Law, share: float) -> Variant:
         """Return the same with a share of the feedforward's force."""
         chain = (
-            replace(one, values=law.share(one.values, share)) if one.model == FEEDFORWARD else one
+            replace(one, values=law.share(one.values, share)) if one.name == FEEDFORWARD else one
             for one in self.chain
         )
         return replace(self, chain=tuple(chain))
@@ -84,18 +86,24 @@ class Variant:
     @property
     def feedforward(self) -> dict[str, float]:
         """Parameters of its feedforward by name; empty without one."""
-        found: Mapping[str, float] = {}
-        for one in self.chain:
-            found = one.values if one.model == FEEDFORWARD else found
-        return dict(found)
+        return {
+            k: v for one in self.chain if one.name == FEEDFORWARD for k, v in one.values.items()
+        }
+
+    @property
+    def feedforward_model(self) -> str:
+        """Model of its feedforward, that of any law where it has none."""
+        return next((one.model for one in self.chain if one.name == FEEDFORWARD), FEEDFORWARD)
 
 
 NONE = Variant("none")
 
 
-def feedforward(values: Mapping[str, float], name: str = "feedforward") -> Variant:
+def feedforward(
+    values: Mapping[str, float], name: str = "feedforward", model: str = FEEDFORWARD
+) -> Variant:
     """Return feedforward of friction by its parameters."""
-    return Variant(name, (Compensator(FEEDFORWARD, FEEDFORWARD, values),))
+    return Variant(name, (Compensator(FEEDFORWARD, model, values),))
 
 
 @dataclass(frozen=True)
@@ -154,6 +162,10 @@ class Benefit:
     unit: str = "mm/s"
     variant: Variant = NONE
 
+    def whole(self) -> Benefit:
+        """Return the same with the whole force."""
+        return replace(self, share=1.0, rows=self.full)
+
     @property
     def acceptable(self) -> bool:
         """Whether the error is nowhere worse with the compensator than without it."""
@@ -171,7 +183,17 @@ class Benefit:
     @property
     def mean_ratio(self) -> float:
         """Geometric mean of the ratios of the errors."""
-        return float(np.exp(np.mean(np.log([max(row.ratio, 1e-9) for row in self.rows]))))
+        return geometric_mean(self.rows)
+
+    @property
+    def fitted_ratio(self) -> float:
+        """The same on the first drive, that with friction as fitted."""
+        return geometric_mean([row for row in self.rows if row.drive == self.rows[0].drive])
+
+    @property
+    def worst_ratio(self) -> float:
+        """Largest ratio of the errors."""
+        return max(max(row.ratio, _LEAST) for row in self.rows)
 
     @property
     def reason(self) -> str:
@@ -196,6 +218,11 @@ class Benefit:
             f" {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
             " compensate faster commands only"
         )
+
+
+def geometric_mean(rows: Sequence[Tried]) -> float:
+    """Return the geometric mean of the ratios of the errors."""
+    return float(np.exp(np.mean(np.log([max(row.ratio, _LEAST) for row in rows]))))
 
 
 def best_of(benefits: Sequence[Benefit]) -> Benefit:
@@ -227,8 +254,11 @@ class Bench:
     workers: int = 1
 
     def __post_init__(self) -> None:
-        for name in self.laws:
-            build_fmus(self.folder_of(name), {"law": name}, self.law.name)
+        own, *others = self.laws
+        build_fmus(self.folder_of(own), {"law": own}, own)
+        for name in others:  # with the same compensators
+            shutil.copytree(self.folder_of(own), self.folder_of(name))
+            models.build_fmu("drive", self.folder_of(name), law=name)
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -242,14 +272,48 @@ class Bench:
     @cached_property
     def _without(self) -> list[Errors]:
         """Errors without compensation, of each drive and command."""
-        with _Runs(self, NONE) as runs:
-            return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells())
+        runs = self._runs(NONE)
+        return runs.each(lambda cell: runs.errors(*cell, NONE), self._cells())
+
+    @cached_property
+    def _mean_without(self) -> dict[tuple[str, str], Errors]:
+        """The same where it was needed over several levels of friction, by drive and command."""
+        return {}
+
+    @cached_property
+    def _prepared(self) -> dict[object, _Runs]:
+        """Loops by the models and parameters of their compensators."""
+        return {}
+
+    def _runs(self, variant: Variant, laws: Iterable[str] | None = None) -> _Runs:
+        """Return the loops of a variant, prepared for drives of some laws, by default of all."""
+        key = tuple((one.name, one.model, one.file, *sorted(one.values)) for one in variant.chain)
+        runs = self._prepared.get(key)
+        if runs is None:
+            runs = self._prepared[key] = _Runs(self, variant)
+        for law in self.laws if laws is None else laws:
+            runs.prepare(law)
+        return runs
+
+    def close(self) -> None:
+        """Free the FMUs."""
+        for runs in self._prepared.values():
+            runs.close()
+        self._prepared.clear()
 
     def benefits(
         self, variants: Iterable[Variant], shares: Sequence[float] = SHARES
     ) -> tuple[Benefit, ...]:
         """Try each variant, with the largest acceptable one of the shares of its feedforward."""
         return tuple(self._benefit(variant, shares) for variant in variants)
+
+    def quick_ratio(self, variant: Variant, drives: int) -> float:
+        """Return the geometric mean of the ratios of single runs on the first drives."""
+        some = zip(self._cells(), self._without, strict=True)
+        cells = list(islice(some, drives * len(self.commands)))
+        runs = self._runs(variant, dict.fromkeys(drive.law for (drive, _), _ in cells))
+        rows = runs.each(lambda one: _rows(*one[0], one[1], runs.errors(*one[0], variant)), cells)
+        return geometric_mean(tuple(chain.from_iterable(rows)))
 
     def is_worse(self, variant: Variant, row: Tried) -> bool:
         """Tell whether a variant is worse than none where another one's row was tried."""
@@ -258,11 +322,17 @@ class Bench:
             for cell in self._cells()
             if (cell[0].name, cell[1].name) == (row.drive, row.command)
         )
-        with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
-            without = self._without[list(self._cells()).index(cell)]
-            rows = _rows(*cell, without, runs.errors(*cell, variant))
-            means = partial(none.means, *cell, NONE), partial(runs.means, *cell, variant)
-            return any(one.is_worse for one in _repeated(rows, *means))
+        runs = self._runs(variant, [cell[0].law])
+        without = self._without[list(self._cells()).index(cell)]
+        rows = _rows(*cell, without, runs.errors(*cell, variant))
+        means = partial(self._without_means, *cell), partial(runs.means, *cell, variant)
+        return any(one.is_worse for one in _repeated(rows, *means))
+
+    def _without_means(self, drive: Drive, command: Command) -> Errors:
+        key = drive.name, command.name
+        if key not in self._mean_without:
+            self._mean_without[key] = self._runs(NONE, [drive.law]).means(drive, command, NONE)
+        return self._mean_without[key]
 
     def _cells(self) -> Iterator[tuple[Drive, Command]]:
         for drive in self.drives:
@@ -272,37 +342,33 @@ class Bench:
     def _benefit(self, variant: Variant, shares: Sequence[float]) -> Benefit:
         unit = "mrad/s" if self.rotary else "mm/s"
         cells = list(zip(self._cells(), self._without, strict=True))
-        with _Runs(self, variant) as runs, _Runs(self, NONE) as none:
+        runs = self._runs(variant)
 
-            def tried(k: int, share: float) -> Rows:
-                cell, errors = cells[k]
-                return _rows(*cell, errors, runs.errors(*cell, variant.share(self.law, share)))
+        def tried(k: int, share: float) -> Rows:
+            cell, errors = cells[k]
+            return _rows(*cell, errors, runs.errors(*cell, variant.share(self.law, share)))
 
-            whole = runs.each(partial(tried, share=1.0), range(len(cells)))
-            full = tuple(chain.from_iterable(whole))
+        whole = runs.each(partial(tried, share=1.0), range(len(cells)))
+        full = tuple(chain.from_iterable(whole))
 
-            @cache
-            def without(k: int) -> Errors:
-                return none.means(*cells[k][0], NONE)
+        def checked(k: int, share: float) -> Rows:
+            (cell, _), rows = cells[k], whole[k] if share == 1.0 else tried(k, share)
+            shared = variant.share(self.law, share)
+            means = partial(self._without_means, *cell), partial(runs.means, *cell, shared)
+            return _repeated(rows, *means)
 
-            def checked(k: int, share: float) -> Rows:
-                rows = whole[k] if share == 1.0 else tried(k, share)
-                shared = variant.share(self.law, share)
-                means = partial(without, k), partial(runs.means, *cells[k][0], shared)
-                return _repeated(rows, *means)
-
-            # Where the whole force harms most, a share fails first.
-            order = sorted(range(len(cells)), key=lambda k: -max(one.ratio for one in whole[k]))
-            for share in shares if variant.has_feedforward else shares[:1]:
-                rows: dict[int, Rows] = {}
-                for begin in range(0, len(order), self.workers):
-                    some = order[begin : begin + self.workers]
-                    rows |= zip(some, runs.each(partial(checked, share=share), some), strict=True)
-                    if any(one.is_worse for k in some for one in rows[k]):
-                        break
-                else:
-                    found = chain.from_iterable(rows[k] for k in range(len(cells)))
-                    return Benefit(share, tuple(found), full, unit, variant)
+        # Where the whole force harms most, a share fails first.
+        order = sorted(range(len(cells)), key=lambda k: -max(one.ratio for one in whole[k]))
+        for share in shares if variant.has_feedforward else shares[:1]:
+            rows: dict[int, Rows] = {}
+            for begin in range(0, len(order), self.workers):
+                some = order[begin : begin + self.workers]
+                rows |= zip(some, runs.each(partial(checked, share=share), some), strict=True)
+                if any(one.is_worse for k in some for one in rows[k]):
+                    break
+            else:
+                found = chain.from_iterable(rows[k] for k in range(len(cells)))
+                return Benefit(share, tuple(found), full, unit, variant)
         return Benefit(1.0, full, full, unit, variant)
 
 
@@ -344,21 +410,23 @@ class _Runs(ExitStack):
             else {"drive.v": command.v_cmd}
             for command in bench.commands
         }
-        self.simulations = {
-            name: self.enter_context(
-                Runs(
-                    cosim.Specification(
-                        build_loop(bench.folder_of(name), loop, variant.chain, bench.feed),
-                        step=loop.T_s,
-                        stop=(self.n - 1) * loop.T_s,
-                        record=("drive.v", "drive.x"),
-                    ),
-                    bench.workers,
-                )
-            )
-            for name in bench.laws
-        }
+        self.bench, self.chain = bench, variant.chain
+        self.simulations: dict[str, Runs] = {}
+        self.prepare(bench.law.name)
         self.each = self.simulations[bench.law.name].each
+
+    def prepare(self, law: str) -> None:
+        """Prepare the loop with drives of a law, once."""
+        if law in self.simulations:
+            return
+        bench = self.bench
+        specification = cosim.Specification(
+            build_loop(bench.folder_of(law), bench.loop, self.chain, bench.feed),
+            step=self.T_s,
+            stop=(self.n - 1) * self.T_s,
+            record=("drive.v", "drive.x"),
+        )
+        self.simulations[law] = self.enter_context(Runs(specification, bench.workers))
 
     def errors(self, drive: Drive, command: Command, variant: Variant) -> Errors:
         """Return the RMS of v - v_cmd [m/s], or those of a cascade against its targets.

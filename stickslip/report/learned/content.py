@@ -15,6 +15,7 @@ from stickslip.identification.criteria.output_error import OutputError
 from stickslip.identification.estimation import Estimation, Identifiability
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, LEVELS, NOT_IDENTIFIABLE
 from stickslip.logs import Finding
+from stickslip.pipeline.candidates import Compared
 from stickslip.pipeline.observed import Observed
 from stickslip.report.learned.figures import (
     draw_force,
@@ -148,8 +149,10 @@ def _exponent(estimation: Estimation) -> str:
     return f" Friction falls with speed by exp(−{power}), rather than with the exponent {other}."
 
 
-def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
-    """Return the section with the table of tracking errors, and what an observer adds."""
+def compensation(
+    benefit: Benefit, observed: Observed | None = None, compared: Compared | None = None
+) -> Section:
+    """Return the section with the table of tracking errors, and what other parts leave."""
     verdict = "The error is nowhere larger than 1.005 times that without the compensator."
     if not benefit.acceptable:
         verdict = f"The compensator increases the tracking error: {benefit.reason}."
@@ -183,8 +186,34 @@ def compensation(benefit: Benefit, observed: Observed | None = None) -> Section:
             f"moves of a few presliding deflections, and short moves. {verdict}"
         ),
         *tables,
-        *(_observer(observed) if observed else ()),
+        *(_compared(compared) if compared else _observer(observed) if observed else ()),
     )
+
+
+def _compared(compared: Compared) -> list[Html]:
+    """Return what each compensator leaves of the error of none."""
+    sizes = ("fitted", "mean", "worst", "Ms")
+    rows = [
+        (
+            one["compensator"],
+            *(number(one[name], 3) for name in sizes),
+            "yes" if one["acceptable"] else "no",
+        )
+        for one in compared.table().to_dict("records")
+    ]
+    return [
+        paragraph(
+            f"Compensators that were tried on the same drives: {compared.sentence}. The peak"
+            f" sensitivity $M_s$ of the loop is the largest for all masses that the log"
+            f" allows; with an observer, at most {LIMIT:g}."
+        ),
+        table(
+            ("Compensator", "Fitted drive", "Mean", "Worst", "$M_s$", "Never worse"),
+            rows,
+            "Tracking error of the simulated drives relative to that without compensation",
+            (0, 5),
+        ),
+    ]
 
 
 def _observer(observed: Observed) -> list[Html]:
@@ -192,6 +221,7 @@ def _observer(observed: Observed) -> list[Html]:
     if observed.designed is None:
         return [paragraph(f"There is {observed.reason}.")]
     designed = observed.designed
+    share = dict(designed.observer.values)["share"]
     rows = [
         (
             one["part"],
@@ -204,7 +234,7 @@ def _observer(observed: Observed) -> list[Html]:
         paragraph(
             "A disturbance observer estimates from encoder and motor force what the feedforward "
             "leaves, without a model of friction, and compensates "
-            f"{percentage(designed.observer.share)} of it. It is feedback: with it the peak "
+            f"{percentage(share)} of it. It is feedback: with it the peak "
             f"sensitivity of the loop is {number(designed.sensitivity, 3)} instead of "
             f"{number(designed.without, 3)}, at most {LIMIT:g} for all masses that the log allows. "
             f"Recommended: {observed.recommended or 'none of them'}."

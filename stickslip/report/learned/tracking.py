@@ -31,6 +31,7 @@ def tracking_section(
     share: float = 1.0,
     *,
     observed: bool = False,
+    compared: bool = False,
     refusal: str = "",
 ) -> Section:
     """Return the section.
@@ -39,6 +40,7 @@ def tracking_section(
     ----------
     share : of the compensator's force
     observed : whether an observer was designed, which another section shows
+    compared : whether other compensators were tried, which that section shows
     refusal : why the compensator is not written; empty where it is
     """
     errors = tracking.errors()
@@ -58,7 +60,9 @@ def tracking_section(
     measured = ("Measured, log",) if tracking.measured else ()
     head = ("Error", "", *measured, *HEADS, "Reduction")
     part = "" if share == 1.0 else f" The compensator gives {percentage(share)} of its force."
-    if observed:
+    if compared:
+        part += " It is that of the law alone; “Whether compensation helps” has what is written."
+    elif observed:
         part += " It is the feedforward alone; “Whether compensation helps” has the observer, too."
     refused = [paragraph(f"compensator.fmu is not written: {refusal}.")] if refusal else []
     return Section(

@@ -1,0 +1,154 @@
+"""What ``stickslip learn --compensator auto`` writes, tried on the drives that made the logs.
+
+    python -m tests.recommended --drives lugre gms --out recommended
+
+Each drive is recorded with noise along the planned experiment. The compensators that ``learn``
+writes by default, with ``auto``, and with ``auto`` for a controller without motor force then run in
+its loop. A row has the ratio of the RMS of v - v_cmd to that without compensation, on each command.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from stickslip.fmi.process import temporary_folder
+from stickslip.logs import aligned, samples_late
+from stickslip.pipeline.compensator_trial import loops_of_log, try_compensator
+from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
+from stickslip.pipeline.log_learning import read_and_check
+from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER
+from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from tests.fault_matrix.drives import Drive
+from tests.fault_matrix.recordings import SOUND, record
+from tests.never_worse import Drive as Commanded
+from tests.never_worse import commands
+
+LIGHT = {"m": 0.8, "F_c": 1.5, "F_s": 2.4, "v_s": 2e-3, "sigma_0": 1e5, "sigma_1": 300.0}
+DRIVES = {
+    **{law: Drive(law) for law in ("lugre", "dahl", "gms", "coulomb_stribeck")},
+    **{law: Drive(law) for law in ("elasto_plastic", "leuven")},
+    "lugre, 0.8 kg": Drive(parameters=LIGHT),
+    "lugre, along the guide": Drive(
+        parameters={"position_dependent": True, "position_amplitude": 0.15}
+    ),
+}
+WAYS = {
+    "default": {},
+    "auto": {"compensator": "auto"},
+    "auto, no motor force": {"compensator": "auto", "absent": ("motor_force",)},
+}
+LEVELS = (0.7, 1.0, 1.3)
+"""Friction of the drive afterwards, relative to that at the log."""
+SEEDS = (1, 2, 3)
+
+
+def main() -> None:
+    """Record, learn, try, and print a row for each drive, level and way."""
+    parser = argparse.ArgumentParser(prog="python -m tests.recommended", description=__doc__)
+    parser.add_argument("--drives", nargs="+", choices=DRIVES, default=list(DRIVES))
+    parser.add_argument("--law", default="lugre", help="learned, or auto")
+    parser.add_argument("--out", type=Path, default=Path("recommended"), metavar="DIR")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    rows: list[dict[str, object]] = []
+    for name in options.drives:
+        rows += tried(name, DRIVES[name], options.law, options.out)
+        pd.DataFrame(rows).to_csv(options.out / "recommended.csv", index=False)
+
+
+def tried(name: str, drive: Drive, law: str, out: Path) -> Iterator[dict[str, object]]:
+    """Yield a row for each way and level of friction."""
+    with temporary_folder() as folder:
+        build_fmus(folder, {"law": drive.law})
+        log, description = record(folder, drive, SOUND, seed=0)
+        path = out / "log.csv"
+        log.to_csv(path, index=False)
+        reading, findings = read_and_check(path, description)
+        recording = aligned(reading.recording, samples_late(reading.recording))
+        reading = replace(reading, recording=recording)
+        gains, design = reading.controller.parameters(), partial(loops_of_log, reading)
+        learned = learn_recording(recording, gains, design, findings, law=law)
+    for way, asked in WAYS.items():
+        begin = time.process_time()
+        one = try_compensator(reading, learned, **asked)
+        seconds = time.process_time() - begin
+        compared = one.trial.compared if one.trial else None
+        chosen = compared.chosen.name if compared else one.writes()
+        family = one.trial.benefit.mean_ratio if one.trial else np.nan
+        if compared:
+            family = compared.chosen.mean
+        elif one.trial and one.trial.observed:
+            family = {p: b.mean_ratio for p, b in one.trial.observed.parts.items()}.get(
+                one.writes(), 1.0
+            )
+        if compared and way == "auto":
+            print(compared.table().round(3).to_string(index=False), flush=True)
+        ratios = on_drive(drive, written(one), one.estimation.law.name)
+        for level, of in ratios.items():
+            mean = float(np.exp(np.mean(np.log(list(of.values())))))
+            row = {"drive": name, "way": way, "chosen": chosen, "family": family, "level": level}
+            yield {**row, "mean": mean, "worst": max(of.values()), **of, "cpu": seconds}
+            print(
+                f"{name:24} {way:22} {chosen:24} family {family:.3f} friction x {level:g}: mean "
+                f"{mean:.3f} worst {max(of.values()):.3f} {seconds:.1f} s",
+                flush=True,
+            )
+
+
+def written(learned: LearnedFromRecording) -> list[Compensator]:
+    """Return the compensators that ``learn`` writes."""
+    what = learned.writes()
+    found = [learned.feedforward] if what in (FEEDFORWARD, BOTH) else []
+    return found + ([learned.observer] if learned.observer and what in (OBSERVER, BOTH) else [])
+
+
+def on_drive(
+    drive: Drive, chain: Sequence[Compensator], law: str
+) -> dict[float, Mapping[str, float]]:
+    """Return the ratios of the errors with and without compensators by level and command."""
+    of_length = {name: drive.start[name] for name in ("F_c", "sigma_0") if name in drive.start}
+    given = dict(commands(Commanded("", of_length)))
+    found: dict[float, Mapping[str, float]] = {}
+    with temporary_folder() as folder:
+        build_fmus(folder, {"law": drive.law, **drive.parameters}, law)
+        for level in LEVELS:
+            errors = [_errors(folder, drive, one, given, level) for one in ([], chain)]
+            found[level] = {name: errors[1][name] / errors[0][name] for name in given}
+    return found
+
+
+def _errors(
+    fmus: Path,
+    drive: Drive,
+    chain: Sequence[Compensator],
+    given: Mapping[str, np.ndarray],
+    level: float,
+) -> dict[str, float]:
+    """Return the RMS of v - v_cmd [m/s] by command, over several seeds of the noise."""
+    loop, errors = drive.loop, {}
+    system = build_loop(fmus, loop, chain)
+    longest = max(map(len, given.values()))
+    with system.prepare(
+        step=loop.T_s, stop=(longest - 1) * loop.T_s, record=("drive.v",)
+    ) as simulation:
+        for name, v_cmd in given.items():
+            longer = np.pad(v_cmd, (0, longest - len(v_cmd)), mode="edge")
+            until, squares = (len(v_cmd) - 1) * loop.T_s, []
+            for seed in SEEDS:
+                values = {"drive.noise": True, "drive.seed": seed, **drive.at(level)}
+                v = simulation.run(values, loop.commands(longer), until=until)["drive.v"]
+                squares.append(np.mean((v[: len(v_cmd)] - v_cmd) ** 2))
+            errors[name] = float(np.sqrt(np.mean(squares)))
+    return errors
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""Compensators that ``learn`` compares on the drives that a log supports."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+
+import pytest
+
+from stickslip.catalog.parameters import friction_law
+from stickslip.errors import UsageError
+from stickslip.evaluation.arena.entrants import parts
+from stickslip.evaluation.guards import Known, Tried, bench_of, best_of, family, feedforward
+from stickslip.evaluation.guards.benefit import Benefit
+from stickslip.pipeline.candidates import SAME, Compared, Row, compare, law_of, offered
+from stickslip.servo.axis import Axis
+from stickslip.servo.chain_response import frequencies
+from stickslip.servo.datasheet import VALIDATION, Datasheet
+from stickslip.servo.observer import LIMIT
+from stickslip.servo.sensitivity import Opened
+from stickslip.servo.velocity_filter import Observer, VelocityFilter
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+
+AXIS = Axis(80.0, 100.0, 1e-3)
+FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}
+LAW = friction_law()
+LOOP = design_velocity_loop(AXIS, LoopSpecification(30.0, 55.0, 5e-4, 1e-3))
+MASSES = (0.9, 1.0, 1.2)
+FEEDFORWARDS = {"static", *("lugre", "dahl", "gms", "coulomb_stribeck", "leuven")}
+
+
+@pytest.fixture(scope="module")
+def compared():
+    """Return a function that compares compensators on three drives and two commands."""
+    command = replace(VALIDATION, height=0.2, slope=5 * VALIDATION.slope)
+    sheet = Datasheet(peak_force=1e4, tau_i=AXIS.tau_i, encoder_step=1e-7)
+    drives = family(LAW, FRICTION, command, Known())[:3]
+    with (
+        bench_of(LAW, LOOP, FRICTION, drives, command, sheet) as whole,
+        closing(replace(whole, commands=whole.commands[1::2])) as bench,
+    ):
+        own = best_of(bench.benefits([feedforward(FRICTION)]))
+        yield lambda *asked: compare(bench, own, FRICTION, MASSES, *asked)
+
+
+def test_the_best_is_chosen_and_robust(compared):
+    found = compared()
+    rows = {row.name: row for row in found.rows}
+    assert {"none", "static", "lugre"} < set(rows)
+    assert {row.simplicity for row in found.rows} == {0, 1, 2, 3, 4}
+    assert found.chosen.acceptable
+    assert found.chosen.mean <= (1.0 + SAME) * min(r.mean for r in found.rows if r.acceptable)
+    assert all(row.sensitivity <= LIMIT for row in found.rows)
+    assert found.simpler.simplicity < found.chosen.simplicity
+    assert f"{found.simpler.name}, leaves {found.simpler.mean:.3g}" in found.sentence
+
+
+def test_the_sensitivity_is_that_of_the_linear_loop(compared):
+    row = compared("ekbf").chosen
+    values = row.observed.designed.observer.parameters(LOOP)
+    gains = {name: values[name] for name in ("L_x", "L_v", "L_d")}
+    observer = Observer(VelocityFilter(AXIS, LOOP.T_s, **gains), values["share"])
+    loops = [Opened(LOOP, k * AXIS.m, frequencies(LOOP)) for k in MASSES]
+    peak = max(loop.response(observer).peak for loop in loops)
+    assert row.sensitivity == pytest.approx(peak, rel=1e-3)
+    assert row.choice == "observer"
+
+
+def test_a_combination_keeps_the_acceptable_share_of_its_feedforward(compared):
+    found = compared("static+friedland_park")
+    static, both = found.rows[1:]
+    assert (static.name, both.name) == ("static", "static+friedland_park")
+    assert both.benefit.share == static.benefit.share
+    first, second = both.benefit.variant.chain
+    assert (first.model, second.model) == ("static_feedforward", "momentum_observer")
+    assert both.mean < static.mean
+    assert both.choice == "feedforward + observer"
+
+
+def test_without_signals_only_feedforward_is_tried(compared):
+    names = {row.name for row in compared("auto", ("encoder", "motor_force")).rows}
+    assert names == {"none", "static", "lugre"}
+
+
+@pytest.mark.parametrize("law", ["lugre", "dahl", "gms", "leuven"])
+def test_what_is_offered_needs_no_training_and_no_other_law(law):
+    found = offered(friction_law(law))
+    assert FEEDFORWARDS & found.keys() == {"static", law}
+    assert {"ekbf", "dob", "friedland_park", "amin", "tafazoli"} <= found.keys()
+    assert not any(parts()[name].learns for name in found)
+    assert offered(friction_law(law), ["motor_force"]).keys() <= {"static", law, "lugre_observer"}
+
+
+def row(name: str, simplicity: int, *ratios: float) -> Row:
+    rows = tuple(Tried(0.01, "drive", 1.0, ratio) for ratio in ratios)
+    return Row(name, simplicity, 1.3, Benefit(1.0, rows, rows))
+
+
+def test_a_tie_goes_to_the_simpler_and_what_harms_is_not_chosen():
+    none = Row("none", 0, 1.3)
+    law, observer, both = row("lugre", 2, 0.5), row("ekbf", 3, 0.4), row("both", 4, 0.39)
+    assert Compared((none, law, observer, both)).chosen == observer
+    assert Compared((none, law, replace(both, simplicity=4))).simpler == law
+    harms = row("amin", 3, 0.01, 1.01)
+    assert Compared((none, law, harms)).chosen == law
+    assert "lugre leaves 0.5" in Compared((none, law, harms)).sentence
+    assert Compared((none, harms)).chosen == none
+    assert Compared((none, row("static", 1, 0.96))).chosen == none
+    assert Compared((none, harms), "amin").chosen == harms
+    assert "worse than no compensator" in Compared((none, harms), "amin").sentence
+
+
+def test_the_law_is_that_of_the_compensator():
+    assert law_of("dahl+ekbf", "auto") == "dahl"
+    assert law_of("static+ekbf", "auto") == "auto"
+    assert law_of("", "gms") == law_of("auto", "gms") == "gms"
+    with pytest.raises(UsageError, match="'gms': --law is lugre"):
+        law_of("gms", "lugre")
