@@ -67,7 +67,7 @@ def main() -> None:
 def tried(name: str, drive: Drive, law: str, out: Path) -> Iterator[dict[str, object]]:
     """Yield a row for each way and level of friction."""
     with temporary_folder() as folder:
-        build_fmus(folder, {"law": drive.law})
+        build_fmus(folder, {"law": drive.law, **drive.parameters})
         log, description = record(folder, drive, SOUND, seed=0)
         path = out / "log.csv"
         log.to_csv(path, index=False)

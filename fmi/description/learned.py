@@ -2,7 +2,8 @@
 
     <VendorAnnotations><Tool name="stickslip">               in FMI 2.0
     <Annotations><Annotation type="stickslip">               in FMI 3.0
-        <Learned model="lffc" parameter="w_0" variable="w"/>
+        <Learned model="lffc">
+            <State parameter="w_0" variable="w"/>
 
 ``parameter`` takes over the value that ``variable`` has at the end of another run; of arrays, all
 elements.
@@ -21,8 +22,8 @@ from stickslip.fmi.messages import shown
 ANNOTATION = "stickslip"
 """Name of the tool in FMI 2.0, type of the annotation in FMI 3.0."""
 _PLACES = (
-    f"VendorAnnotations/Tool[@name='{ANNOTATION}']/Learned",
-    f"Annotations/Annotation[@type='{ANNOTATION}']/Learned",
+    f"VendorAnnotations/Tool[@name='{ANNOTATION}']/Learned/State",
+    f"Annotations/Annotation[@type='{ANNOTATION}']/Learned/State",
 )
 
 
@@ -44,7 +45,7 @@ def read_learned(root: Any, variables: Mapping[str, Variable]) -> Learned:
     """Return what the annotation of a description says."""
     model, found = "", dict[str, str]()
     for element in (each for place in _PLACES for each in root.iterfind(place)):
-        model = element.get("model", "")
+        model = element.getparent().get("model", "")
         ends = [element.get(end, "") for end in ("parameter", "variable")]
         parameters, learned = (_elements(end, variables) for end in ends)
         if not parameters or len(parameters) != len(learned):

@@ -119,14 +119,9 @@ def _add_learned(root: ET.Element, model: Model, place: str, tag: str, **named: 
     """Note which parameters take over what a run has learned."""
     if model.ports is not None and model.ports.learned:
         annotation = child(child(root, place), tag, **named)
+        learned = child(annotation, "Learned", model=model.folder.name)
         for parameter, variable in model.ports.learned.items():
-            child(
-                annotation,
-                "Learned",
-                model=model.folder.name,
-                parameter=parameter,
-                variable=variable,
-            )
+            child(learned, "State", parameter=parameter, variable=variable)
 
 
 def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:

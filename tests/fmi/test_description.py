@@ -164,7 +164,8 @@ def test_the_sound_fmu_is_sound(version):
 
 def annotated(version, parameter, variable):
     """Return a description whose annotation says what is learned."""
-    entry = f'<Learned model="a" parameter="{parameter}" variable="{variable}"/>'
+    state = f'<State parameter="{parameter}" variable="{variable}"/>'
+    entry = f'<Learned model="a">{state}</Learned>'
     if version == 2:
         place, tool = "<ModelVariables>", f'<Tool name="stickslip">{entry}</Tool>'
         return read(2, (place, f"<VendorAnnotations>{tool}</VendorAnnotations>{place}"))

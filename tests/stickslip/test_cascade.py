@@ -15,7 +15,6 @@ from stickslip.logs.controller import Controller
 from stickslip.logs.reading import read_recording, with_velocity_command
 from stickslip.pipeline.log_learning import learn
 from stickslip.pipeline.log_validation import read_log
-from stickslip.pipeline.observed import FEEDFORWARD
 from stickslip.planning import LINEAR, plan
 from stickslip.results.learned import LearnedFile, loop_document
 from stickslip.servo.axis import Axis
@@ -123,7 +122,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     pd.DataFrame(log).to_csv(tmp_path / "log.csv", index=False)
     gains = {key: getattr(loop, key) for key in ("K_x", "K_p", "K_i", "tau_f")}
     given = Description(controller="P-PI", gains=gains, tau_i=start["tau_i"])
-    learned = learn(tmp_path / "log.csv", given, compensation=FEEDFORWARD)
+    learned = learn(tmp_path / "log.csv", given, compensator="lugre")
     assert learned.estimation.criterion == "output error"
     known = learned.estimation.known
     for key in ("m", "b", "F_c"):

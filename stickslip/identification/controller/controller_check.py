@@ -89,7 +89,8 @@ def check_controller(
             form = ", ".join(filter(None, (check.form, LIMITED)))
             limits = np.quantile(np.abs(force), LEVELS)
             limited = [compared({**trials[check.form], "u_max": at}, form) for at in limits]
-            check = _believed(check, min(limited, key=lambda check: check.error))
+            best = min(limited, key=lambda check: check.error)
+            check = best if best.error <= AGREES else check
     return replace(check, factor=_factor(force, T_s, check))
 
 

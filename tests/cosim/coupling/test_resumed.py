@@ -27,9 +27,10 @@ COUPLINGS = [
 def test_bit_for_bit_with_every_coupling(two_masses, linear, tmp_path, version, coupling, record):
     system = two_masses.system(linear, version)
     if not coupling.every:
-        system.add("loop", linear(version, "d11"), {"d11": 0.5, "cubic": 0.1, "f1": 1.0})
-        system.connect("loop.y1", "loop.u1")  # a loop of its own, nonlinear, and a signal from
-        system.expose("x", "loop.u2")  # outside
+        system.add("loop", linear(version, "d11"), {"d11": 0.5, "cubic": -0.01, "f1": 1.0})
+        # A nonlinear loop of its own, whose gain is below 1 for Jacobi, and a signal from outside.
+        system.connect("loop.y1", "loop.u1")
+        system.expose("x", "loop.u2")
     inputs = {"x": np.sin} if system.inputs else {}
     stop = 0.84 if coupling.every else STOP
     spec = {"step": STEP, "stop": stop, "coupling": coupling, "record": record}
