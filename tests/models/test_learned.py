@@ -53,7 +53,7 @@ def inputs(prepared, given):
 
 @pytest.mark.parametrize("name", LEARNERS)
 def test_what_is_learned_starts_the_next_run_bit_for_bit(fmus, fmus_3, name):
-    """The same in FMI 2.0, FMI 3.0 and a process of its own; a run without it begins anew."""
+    """The same in FMI 2.0, FMI 3.0 and a process of its own; a run without it begins untrained."""
     n = 1000
     moving, still = signals(motion(n)), signals(np.zeros(n))
     found = []
