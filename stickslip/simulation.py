@@ -14,7 +14,6 @@ from stickslip.default_input import packed_input
 from stickslip.errors import UsageError
 
 _STEPS = 500  # of a run for which no step is proposed
-_VARYING = {"continuous", "discrete"}
 
 
 def simulate(
@@ -166,20 +165,16 @@ class Model:
     ) -> cosim.Record:
         """Return what to record; names are qualified.
 
-        By default outputs and exposed inputs, and where there are none, all variables.
+        By default outputs and exposed inputs, and where there are no outputs, local variables.
         """
-        qualified = [self.qualified(name) for name in names] if names else self.without_outputs()
+        qualified = [self.qualified(name) for name in names] if names else None
         return cosim.Record(qualified, every, keep)  # type: ignore[arg-type]
 
-    def without_outputs(self) -> list[str] | None:
-        """Return all variables of a system without outputs and exposed inputs; else None."""
-        variables = [
-            (c, v) for c, part in self.system.components.items() for v in part.variables.values()
-        ]
-        if self.system.inputs or any(v.causality == "output" for _, v in variables):
-            return None
-        kept = [f"{c}.{v.name}" for c, v in variables if v.is_plain and v.variability in _VARYING]
-        return kept or None
+    @property
+    def has_outputs(self) -> bool:
+        """Whether a component has an output; else local variables are recorded."""
+        parts = self.system.components.values()
+        return any(v.causality == "output" for part in parts for v in part.variables.values())
 
     def set(self, name: str, value: object) -> None:
         """Give a variable a start value, or the one that an exposed input is connected to."""

@@ -42,9 +42,9 @@ class RealTimePacing:
     @classmethod
     def of(cls, real_time: Self | float) -> Self:
         """Return pacing that has counted nothing yet, given as itself or as its speed."""
-        if not isinstance(real_time, cls):
-            return cls(real_time)  # type: ignore[arg-type]
-        return replace(real_time, looks=0, overruns=0, worst=0.0)
+        if isinstance(real_time, RealTimePacing):
+            return replace(real_time, looks=0, overruns=0, worst=0.0)
+        return cls(real_time)
 
     def begin(self, t: float) -> None:
         """Start the clock at a simulated time (s)."""

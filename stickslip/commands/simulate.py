@@ -161,8 +161,8 @@ def _warn(
             f"inputs that stay at their start values: {names}; give them signals by --input "
             "FILE.csv, or constants by --set"
         )
-    if not options.record and (unknown := model.without_outputs()):
-        warn(f"{options.file}: no outputs and no inputs; all {len(unknown)} variables are recorded")
+    if not options.record and not model.has_outputs:
+        warn(f"{options.file}: there are no outputs; local variables are recorded")
     if options.step is None and model.experiment.step is None:
         LOG.info("%s: the file proposes no step; %g s is used", options.file, step)
 
