@@ -1,4 +1,4 @@
-"""An FMU: a file of FMI 2.0 or 3.0, checked, unpacked and described."""
+"""An FMU: a file of FMI 1.0, 2.0 or 3.0, checked, unpacked and described."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Fmu(Component):
     interfaces : all it has that can be run here
     interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
-    version : 2 or 3
+    version : 2 or 3; FMI 1.0 is run through the functions of FMI 2.0, see ``fmi1.c``
     description : all that was read of it
     name : of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
@@ -88,7 +88,7 @@ class Fmu(Component):
         self.label = self.path.name
         self.folder, description = described(self.path)
         self.description = description
-        self.version = description.version
+        self.version = max(2, description.standard)
         self.name = description.name or self.path.stem
         self.token = description.token
         self.interfaces, self.interface = self._choose(description, interface)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, flags, **FLAG)
     limit = {"--timeout S": "time limit of the binary for one rule"}
     add_options(parser, limit, type=float, default=20.0)
+    total = {"--total S": "time limit for each file; what is known by then is printed"}
+    add_options(parser, total, type=float, default=math.inf)
     parser.set_defaults(run=run)
 
 
@@ -32,7 +35,7 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip import fmucheck
 
     reports = [
-        fmucheck.check(path, run=not options.no_run, timeout=options.timeout)
+        fmucheck.check(path, run=not options.no_run, timeout=options.timeout, total=options.total)
         for path in options.files
     ]
     for report in reports:
@@ -55,5 +58,9 @@ def _print(report: Report) -> None:
             f"  {finding.severity!s:7}  {finding.rule:{width}}  {finding.place}: {finding.message}"
         )
         indent = " " * (11 + width)
+        if finding.others:
+            shown = ", ".join(finding.others[:3])
+            dots = ", ..." if finding.count > 4 else ""
+            print(f"{indent}  {finding.count} times, also at {shown}{dots}")
         section = f"  [{finding.section}]" if finding.section else ""
         print(f"{indent}  -> {finding.advice}{section}")
