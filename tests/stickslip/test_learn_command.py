@@ -82,7 +82,9 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
+    monkeypatch.setattr(
+        "stickslip.identification.estimation.Search", partial(Search, evaluations=40)
+    )
     arguments = ["learn", "--log", str(log), *TWO_SEEDS]
     own = tmp_path / "out" / "learning.checkpoint.json"
     path = tmp_path / "mine.json" if named else own
