@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from stickslip import fmucheck
@@ -22,13 +23,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, flags, **FLAG)
     limit = {"--timeout S": "time limit of the binary for one rule"}
     add_options(parser, limit, type=float, default=20.0)
+    total = {"--total S": "time limit for each file; what is known by then is printed"}
+    add_options(parser, total, type=float, default=math.inf)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Print what was found; status 1 if any of it is an error."""
     reports = [
-        fmucheck.check(path, run=not options.no_run, timeout=options.timeout)
+        fmucheck.check(path, run=not options.no_run, timeout=options.timeout, total=options.total)
         for path in options.files
     ]
     for report in reports:
@@ -48,5 +51,9 @@ def _print(report: Report) -> None:
             f"  {finding.severity!s:7}  {finding.rule:{width}}  {finding.place}: {finding.message}"
         )
         indent = " " * (11 + width)
+        if finding.others:
+            shown = ", ".join(finding.others[:3])
+            dots = ", ..." if finding.count > 4 else ""
+            print(f"{indent}  {finding.count} times, also at {shown}{dots}")
         section = f"  [{finding.section}]" if finding.section else ""
         print(f"{indent}  -> {finding.advice}{section}")
