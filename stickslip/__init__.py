@@ -34,13 +34,15 @@ _PLACES = {
     "stickslip.results.learned_folder": ("write_learned",),
     "stickslip.planning": ("Limits", "plan"),
     "stickslip.report.bode": ("draw_bode",),
-    "stickslip.servo": (
-        *("Axis", "LoopSpecification", "VelocityLoop"),
-        *("close_velocity_loop", "design_velocity_filter", "design_velocity_loop"),
-    ),
+    "stickslip.servo.axis": ("Axis",),
     "stickslip.servo.closed_loop": ("closed_loop", "robustness"),
     "stickslip.servo.observer": ("design_observer",),
+    "stickslip.servo.specification": ("LoopSpecification",),
     "stickslip.servo.systems": ("Compensator", "nominal_parameters"),
+    "stickslip.servo.velocity_filter": ("design_velocity_filter",),
+    "stickslip.servo.velocity_loop": (
+        *("VelocityLoop", "close_velocity_loop", "design_velocity_loop"),
+    ),
     "stickslip.simulation": ("simulate",),
     "stickslip.sweeping": ("optimise", "sweep"),
 }

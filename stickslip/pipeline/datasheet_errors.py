@@ -17,8 +17,9 @@ from stickslip.evaluation.validation import Validation, run_command, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 

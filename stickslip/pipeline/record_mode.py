@@ -22,10 +22,12 @@ from stickslip.pipeline.learned import LearnedFromRecording, Loops, learn_record
 from stickslip.pipeline.reproduction import Options, Progress, Reproduced, build_rig, validated
 from stickslip.pipeline.tables import table2_of_recording
 from stickslip.planning import plan
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.rig import Rig
-from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.tuning.execution import Execution
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)

@@ -23,7 +23,8 @@ from stickslip.identification.stages import Estimate, Identification, identify
 from stickslip.pipeline.learned import Learned, Loops
 from stickslip.pipeline.steps import with_steps
 from stickslip.pipeline.tables import table2
-from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
 from stickslip.tuning.coarse_start import coarsened

@@ -19,7 +19,8 @@ from stickslip.pipeline.learned import Learned
 from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.pipeline.reproduction import Extras, Options, Progress, Reproduction, reproduce
 from stickslip.pipeline.steps import TRAPEZOID, steps, with_steps
-from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.rig import Rig
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution

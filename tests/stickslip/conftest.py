@@ -16,7 +16,8 @@ from stickslip.pipeline.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.report.page import Picture
 from stickslip.results.reproduction_folder import write_results
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.rig import Rig, rig_of
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop

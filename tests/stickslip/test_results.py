@@ -13,7 +13,8 @@ from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
 from stickslip.evaluation.validation import run_command
-from stickslip.servo.datasheet import TRAINING, Datasheet
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.rig import Rig
 
 FILES = {

@@ -19,8 +19,8 @@ from stickslip.evaluation.motions import Span, regions_after, windows
 from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
-from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import repair

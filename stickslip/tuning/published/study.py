@@ -19,8 +19,8 @@ from stickslip.evaluation.validation import Run, Validation, run_command
 from stickslip.fmi.process import Threads
 from stickslip.ga.problem.problem import Repair
 from stickslip.identification.stages import Estimate
-from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.measurement import CUTOFF, Array
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
