@@ -134,6 +134,12 @@ class UnloadedLibrary(Library):
         return 0
 
 
+def prepare_library(fmu: Fmu) -> None:
+    """Compile what a process that must not compile needs for an FMU."""
+    if fmu.version == 1:
+        _fmi1(fmu.folder.name)
+
+
 @cache
 def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
     """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""

@@ -22,6 +22,7 @@ from stickslip.cosim.run import resets
 from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Array
+from stickslip.fmi.process import sandbox
 
 
 def main(name: str, size: int, token: bytes) -> None:
@@ -49,6 +50,8 @@ def main(name: str, size: int, token: bytes) -> None:
     marks.use(shared.mark, Path(order["kernel"]))
     _limit(order["memory"])
     resets.lines.update(order["resets"])
+    if order["sandbox"]:
+        sandbox.enter(**order["sandbox"])
     reply()
     served = _Served(order["specification"], shared, reply)
     what = ""
@@ -174,7 +177,7 @@ def _watch(requests: int) -> None:
 
 
 def _limit(memory: float) -> None:
-    """Limit the memory (MB) that is taken from now on, and the stack; leave no core files."""
+    """Limit memory taken from now on, and files (MB), and the stack; leave no core files."""
     if sys.platform == "win32":
         return
     import resource
@@ -188,3 +191,6 @@ def _limit(memory: float) -> None:
         used = 1024 * int(status.split("VmData:")[1].split()[0])
         limit = used + int(memory * 1e6)
         resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+        _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+        size = int(memory * 1e6) if most == resource.RLIM_INFINITY else most
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, most))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import pickle
@@ -12,29 +13,46 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from functools import cache
 from pathlib import Path
 from queue import Empty
 from typing import IO, NoReturn
 
 from stickslip.cosim import kernel
 from stickslip.cosim.errors import FmuCrashed
+from stickslip.cosim.fmu.fmu import Fmu
+from stickslip.cosim.fmu.library import prepare_library
 from stickslip.cosim.isolation.answers import NONSENSE, TOKEN_SIZE, Answers, Reply, ThreadedAnswers
 from stickslip.cosim.isolation.parcel import pack
 from stickslip.cosim.isolation.shared import Shared
-from stickslip.cosim.isolation.verdict import crashed, ending
+from stickslip.cosim.isolation.verdict import crashed, ending, present
 from stickslip.cosim.run import resets
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
-from stickslip.fmi.process import check_interruption, held
+from stickslip.fmi.process import check_interruption, held, sandbox, temporary_folder
+from stickslip.fmi.process.sandbox import Guard
 
-MOST_TEXT = 2**24  # bytes that FMUs may print in the life of a child
 _LOOK = 0.05  # s between two looks at the mark
 _GAP = 1.0  # s between two looks, beyond which this process was suspended
 _START_UP = 60.0  # s that Python may take to start
 _GRACE = 2.0  # s that a child has to end
 _RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
 _START = Path(__file__).with_name("start.py")
+
+
+_HINTS = {
+    **dict.fromkeys(("read", "write", "delete"), " (--allow files=DIR)"),
+    "open": " (--allow network)",
+    "start": " (--allow exec)",
+}
+_PACKAGES = ("stickslip", "stickslip.cosim", "stickslip.fmi")
+_log = logging.getLogger(__name__)
+
+
+@cache
+def _tell_once(line: str) -> None:
+    _log.warning(line)
 
 
 class _Clock:
@@ -63,6 +81,7 @@ class Process:
     ----------
     repeats : whether it repeats the run that it was asked for, to see what a reset does
     runs : that it has done
+    state : a file in a folder that the child may write, for states
     """
 
     def __init__(
@@ -70,16 +89,31 @@ class Process:
     ) -> None:
         self._system, self._order, self._limits = specification.system, order, limits
         self._parent = os.getpid()
-        self._printed, self._tail = 0, b""
+        self._tail = b""
         self.repeats, self.runs = False, 0
+        self._told = 0
         self._peak = self._inherited = 0.0  # MB
         library = kernel.built(marked=True)
-        parcel = pack(
-            specification, kernel=str(library), memory=limits.memory, resets=dict(resets.lines)
-        )
         self.shared = shared = Shared.make(n)
+        self._folders = ExitStack()
+        self._room = self._folders.enter_context(temporary_folder())
+        self.state = self._room / "state"
+        self._guard, entered = self._guarded(specification, limits.allow, library)
+        parcel = pack(
+            specification,
+            kernel=str(library),
+            memory=limits.memory,
+            resets=dict(resets.lines),
+            sandbox=entered,
+        )
         token = secrets.token_bytes(TOKEN_SIZE)
-        modules = os.pathsep.join(path for path in sys.path if path)
+        modules = os.pathsep.join(os.path.abspath(path) for path in sys.path if path)  # noqa: PTH100
+        own = {"PYTHONPATH": modules, "OPENBLAS_NUM_THREADS": "1"}
+        files = shared.files
+        if self._guard:
+            files = (*files, self._guard.file)
+            own["TMPDIR"] = str(self._room)
+        stays = not self._guard or any(word.startswith("files=") for word in limits.allow)
         try:
             with held():
                 self._process = subprocess.Popen(
@@ -88,12 +122,15 @@ class Process:
                     stdout=subprocess.PIPE,
                     stderr=subprocess.PIPE,
                     bufsize=0,
-                    pass_fds=shared.files,
+                    pass_fds=files,
                     start_new_session=True,
-                    env=os.environ | {"PYTHONPATH": modules, "OPENBLAS_NUM_THREADS": "1"},
+                    cwd=None if stays else self._room,
+                    env=os.environ | own,
                 )
         finally:
             shared.close_files()
+            if self._guard:
+                self._guard.close_file()
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
         requests, replies, printed = (pipe for pipe in pipes if pipe)
         kind = ThreadedAnswers if sys.platform == "win32" else Answers
@@ -103,6 +140,50 @@ class Process:
         self._clock = _Clock()
         self._answers.send(parcel)
         self._wait(_START_UP, math.inf)
+
+    def _guarded(
+        self, specification: Specification, allow: tuple[str, ...], library: Path
+    ) -> tuple[Guard | None, dict[str, object] | None]:
+        """Return the guard of the sandbox, and how the child enters it; None without one."""
+        if why := sandbox.unavailable():
+            _tell_once(f"FMUs run without a sandbox: {why}")
+            return None, None
+        if specification.compiled:  # the child compiles
+            return None, None
+        fmus = [c for c in self._system.components.values() if isinstance(c, Fmu)]
+        for fmu in fmus:
+            fmu.restore()
+            prepare_library(fmu)
+        packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
+        readable = [
+            *sandbox.interpreter_folders(map(Path, packages)),
+            *(str(fmu.folder) for fmu in fmus),
+            *(str(fmu.folder.with_suffix(".json")) for fmu in fmus),
+            str(library.parents[1]),
+        ]
+        given = [str(Path(word[6:]).absolute()) for word in allow if word.startswith("files=")]
+        writable = [str(self._room), *given]
+        guard = Guard(
+            readable, writable, lambda: present(self.shared.mark, self._system, self._order)
+        )
+        words = frozenset(word for word in allow if not word.startswith("files="))
+        return guard, {
+            "readable": readable,
+            "writable": writable,
+            "allow": words,
+            "file": guard.file,
+        }
+
+    def denied(self) -> list[str]:
+        """Return what the sandbox has denied since the last call, one line each."""
+        if not self._guard:
+            return []
+        tried, self._told = self._guard.tried[self._told :], len(self._guard.tried)
+        hints = {what: _HINTS.get(what.split()[0], "") for _, what in tried}
+        return [
+            f"{where} tried to {what}, which the sandbox denies{hints[what]}"
+            for where, what in tried
+        ]
 
     def ask(
         self,
@@ -176,6 +257,8 @@ class Process:
                 reply = self._answers.get(timeout=_LOOK)
             except Empty:
                 check_interruption()
+                if self._shared_memory() > self._limits.memory:
+                    self._die(f"took more than the {self._limits.memory:g} MB it may")
                 if self._ended(0.0) is not None:  # what it has started still holds the pipe
                     self._die(None)
                 now = self._mark()
@@ -193,6 +276,13 @@ class Process:
                 self._die("or a call before it wrote into files that are not its own")
             return reply
 
+    def _shared_memory(self) -> float:
+        """Return the shared memory (MB) that the FMUs have, which no limit of Linux counts."""
+        with suppress(OSError, IndexError):
+            status = Path(f"/proc/{self._process.pid}/status").read_text()
+            return int(status.split("RssShmem:")[1].split()[0]) / 1e3 - self.shared.size / 1e6
+        return 0.0
+
     def _mark(self) -> tuple[object, ...]:
         """Return what must change as long as all is well: the time, or before it runs, the call."""
         mark = self.shared.mark
@@ -204,17 +294,16 @@ class Process:
         self._kill()
         self._ended(_GRACE)
         self._let_go()
-        if self._printed > MOST_TEXT:
-            what = f"printed more than {MOST_TEXT / 1e6:.0f} MB"
         if what is None:
             raise self._crashed(status)
-        raise crashed(self.shared.mark, self._system, self._order, what)
+        raise crashed(self.shared.mark, self._system, self._order, what, denied=self.denied())
 
     def _crashed(self, status: int | None) -> FmuCrashed:
         memory = self._limits.memory
         near = self._peak > max(0.8 * memory, 1.1 * self._inherited)
         what = ending(status, memory if near else None)
-        return crashed(self.shared.mark, self._system, self._order, what, self._last_line())
+        last = self._last_line()
+        return crashed(self.shared.mark, self._system, self._order, what, last, self.denied())
 
     def _ended(self, timeout: float) -> int | None:
         """Return the exit status if it ends within a time (s); note the memory that it had."""
@@ -259,15 +348,15 @@ class Process:
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             if pipe:
                 pipe.close()
+        if self._guard:
+            self._guard.end(_GRACE)
+        self._folders.close()
 
     def _take(self, pipe: IO[bytes]) -> None:
-        """Take what FMUs print; keep the end of it, and end those that print without end."""
+        """Take what FMUs print; keep the end of it."""
         with suppress(OSError, ValueError):
             while part := pipe.read(2**16):
-                self._printed += len(part)
                 self._tail = (self._tail + part)[-2000:]
-                if self._printed > MOST_TEXT:
-                    self._kill()
 
 
 def _hung(seconds: float) -> str:

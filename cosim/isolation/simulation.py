@@ -6,7 +6,9 @@ import builtins
 import inspect
 import logging
 import os
+import shutil
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -26,6 +28,7 @@ from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.system.isolation import Isolation
 from stickslip.cosim.system.system import Specification
+from stickslip.fmi.files import atomic_write
 
 _log = logging.getLogger(__name__)
 _BIND_RUN = inspect.signature(Simulation.run).bind
@@ -46,6 +49,7 @@ class IsolatedSimulation(Simulation):
         self.pacing = None
         self._accuracy, self._effort = 0, dict[str, int]()
         self._process: Process | None = None
+        self._state_path = ""  # of the state to resume from
         self._used_again = False  # whether a child has done a second run
         self._exclusive = Exclusive(spec.system.name, outlives_fork=False)
         self._living()
@@ -77,8 +81,9 @@ class IsolatedSimulation(Simulation):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the state that the last run halted in to a file, see Simulation."""
         with self._exclusive:
-            self._ask("save", {"path": str(Path(path).absolute())})
-        return Path(path)
+            state = self._living().state
+            self._ask("save", {"path": str(state)})
+            return atomic_write(Path(path), state.read_bytes())
 
     def values(self, names: Sequence[str]) -> list[float]:
         """Return the values that variables have at the end of the last run, see Simulation."""
@@ -120,7 +125,7 @@ class IsolatedSimulation(Simulation):
         pacing = None if real_time is None else RealTimePacing.of(real_time)
         slack = max(self.spec.step, pacing.interval, 1.0) / pacing.speed if pacing else 0.0
         if how == "resume":
-            arguments["path"] = str(Path(arguments["path"]).absolute())
+            self._state_path = str(Path(arguments["path"]).absolute())
         else:
             arguments["parameters"] = dict(arguments["parameters"] or {})
         arguments |= {
@@ -135,11 +140,11 @@ class IsolatedSimulation(Simulation):
                 self._give_up()
             process = self._living()
             try:
-                reply = self._ask("run", arguments, progress, slack)
+                reply = self._ask_to_run(arguments, progress, slack)
             except FmuCrashed as crash:
                 if not self._ended_by_reuse(process, crash):
                     raise
-                reply = self._ask("run", arguments, progress, slack)
+                reply = self._ask_to_run(arguments, progress, slack)
             self._used_again |= process is self._process and process.runs > 0
             self._living().runs += 1
             self._effort = reply["effort"]
@@ -147,6 +152,15 @@ class IsolatedSimulation(Simulation):
                 looks, overruns, worst = reply["pacing"]
                 self.pacing = replace(pacing, looks=looks, overruns=overruns, worst=worst)
             return self._result_of(reply)
+
+    def _ask_to_run(
+        self, arguments: dict[str, Any], progress: Callable[[float], object] | None, slack: float
+    ) -> Reply:
+        if arguments["how"] == "resume":  # where the child may read
+            arguments["path"] = str(self._living().state)
+            with suppress(OSError):  # the child says that there is none
+                shutil.copyfile(self._state_path, arguments["path"])
+        return self._ask("run", arguments, progress, slack)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
         """Whether the crash comes from using instances again, so that a new child avoids it."""
@@ -190,8 +204,13 @@ class IsolatedSimulation(Simulation):
         for level, line in reply.get("logged", ()):
             if line not in known.values():
                 _log.log(level, line)
+        denied = process.denied()
         if "error" in reply:
+            message = reply["message"].replace(str(process.state), self._state_path)
+            reply["message"] = "; ".join([message, *denied])
             _raise(reply)
+        for line in denied:
+            _log.warning(line)
         return reply
 
     def _living(self) -> Process:

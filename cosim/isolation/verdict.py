@@ -31,7 +31,12 @@ def ending(status: int | None, memory: float | None = None) -> str:
 
 
 def crashed(
-    mark: Mark, system: System, order: Sequence[str], what: str, printed: str = ""
+    mark: Mark,
+    system: System,
+    order: Sequence[str],
+    what: str,
+    printed: str = "",
+    denied: Sequence[str] = (),
 ) -> FmuCrashed:
     """Return the error in one line.
 
@@ -41,17 +46,26 @@ def crashed(
     order : names of the components as they step
     what : happened, such as ``died of SIGSEGV``
     printed : the last line that was printed
+    denied : what the sandbox has denied before
     """
+    call = mark.call.decode(errors="replace") or "its process"
+    when = ""
+    if not any(word in call for word in _UNTIMED):
+        when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"
+    printed = f"; it printed: {printed}" if printed else ""
+    return FmuCrashed(
+        f"{present(mark, system, order)} {what}{when}{printed}{'; '.join(['', *denied])}"
+    )
+
+
+def present(mark: Mark, system: System, order: Sequence[str]) -> str:
+    """Return the component and the call it is in, such as ``drive (drive.fmu): fmi2DoStep``."""
     call = mark.call.decode(errors="replace") or "its process"
     name = called(mark, order) or mark.name.decode(errors="replace")
     if name in system.components:
         name = f"{name} ({system.components[name].label})"
     name = name or ", ".join(sorted({fmu.label for fmu in system.components.values()}))
-    when = ""
-    if not any(word in call for word in _UNTIMED):
-        when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"
-    printed = f"; it printed: {printed}" if printed else ""
-    return FmuCrashed(f"{name}: {call} {what}{when}{printed}")
+    return f"{name}: {call}"
 
 
 def called(mark: Mark, order: Sequence[str]) -> str | None:

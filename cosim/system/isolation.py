@@ -19,22 +19,30 @@ class Isolation:
         as time goes on in the simulation, see ``patience``
     patience : s on the clock that one call before the first step, or one step, may take
     memory : MB (10^6 bytes) that the FMUs may take, on Linux
+    allow : what the sandbox lets the FMUs do, on Linux: ``network``, ``exec`` (start programs), and
+        ``files=DIR`` (read and write all below a folder)
 
     Raises
     ------
     ExperimentError
-        When one is not positive.
+        When one is not positive, or something else is allowed.
     """
 
     timeout: float | None = None
     patience: float = 30.0
     memory: float = 4096.0
+    allow: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("timeout", "patience", "memory"):
             value = getattr(self, name)
             if value is not None and not 0 < value < math.inf:
                 raise ExperimentError(f"isolation: {name} is {value}, expected a positive number")
+        for word in self.allow:
+            if word not in ("network", "exec") and not word.startswith("files="):
+                raise ExperimentError(
+                    f"isolation: allow is {word!r}, expected 'network', 'exec' or 'files=DIR'"
+                )
 
     @classmethod
     def of(cls, what: Isolation | Literal["process"] | None) -> Self | Isolation | None:

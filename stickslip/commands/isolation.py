@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stickslip.commands import add_options
 from stickslip.errors import UsageError
@@ -27,6 +27,11 @@ def add_isolation(parser: argparse.ArgumentParser) -> None:
         "--memory MB": "with isolation: memory limit (Linux, default 4096)",
     }
     add_options(parser, limits, type=float)
+    allow = {
+        "--allow network|exec|files=DIR": "with isolation: what the sandbox lets the FMUs do; may "
+        "be repeated (Linux)"
+    }
+    add_options(parser, allow, action="append")
 
 
 def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
@@ -40,7 +45,9 @@ def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
     from stickslip import cosim
 
     given = {"timeout": options.timeout, "memory": options.memory}
-    limits = {name: value for name, value in given.items() if value is not None}
+    limits: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    if options.allow:
+        limits["allow"] = tuple(options.allow)
     if limits and not options.isolate:
         raise UsageError(f"--{next(iter(limits))} needs --isolate, which it limits")
     return cosim.Isolation(**limits) if options.isolate else None
