@@ -30,12 +30,19 @@ from stickslip.models import export_lti as export_lti
 from stickslip.models import law_names as law_names
 from stickslip.models.firmware import write_compensator as write_compensator
 from stickslip.pipeline.log_learning import learn as learn
+from stickslip.pipeline.rig_learning import learn_on_rig as learn_on_rig
+from stickslip.pipeline.rig_learning import validate as validate
 from stickslip.planning import Limits as Limits
 from stickslip.planning import plan as plan
 from stickslip.report.bode import draw_bode as draw_bode
 from stickslip.results.learned import load_learned as load_learned
 from stickslip.results.learned import save_learned as save_learned
 from stickslip.results.learned_folder import write_learned as write_learned
+from stickslip.rigs import Command as Command
+from stickslip.rigs import Log as Log
+from stickslip.rigs import Rig as Rig
+from stickslip.rigs import RigLimits as RigLimits
+from stickslip.rigs.fmu import FmuRig as FmuRig
 from stickslip.servo import Axis as Axis
 from stickslip.servo import LoopSpecification as LoopSpecification
 from stickslip.servo import VelocityLoop as VelocityLoop
@@ -44,6 +51,7 @@ from stickslip.servo import design_velocity_filter as design_velocity_filter
 from stickslip.servo import design_velocity_loop as design_velocity_loop
 from stickslip.servo.closed_loop import closed_loop as closed_loop
 from stickslip.servo.closed_loop import robustness as robustness
+from stickslip.servo.datasheet import Datasheet as Datasheet
 from stickslip.servo.observer import design_observer as design_observer
 from stickslip.servo.systems import Compensator as Compensator
 from stickslip.servo.systems import nominal_parameters as nominal_parameters

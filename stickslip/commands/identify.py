@@ -14,8 +14,8 @@ from stickslip.identification.stages import identify
 from stickslip.output import Answer
 from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
+from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.rig import rig_of
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

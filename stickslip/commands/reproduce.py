@@ -35,8 +35,8 @@ from stickslip.results.reproduction_folder import (
     write_published_results,
     write_results,
 )
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import FEEDS, build_fmus
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.published import study_as_published
@@ -116,7 +116,7 @@ def _published(
 ) -> Show:
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = study_as_published(
         rig,

@@ -33,9 +33,9 @@ from stickslip.results.validated_folder import (
     write_comparison,
     write_log_validation,
 )
+from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP, VALIDATION
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.rig import rig_of
 from stickslip.servo.systems import FEEDS
 
 
