@@ -37,14 +37,16 @@ _PLACES = {
     "stickslip.report.bode": ("draw_bode",),
     "stickslip.rigs": ("Command", "Log", "Rig", "RigLimits"),
     "stickslip.rigs.fmu": ("FmuRig",),
-    "stickslip.servo": (
-        *("Axis", "LoopSpecification", "VelocityLoop"),
-        *("close_velocity_loop", "design_velocity_filter", "design_velocity_loop"),
-    ),
+    "stickslip.servo.axis": ("Axis",),
     "stickslip.servo.closed_loop": ("closed_loop", "robustness"),
     "stickslip.servo.datasheet": ("Datasheet",),
     "stickslip.servo.observer": ("design_observer",),
+    "stickslip.servo.specification": ("LoopSpecification",),
     "stickslip.servo.systems": ("Compensator", "nominal_parameters"),
+    "stickslip.servo.velocity_filter": ("design_velocity_filter",),
+    "stickslip.servo.velocity_loop": (
+        *("VelocityLoop", "close_velocity_loop", "design_velocity_loop"),
+    ),
     "stickslip.simulation": ("simulate",),
     "stickslip.sweeping": ("optimise", "sweep"),
 }

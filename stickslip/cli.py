@@ -13,10 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from threadpoolctl import threadpool_limits
-
 from stickslip import commands
-from stickslip.fmi import toolchain
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import (
     check_interruption,
@@ -72,9 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _status(options: argparse.Namespace) -> int:
     try:
-        # One thread, so that results do not depend on how many the linear algebra would take.
-        with threadpool_limits(limits=1, user_api="blas"):
-            status = answered(options, options.run)
+        status = answered(options, options.run)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of the output has ended
         _drop_output()
@@ -119,8 +114,10 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 def _line(error: BaseException) -> str:
     """Return the message of an error in one line; only that of a compiler has more lines."""
+    from stickslip.fmi.toolchain import ToolchainError  # late, for those who start quickly
+
     message = str(error)
-    if isinstance(error, toolchain.ToolchainError):
+    if isinstance(error, ToolchainError):
         return message
     if isinstance(error, MemoryError):
         message = "not enough memory; reduce the size of the input"

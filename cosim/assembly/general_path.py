@@ -195,6 +195,9 @@ class GeneralComponent:
         places: dict[str, NDArray[Any]] = {k: as_array(v, (n,)) for k, v in ends.items()}
         for i, batch in enumerate(self._inputs):
             places[f"inputs{i}"] = as_array(batch.values)
+        for i, batch in enumerate(self._outputs):
+            if batch.clock:
+                places[f"ticks{i}"] = as_array(batch.values)
         return places
 
     def _owners(self, variables: Iterable[Variable]) -> list[Variable]:

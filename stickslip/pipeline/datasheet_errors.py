@@ -18,8 +18,9 @@ from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Feed
 
 FACTORS: Mapping[str, tuple[float, ...]] = {

@@ -23,8 +23,9 @@ from stickslip.pipeline.recorded import gains_of, record_drive
 from stickslip.pipeline.reproduction import Options, Progress, Reproduced, build_rig, validated
 from stickslip.pipeline.tables import table2_of_recording
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.execution import Execution
 

@@ -25,7 +25,8 @@ from stickslip.pipeline.rig_learning import learn_on_rig
 from stickslip.pipeline.steps import with_steps
 from stickslip.pipeline.tables import table2
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.published import WholeStudy

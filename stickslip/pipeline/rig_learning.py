@@ -12,9 +12,10 @@ from stickslip.evaluation.validation import Validation
 from stickslip.identification.stages import Estimate, Identification, identify
 from stickslip.pipeline.learned import Learned, Loops
 from stickslip.rigs import Rig
-from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
+from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed
-from stickslip.servo.velocity_loop import LoopSpecification
 from stickslip.tuning.coarse_start import coarsened
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn

@@ -20,7 +20,8 @@ from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.pipeline.reproduction import Extras, Options, Progress, Reproduction, reproduce
 from stickslip.pipeline.steps import TRAPEZOID, steps, with_steps
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn

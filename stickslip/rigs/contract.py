@@ -24,8 +24,9 @@ from stickslip.fmi.process import temporary_folder
 from stickslip.ga import CandidateFailed
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.measurement import Array
+from stickslip.servo.specification import LoopSpecification
 from stickslip.servo.systems import Feed, build_fmus, feedforward
-from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
 """The loop of a recording: soft, so that it bears a third and three times its nominal mass."""

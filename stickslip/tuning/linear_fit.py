@@ -18,8 +18,8 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter, ss2tf
 
 from stickslip.identification.stages.estimate import correlation_length
-from stickslip.servo.datasheet import SLOW
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.paper_commands import SLOW
 from stickslip.servo.systems import feedforward
 from stickslip.tuning.learning import BOUNDS, Study, VelocityCost
 

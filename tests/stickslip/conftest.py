@@ -17,7 +17,8 @@ from stickslip.report.page import Picture
 from stickslip.results.reproduction_folder import write_results
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.execution import Execution

@@ -8,7 +8,8 @@ from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
 from stickslip.pipeline.datasheet_errors import vary_datasheet
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import build_fmus
 
 pytestmark = pytest.mark.slow

@@ -13,6 +13,9 @@ import pytest
 from stickslip import models
 from stickslip.cli import COMMANDS, main
 
+LARGE = {"control", "fmpy", "matplotlib", "pandas", "scipy.linalg"}
+"""Libraries that take seconds to load."""
+
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory):
@@ -48,11 +51,26 @@ def test_help_and_version_come_at_once():
         assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
 
 
-def test_commands_on_fmus_load_no_large_library():
-    """Building, checking and simulating an FMU needs none of them; they take seconds to load."""
-    code = "import sys; from stickslip.commands import build, check, simulate; print(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert not {"control", "matplotlib", "pandas", "scipy"} & {*run.stdout.split()}
+def modules(code, *arguments):
+    """Return the words that a program prints, a set for each line."""
+    run = [sys.executable, "-c", f"import sys; from stickslip import cli\n{code}", *arguments]
+    printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+    return [{*line.split()} for line in printed.splitlines()]
+
+
+def test_arguments_are_parsed_before_anything_large_is_loaded():
+    each = modules("for name in cli.COMMANDS: cli._parser([name]); print(*sys.modules)")
+    for name, loaded in zip(COMMANDS, each, strict=True):
+        assert f"stickslip.commands.{name}" in loaded
+        assert not {*LARGE, "lxml", "stickslip.cosim", "tqdm"} & loaded, name
+
+
+def test_commands_on_fmus_load_no_large_library(stage):
+    loaded = modules(
+        "cli.main(sys.argv[1:]); print(*sys.modules)", "simulate", str(stage), "--stop=1"
+    )
+    assert "stickslip.cosim" in loaded[-1]
+    assert not LARGE & loaded[-1]
 
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):

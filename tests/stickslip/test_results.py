@@ -14,7 +14,8 @@ from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
 from stickslip.evaluation.validation import run_command
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import TRAINING, Datasheet
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.paper_commands import TRAINING
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),

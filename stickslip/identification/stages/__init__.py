@@ -15,7 +15,8 @@ from stickslip.identification.stages.inertia import Inertia, measure_inertia
 from stickslip.identification.stages.presliding import Presliding, measure_presliding
 from stickslip.models import Law
 from stickslip.rigs import Rig
-from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 
 __all__ = ["Estimate", "FrictionMap", "Identification", "Inertia", "Presliding", "identify"]
 

@@ -20,8 +20,8 @@ from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import repair
 from stickslip.tuning.published.study import PAPER_COST, Method, Published, learn_as_published

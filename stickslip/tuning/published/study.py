@@ -20,8 +20,8 @@ from stickslip.fmi.process import Threads
 from stickslip.ga.problem.problem import Repair
 from stickslip.identification.stages import Estimate
 from stickslip.rigs.fmu import FmuRig
-from stickslip.servo.datasheet import TRAINING, VALIDATION
 from stickslip.servo.measurement import CUTOFF, Array
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.coarse_start import coarsened, draw_factors

@@ -7,7 +7,8 @@ import pytest
 
 from stickslip import Command, FmuRig, Log, Rig, RigLimits
 from stickslip.errors import LimitError, RigError, UsageError
-from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.learning import VelocityCost
 
 WIDE = RigLimits(travel=(-1.0, 1.0), speed=1.0, force=300.0, following_error=0.1)
