@@ -7,7 +7,7 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -117,13 +117,14 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 def _complete(words: Sequence[str]) -> None:
     """Answer the shell and exit: commands, options, choices, and files where one is expected."""
     from argcomplete import autocomplete
-    from argcomplete.completers import FilesCompleter
+    from argcomplete.completers import BaseCompleter, FilesCompleter
 
-    def files(prefix: str, action: argparse.Action, **_: object) -> list[str]:
-        suffixes = suffixes_of(action)
-        return FilesCompleter(suffixes)(prefix) if suffixes or action.type is Path else []
+    class Files(BaseCompleter):
+        def __call__(self, *, prefix: str, action: argparse.Action, **_: object) -> Iterable[str]:
+            suffixes = suffixes_of(action)
+            return FilesCompleter(suffixes)(prefix) if suffixes or action.type is Path else ()
 
-    autocomplete(_parser(words), "long", exclude=["FILE.ssp"], default_completer=files)
+    autocomplete(_parser(words), "long", exclude=["FILE.ssp"], default_completer=Files())
 
 
 def _line(error: BaseException) -> str:
