@@ -9,6 +9,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import ga
 from stickslip.identification.estimation import CriterionName, Search
 from stickslip.logs import (
     Description,
@@ -53,6 +54,7 @@ def learn(
     absent: Sequence[str] = (),
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
 ) -> LearnedFromRecording:
     """Learn a drive's parameters from a log of it; options are those of ``estimation.Task``.
 
@@ -93,6 +95,7 @@ def learn(
             seeds=seeds,
             search=search,
             on_stage=on_stage,
+            on_generation=on_generation,
         )
         on_stage("trying the compensator")
         learned = try_compensator(
