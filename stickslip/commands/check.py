@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from stickslip import fmucheck
 from stickslip.commands import FLAG, add_options
-from stickslip.fmucheck import Report, Severity
 from stickslip.output import Answer
+
+if TYPE_CHECKING:
+    from stickslip.fmucheck import Report
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -30,18 +32,23 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Print what was found; status 1 if any of it is an error."""
+    from stickslip import fmucheck
+
     reports = [
         fmucheck.check(path, run=not options.no_run, timeout=options.timeout, total=options.total)
         for path in options.files
     ]
     for report in reports:
         _print(report)
-    worst = Severity.WARNING if options.strict else Severity.ERROR
+    levels = fmucheck.Severity
+    worst = levels.WARNING if options.strict else levels.ERROR
     status = int(any(finding.severity >= worst for report in reports for finding in report))
     return Answer({"version": 1, "files": [r.as_json() for r in reports]}, status)
 
 
 def _print(report: Report) -> None:
+    from stickslip.fmucheck import Severity
+
     counts = [f"{report.count(s)} {s}s" for s in sorted(Severity, reverse=True)]
     version = f"FMI {report.fmi}, " if report.fmi else ""
     print(f"{report.path}: {version}{', '.join(counts)}")
