@@ -223,8 +223,10 @@ def _search(
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
-        # Coarse encoder steps bias the curve more than its exponent does.
-        sure = 0.0 if coarse(inverse, task.recording) else SURE
+        # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
+        # exponent does.
+        is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)
+        sure = 0.0 if is_biased else SURE
         selection = select(variants(inverse, found), sure)
         found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
         fits.append(found)
