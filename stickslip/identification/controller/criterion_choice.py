@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law, presliding
+from stickslip.catalog.parameters import friction_law
 from stickslip.errors import UsageError
 from stickslip.identification.controller.controller_check import AGREES, ControllerCheck
 from stickslip.identification.controller.initial_state import is_running
