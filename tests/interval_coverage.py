@@ -32,7 +32,7 @@ from stickslip.identification.estimation import Estimation, Task, candidate_fmus
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.logs import Recording
-from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.report.quantity import meaning, number
 from stickslip.report.style import (
@@ -45,6 +45,7 @@ from stickslip.report.style import (
     house_style,
     new_figure,
 )
+from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop

@@ -18,8 +18,9 @@ import numpy as np
 from stickslip import models
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Recording
-from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import Limits, plan
+from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.stribeck_curve import level
 from stickslip.servo.systems import servo_loop
