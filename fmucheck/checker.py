@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from pathlib import Path
 
 from stickslip.fmi.process import temporary_folder
@@ -9,8 +11,8 @@ from stickslip.fmucheck.archive import read_archive, unpack
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.description.reading import read_description
 from stickslip.fmucheck.document import checked_version, claimed_version, read_document
-from stickslip.fmucheck.rules import Report, stage
-from stickslip.fmucheck.running.parent import TIMEOUT, findings_of_runs
+from stickslip.fmucheck.rules import Report, grouped, stage
+from stickslip.fmucheck.running.parent import TIMEOUT, Patience, findings_of_runs
 
 _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {
@@ -24,7 +26,13 @@ _UNLOADABLE = {"not-a-library", "wrong-architecture"}
 """Rules whose findings do so for the binary that they name, whatever the others are."""
 
 
-def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Report:
+def check(
+    path: Path | str,
+    *,
+    run: bool = True,
+    timeout: float = TIMEOUT,
+    total: float = math.inf,
+) -> Report:
     """Check one FMU.
 
     Nothing outside a temporary folder is written, and the folder is gone afterwards.
@@ -33,12 +41,14 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
     ----------
     run : also load the binary for this machine and run it, in a child process
     timeout : s that the binary may take for one rule
+    total : s that all rules together may take; what is known by then is reported
 
     Raises
     ------
     OSError
         When the file does not exist, or there is no room for temporary files.
     """
+    patience = Patience(timeout, time.monotonic() + total)
     report = Report(Path(path))
     report.path.stat()
     archive = read_archive(report.path)
@@ -52,10 +62,9 @@ def check(path: Path | str, *, run: bool = True, timeout: float = TIMEOUT) -> Re
         if fmu := _check_content(report, members, content):
             blocked = report.rules & _BLOCKING
             broken = {f.place: f.rule for f in report if f.rule in _UNLOADABLE}
-            runs = findings_of_runs(fmu, blocked, broken, timeout) if run else ()
+            runs = findings_of_runs(fmu, blocked, broken, patience) if run else ()
             report.findings += runs
-    report.findings = list(dict.fromkeys(report.findings))  # both interfaces may say the same
-    report.findings.sort(key=lambda finding: -finding.severity)
+    report.findings = grouped(report.findings)
     return report
 
 

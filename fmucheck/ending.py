@@ -29,7 +29,7 @@ class Ending:
     status : exit status, or minus the number of the signal that ended it; ``None`` when the checker
         ended it
     text : what was printed, the beginning of it; or what failed, or why it was not run
-    reason : crash, exit, hang, flood, printed, failed, puzzled or unable
+    reason : crash, exit, hang, flood, printed, failed, left, changed, puzzled or unable
     """
 
     interface: str
@@ -97,6 +97,20 @@ def prints(ending: Ending) -> Claims:
     """The binary writes to standard output or error instead of to the logger."""
     if ending.reason == "printed":
         yield ending.place, f"wrote {ending.text.strip()[:100]!r}"
+
+
+@error("2.1.1", "2.2.1", "end in FreeInstance what was started")
+def leaves_a_process(ending: Ending) -> Claims:
+    """A process that the binary has started outlives its instances."""
+    if ending.reason == "left":
+        yield ending.place, "was still running when the FMU had been unloaded or ended"
+
+
+@error("2.3", "2.5", "leave the unpacked files as they are; write to a temporary folder")
+def changes_its_files(ending: Ending) -> Claims:
+    """The binary deletes, changes or adds files of its unpacked FMU."""
+    if ending.reason == "changed":
+        yield ending.place, "was deleted, changed or added while it ran"
 
 
 @warning("", "", "report it with the FMU: an error in stickslip")

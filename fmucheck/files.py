@@ -241,7 +241,7 @@ def extra_without_domain(fmu: Fmu) -> Claims:
             yield f"extra/{folder}", "is not named in reverse domain notation"
 
 
-@error("", "2.6", "add it to the root element")
+@error(None, "2.6", "add it to the root element")
 def bad_layered_standard(fmu: Fmu) -> Claims:
     """The manifest of a layered standard does not say its name, version and description."""
     for name in fmu.below("extra/"):

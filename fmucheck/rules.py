@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import enum
+import itertools
+import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +27,7 @@ class Severity(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing found.
+    """One thing found, at one or more places.
 
     Attributes
     ----------
@@ -33,6 +35,8 @@ class Finding:
     place : file, element or call it is about
     section : of the standard, such as ``FMI 3.0.2, 2.4.7``; empty when no section rules it
     advice : what to do about it
+    count : of the places with the same cause
+    others : the further places, up to a limit
     """
 
     severity: Severity
@@ -41,8 +45,10 @@ class Finding:
     message: str
     section: str
     advice: str
+    count: int = 1
+    others: tuple[str, ...] = ()
 
-    def as_json(self) -> dict[str, str]:
+    def as_json(self) -> dict[str, object]:
         """Return plain data."""
         return {
             "severity": str(self.severity),
@@ -51,7 +57,42 @@ class Finding:
             "message": self.message,
             "section": self.section,
             "advice": self.advice,
+            "count": self.count,
+            "others": list(self.others),
         }
+
+    @property
+    def cause(self) -> tuple[str, str]:
+        """The rule, and the message without what differs from place to place."""
+        text = self.message
+        for word in re.findall(r"[\w.\[\]]{2,}", self.place):
+            text = text.replace(word, "")
+        return self.rule, _VARYING.sub("", text)
+
+
+_VARYING = re.compile(r"'[^']*'|\(line \d+\)|[-+]?\d[\w.+-]*|\b(?:True|False|inf|nan)\b")
+_LISTED = 20  # further places of one finding, and causes of one rule
+
+
+def grouped(findings: Iterable[Finding]) -> list[Finding]:
+    """Return one finding for each cause, the gravest first.
+
+    Of a rule with many causes the last finding stands for all that are not listed.
+    """
+    causes: dict[tuple[str, str], list[Finding]] = {}
+    of_rule: dict[str, int] = {}
+    for found in dict.fromkeys(findings):  # both interfaces may say the same
+        cause = found.cause
+        if cause not in causes:
+            of_rule[found.rule] = of_rule.get(found.rule, 0) + 1
+            if of_rule[found.rule] > _LISTED:
+                cause = found.rule, ""
+        causes.setdefault(cause, []).append(found)
+    merged = []
+    for first, *more in causes.values():
+        others = tuple(f.place for f in more[:_LISTED])
+        merged.append(replace(first, count=1 + len(more), others=others))
+    return sorted(merged, key=lambda found: -found.severity)
 
 
 @dataclass
@@ -104,7 +145,7 @@ _STAGES = [
     "rerunning",
     "ending",
 ]
-_MOST = 20  # findings of one rule about one file that are reported
+_MOST = 10_000  # claims of one rule about one file that are counted
 
 
 @dataclass(frozen=True)
@@ -141,10 +182,7 @@ class Rule:
         """Yield what this rule finds, if it applies to this version."""
         if version and version not in self.sections:
             return
-        for number, claim in enumerate(self.check(subject)):
-            if number == _MOST:
-                yield self.finding(("", f"and more; the first {_MOST} are listed"), version)
-                return
+        for claim in itertools.islice(self.check(subject), _MOST):
             yield self.finding(claim, version)
 
 

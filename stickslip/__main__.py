@@ -16,6 +16,8 @@ def main() -> int:
     ]
     for number in numbers:
         signal.signal(number, _leave)
+    # One thread, so that results do not depend on how many the linear algebra would take.
+    os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("BLIS", "MKL", "OPENBLAS")}
     from stickslip import cli
 
     status = cli.main()

@@ -7,16 +7,13 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from threadpoolctl import threadpool_limits
-
 from stickslip import commands
-from stickslip.fmi import toolchain
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import (
     check_interruption,
@@ -25,7 +22,7 @@ from stickslip.fmi.process import (
     open_standard_streams,
 )
 from stickslip.output import answered, messages
-from stickslip.parser import Parser
+from stickslip.parser import Parser, suffixes_of
 
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
@@ -53,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     A SIGTERM or SIGHUP ends a command as Ctrl-C does, with 143 and 129.
     """
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions
+        _complete(os.environ["COMP_LINE"].split()[1:])
     open_standard_streams()  # those that cron or a service has closed
     given = list(sys.argv[1:] if arguments is None else arguments)
     plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
@@ -72,9 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _status(options: argparse.Namespace) -> int:
     try:
-        # One thread, so that results do not depend on how many the linear algebra would take.
-        with threadpool_limits(limits=1, user_api="blas"):
-            status = answered(options, options.run)
+        status = answered(options, options.run)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of the output has ended
         _drop_output()
@@ -117,10 +114,25 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     return parser
 
 
+def _complete(words: Sequence[str]) -> None:
+    """Answer the shell and exit: commands, options, choices, and files where one is expected."""
+    from argcomplete import autocomplete
+    from argcomplete.completers import BaseCompleter, FilesCompleter
+
+    class Files(BaseCompleter):
+        def __call__(self, *, prefix: str, action: argparse.Action, **_: object) -> Iterable[str]:
+            suffixes = suffixes_of(action)
+            return FilesCompleter(suffixes)(prefix) if suffixes or action.type is Path else ()
+
+    autocomplete(_parser(words), "long", exclude=["FILE.ssp"], default_completer=Files())
+
+
 def _line(error: BaseException) -> str:
     """Return the message of an error in one line; only that of a compiler has more lines."""
+    from stickslip.fmi.toolchain import ToolchainError  # late, for those who start quickly
+
     message = str(error)
-    if isinstance(error, toolchain.ToolchainError):
+    if isinstance(error, ToolchainError):
         return message
     if isinstance(error, MemoryError):
         message = "not enough memory; reduce the size of the input"

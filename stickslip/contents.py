@@ -129,7 +129,7 @@ def _fmu(path: Path) -> Info:
     others = sum(v.causality not in _TITLES for v in variables)
     facts = {
         "name": found.name,
-        "fmi": found.version,
+        "fmi": found.standard,
         "interfaces": sorted(found.interfaces),
         "platforms": platforms,
         "sources": (folder / "sources").is_dir(),
@@ -145,7 +145,11 @@ def _package(path: Path, variant: str | None) -> Info:
     sources = system.sources()
     components, variables = [], []
     for name, fmu in system.fmus("info").items():
-        of = {"fmi": fmu.version, "interface": fmu.interface, "variables": len(fmu.variables)}
+        of = {
+            "fmi": fmu.description.standard,
+            "interface": fmu.interface,
+            "variables": len(fmu.variables),
+        }
         components.append({"name": name, "file": fmu.label, **of})
         for v in fmu.variables.values():
             key = f"{name}.{v.name}"

@@ -70,14 +70,18 @@ def joined(time: Array, ends: Array, values: Array) -> Table:
 
 
 def courses(system: System, component: str, tables: Mapping[str, Table]) -> dict[str, Table]:
-    """Return the tables that inputs of a component follow, by input and in its unit."""
+    """Return the tables that inputs of a component follow, by input and in its unit.
+
+    Clocks follow none: they tick at the points in time at which their input is not 0.
+    """
     found = {}
     for name, table in tables.items():
         for target in system.inputs[name]:
-            if component_of(target) == component:
+            variable = system.variable(target)
+            if component_of(target) == component and variable.type != "Clock":
                 transform = system.scaling(name, target)
                 values = np.array([transform(x) for x in table.values.tolist()])
-                held = table.held or system.variable(target).is_discrete
+                held = table.held or variable.is_discrete
                 found[variable_of(target)] = Table(table.time, values, held=held)
     return found
 

@@ -74,6 +74,12 @@ def write_fmu(
     components = system.fmus("a container")
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
+    for name, fmu in components.items():
+        if fmu.description.standard == 1:
+            raise FmuError(
+                f"{system.name}: {name} ({fmu.path.name}) is of FMI 1.0, which a container does not"
+                " run; export the model again for FMI 2.0 or 3.0"
+            )
     targets = list(platforms or [toolchain.host_platform()])
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(

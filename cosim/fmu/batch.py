@@ -24,6 +24,7 @@ class Batch:
     def __init__(self, library: Library, variables: list[Variable], verb: str) -> None:
         self.call, self.address, self._type = library.accessor(variables[0].type, verb)
         self.discrete = variables[0].is_discrete
+        self.clock = variables[0].type == "Clock"
         self.references = (ctypes.c_uint32 * len(variables))(*(v.reference for v in variables))
         self._first: dict[str, int] = {}
         size = 0
@@ -61,6 +62,7 @@ class Batch:
             self.call.encode(),
             [*STORED.values()].index(self._type),
             self.discrete,
+            self.clock,
             len(self.references),
             self.references,
             len(self.values),

@@ -1,4 +1,4 @@
-"""An FMU: a file of FMI 2.0 or 3.0, checked, unpacked and described."""
+"""An FMU: a file of FMI 1.0, 2.0 or 3.0, checked, unpacked and described."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -59,7 +60,7 @@ class Fmu(Component):
     interfaces : all it has that can be run here
     interface : the one it is run by
     folder : where it lies unpacked, under a hash of its content
-    version : 2 or 3
+    version : 2 or 3; FMI 1.0 is run through the functions of FMI 2.0, see ``fmi1.c``
     description : all that was read of it
     name : of the model
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
@@ -88,7 +89,7 @@ class Fmu(Component):
         self.label = self.path.name
         self.folder, description = described(self.path)
         self.description = description
-        self.version = description.version
+        self.version = max(2, description.standard)
         self.name = description.name or self.path.stem
         self.token = description.token
         self.interfaces, self.interface = self._choose(description, interface)
@@ -129,6 +130,11 @@ class Fmu(Component):
         if self.needs_tool:
             _log.warning("%s: needs the tool that made it installed on this machine", self.path)
         self.clocks = self._ticking()
+        if not self._knows_events:
+            self.variables = {
+                name: replace(v, triggered=False) if v.triggered else v
+                for name, v in self.variables.items()
+            }
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.path, self.interface)
@@ -145,6 +151,10 @@ class Fmu(Component):
             When the file is not there any more, or another one.
         """
         restore(self.folder, self.path, FmuError)
+
+    @property
+    def _knows_events(self) -> bool:
+        return self.event_mode or self.interface == "model_exchange"
 
     def _choose(
         self, description: Description, wanted: Interface | None
@@ -193,12 +203,12 @@ class Fmu(Component):
     def _ticking(self) -> list[Clock]:
         """Return the clocks that tick by time; warn of those that will not tick."""
         clocks = self.description.clocks
-        ticking = self.event_mode or self.interface == "model_exchange"
-        running = [c for c in clocks if ticking and c.asked is not None]
-        if mute := [c.name for c in clocks if c not in running]:
-            reason = "only clocks with an interval do" if ticking else "the FMU has no event mode"
-            _log.warning("%s: the clocks %s never tick: %s", self.path, ", ".join(mute), reason)
-        return running
+        if clocks and not self._knows_events:
+            names = ", ".join(clock.name for clock in clocks)
+            reason = "the FMU has no event mode"
+            _log.warning("%s: the clocks %s never tick: %s", self.path, names, reason)
+            return []
+        return [clock for clock in clocks if clock.asked is not None]
 
     def _read_feedthrough(self, description: Description) -> Mapping[str, frozenset[str]]:
         inputs = frozenset(v.name for v in self.variables.values() if v.causality == "input")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -14,8 +15,10 @@ from stickslip.cosim.fmu.fmu import Fmu
 from stickslip.cosim.kernel import marks
 from stickslip.cosim.kernel.arithmetic import plain_arithmetic
 from stickslip.cosim.kernel.structures import step_calls
+from stickslip.fmi import toolchain
 from stickslip.fmi.binary import NotALibrary, read_library
 from stickslip.fmi.description.variables import SETTERS
+from stickslip.fmi.standard import standard_files
 
 # On Windows, also look beside the binary for the libraries it brings along:
 # LOAD_LIBRARY_SEARCH_DEFAULT_DIRS | LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR.
@@ -40,6 +43,9 @@ class Library:
         marks.note(fmu.path.name, "loading its binary")
         self._library: Any = _load(str(fmu.binary))
         folder = fmu.folder / "resources"
+        if fmu.description.standard == 1:
+            self._library = self._upgraded()
+            folder = fmu.folder
         self.calls: list[int] = []
         self.lacks_reset = self._missing_reset()
         self.resources = folder.as_uri() if fmu.version == 2 else f"{folder}{os.sep}"
@@ -77,6 +83,14 @@ class Library:
         except AttributeError:
             raise self._lacks(name) from None
         return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+    def _upgraded(self) -> ctypes.CDLL:
+        """Return the functions of FMI 1.0 under the names of FMI 2.0."""
+        library, names = _fmi1(self._fmu.folder.name)
+        places = (ctypes.c_void_p * len(names)).in_dll(library, "calls")
+        names = [f"{self._fmu.identifier}_fmi{name}" for name in names]
+        places[:] = [self.address(name) for name in names]
+        return library
 
     def _missing_reset(self) -> str:
         name = f"fmi{self._version}Reset"
@@ -118,6 +132,15 @@ class UnloadedLibrary(Library):
         if name not in self._names:
             raise self._lacks(name)
         return 0
+
+
+@cache
+def _fmi1(fmu: str) -> tuple[ctypes.CDLL, list[str]]:
+    """Return a library of its own for an FMU of FMI 1.0, and the names of what it calls."""
+    source = Path(__file__).with_name("fmi1.c").read_text(encoding="utf-8")
+    files = {f"system/{h.name}": h.read_text() for h in standard_files("c-code").glob("fmi[12]*.h")}
+    path = toolchain.shared_library(f"fmi1_{fmu}", {"fmi1.c": source, **files})
+    return ctypes.CDLL(str(path)), re.findall(r"^    X\((\w+)\)", source, re.MULTILINE)
 
 
 @cache

@@ -1,5 +1,50 @@
-/* Input clocks that tick by time (FMI 3.0), in the event mode of the FMU. */
+/* Clocks (FMI 3.0), in the event mode of the FMU: input clocks that tick by time, and triggered
+ * ones, which are signals. */
 #include "general_path.h"
+
+fmi2Status trigger_clocks(GeneralComponent *f) {
+    for (size_t i = 0; i < f->inputs.n; i++) {
+        const Group *g = &f->inputs.groups[i];
+        bool *ticks = g->values;
+        for (size_t j = 0; g->clock && j < g->n; j++) {
+            const bool tick = ticks[j];
+            ticks[j] = false;
+            MARK_CALL(g->name);
+            if (tick) {
+                TRY_STATUS(answered(
+                    f, g->name,
+                    (int)((fmi3SetClockTYPE *)g->call)(f->instance, &g->references[j], 1, &tick)));
+            }
+        }
+    }
+    return fmi2OK;
+}
+
+fmi2Status note_ticks(GeneralComponent *f) {
+    for (size_t i = 0; i < f->outputs.n; i++) {
+        const Group *g = &f->outputs.groups[i];
+        bool *ticks = g->values;
+        for (size_t j = 0; g->clock && j < g->n; j++) {
+            bool tick = false;
+            MARK_CALL(g->name);
+            TRY_STATUS(answered(
+                f, g->name,
+                (int)((fmi3GetClockTYPE *)g->call)(f->instance, &g->references[j], 1, &tick)));
+            ticks[j] = ticks[j] || tick;
+        }
+    }
+    return fmi2OK;
+}
+
+void forget_ticks(GeneralComponent *f) {
+    for (size_t i = 0; f->ticks_read && i < f->outputs.n; i++) {
+        const Group *g = &f->outputs.groups[i];
+        for (size_t j = 0; g->clock && j < g->n; j++) {
+            ((bool *)g->values)[j] = false;
+        }
+    }
+    f->ticks_read = 0;
+}
 
 static fmi2Status ask(GeneralComponent *f, Clock *clock, fmi3IntervalQualifier *qualifier) {
     AnyCall *call = calling(f, GET_INTERVAL);

@@ -358,7 +358,7 @@ static fmi2Status take_inputs(GeneralComponent *f, bool at_end) {
         }
         const double value =
             group->discrete ? f->after[i] : input_at(f, i, at_end ? in->end : in->begin);
-        event = event || (group->discrete && value != f->before[i]);
+        event = event || is_event(group, f->before[i], value);
         leap = leap || (!group->discrete && !at_end && leaps(f, i, value));
         if (group->discrete || at_end) {
             f->before[i] = value;

@@ -135,6 +135,7 @@ fmi2Status general_ExitInitializationMode(fmi2Component c) {
     TRY_STATUS(plain(f, EXIT_INITIALIZATION));
     if (f->model_exchange || f->event_mode) {
         TRY_STATUS(begin_clocks(f));
+        TRY_STATUS(trigger_clocks(f));
         TRY_STATUS(update_discrete_states(f));
         TRY_STATUS(plain(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
     }
@@ -177,9 +178,11 @@ static fmi2Status update_once(GeneralComponent *f, bool *again, bool *terminate)
 /* Until nothing is due any more. */
 fmi2Status update_discrete_states(GeneralComponent *f) {
     f->states_changed = 0;
+    forget_ticks(f);
     bool again = false, terminate;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
         TRY_STATUS(again ? fmi2OK : tick_clocks(f));
+        TRY_STATUS(note_ticks(f));
         TRY_STATUS(update_once(f, &again, &terminate));
         if (terminate) {
             return failed_by(f, UPDATE_DISCRETE_STATES, TERMINATED);
@@ -195,6 +198,7 @@ fmi2Status update_discrete_states(GeneralComponent *f) {
 fmi2Status handle_event(GeneralComponent *f, bool with_inputs) {
     TRY_STATUS(plain(f, ENTER_EVENT_MODE));
     if (with_inputs) {
+        TRY_STATUS(trigger_clocks(f));
         TRY_STATUS(set_groups(f, &f->inputs));
     }
     TRY_STATUS(update_discrete_states(f));
@@ -257,6 +261,7 @@ static fmi2Status step_fmi3(GeneralComponent *f, double t, double h) {
 fmi2Status general_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return) {
     GeneralComponent *f = c;
     (void)no_return;
+    forget_ticks(f);
     if (f->model_exchange) {
         return step_exchange(f, t, h);
     }

@@ -75,6 +75,7 @@ typedef struct {
     const char *name;
     int64_t stored; /* enum Stored */
     int64_t discrete;
+    int64_t clock; /* triggered clocks, whose values are whether they tick */
     size_t n;
     const uint32_t *references; /* n */
     size_t n_values;
@@ -153,6 +154,7 @@ typedef struct {
     Clock *clocks;
     int64_t running; /* initialisation is over */
     int64_t states_changed;
+    int64_t ticks_read;    /* the ticks of output clocks were given to the kernel */
     int64_t retries_steps; /* a discarded step is taken back, and tried in parts */
     void *begun;           /* the state at the begin of a part */
     Answers answers;
@@ -179,10 +181,17 @@ fmi2Status transfer(GeneralComponent *f, const Group *group);
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups);
 fmi2Status handle_event(GeneralComponent *f, bool with_inputs);
 fmi2Status update_discrete_states(GeneralComponent *f);
+/* Whether an input of a group is an event: a clock that ticks, a discrete one that changes. */
+static inline bool is_event(const Group *g, double before, double value) {
+    return g->clock ? value != 0.0 : g->discrete && value != before;
+}
 void store(const Group *group, int64_t place, double value);
 
 fmi2Status begin_clocks(GeneralComponent *f);
-void schedule_ticks(GeneralComponent *f); /* find the next tick of all clocks */
+void schedule_ticks(GeneralComponent *f);       /* find the next tick of all clocks */
+fmi2Status trigger_clocks(GeneralComponent *f); /* of the inputs, those that tick */
+fmi2Status note_ticks(GeneralComponent *f);     /* of the outputs, until they are forgotten */
+void forget_ticks(GeneralComponent *f);         /* which the kernel was given */
 fmi2Status tick_clocks(GeneralComponent *f);
 fmi2Status after_ticks(GeneralComponent *f);
 

@@ -21,7 +21,7 @@ fmi2Status transfer(GeneralComponent *f, const Group *g) {
 
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups) {
     for (size_t i = 0; i < groups->n; i++) {
-        TRY_STATUS(transfer(f, &groups->groups[i]));
+        TRY_STATUS(groups->groups[i].clock ? fmi2OK : transfer(f, &groups->groups[i]));
     }
     return fmi2OK;
 }
@@ -67,11 +67,13 @@ fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->input_ports[r[i]];
         const Group *group = &f->inputs.groups[port->group];
-        event = event || (group->discrete && f->after[r[i]] != values[i]);
+        event = event || is_event(group, f->after[r[i]], values[i]);
         f->after[r[i]] = values[i];
         if (!f->running || !f->model_exchange) {
+            /* Where the first step takes this value again, a clock does not tick before it. */
+            const bool later = group->clock && !f->running && !port->ahead;
             f->before[r[i]] = values[i];
-            store(group, port->place, values[i]);
+            store(group, port->place, later ? 0.0 : values[i]);
         }
     }
     if (f->running && f->model_exchange) {
@@ -81,7 +83,8 @@ fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t
         return handle_event(f, true);
     }
     for (size_t i = 0; i < f->inputs.n; i++) {
-        if (!(f->running && f->event_mode && f->inputs.groups[i].discrete)) {
+        const Group *group = &f->inputs.groups[i];
+        if (!group->clock && !(f->running && f->event_mode && group->discrete)) {
             TRY_STATUS(transfer(f, &f->inputs.groups[i]));
         }
     }
@@ -102,6 +105,7 @@ fmi2Status general_GetReal(fmi2Component c, const fmi2ValueReference r[], size_t
                            fmi2Real values[]) {
     GeneralComponent *f = c;
     TRY_STATUS(set_groups(f, &f->outputs));
+    f->ticks_read = 1;
     for (size_t i = 0; i < n; i++) {
         const Port *port = &f->output_ports[r[i]];
         values[i] = load(&f->outputs.groups[port->group], port->place);

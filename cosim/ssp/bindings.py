@@ -15,7 +15,7 @@ from stickslip.cosim.ssp.compose import add, add_units, group, new_root, text_of
 from stickslip.cosim.ssp.edit import Editor
 from stickslip.cosim.ssp.markup import local
 from stickslip.cosim.ssp.members import Members, file_name, free_name
-from stickslip.cosim.ssp.names import component, path_of, tag
+from stickslip.cosim.ssp.names import path_of, tag
 from stickslip.cosim.ssp.parameters import read_parameters
 from stickslip.cosim.system.system import Origin, System
 from stickslip.fmi.description.variables import Value, Variable
@@ -106,7 +106,8 @@ def _bind(
         return
     version = editor.document.root.get("version")
     source = free_name(f"resources/{file}", ".ssv", members)
-    root = new_root("ssv:ParameterSet", component(node.path), version)
+    # One name for all components: ecos applies the parameter set of a name to all that have it.
+    root = new_root("ssv:ParameterSet", "parameters", version)
     _add_values(root, values, name, system, version)
     members[source] = text_of(root)
     add(group(node.element, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=source)

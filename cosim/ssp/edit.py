@@ -26,13 +26,13 @@ class Editor:
     ----------
     graph : of the description
     document : of the outermost system
-    has_arrays : whether the version of SSP has arrays
+    has_arrays, has_clocks : whether the version of SSP has these
     """
 
     def __init__(self, graph: Graph, version: str) -> None:
         self.graph, self.document = graph, graph.nodes[()].document
         self._version = version
-        self.has_arrays = version != "1.0"
+        self.has_arrays = self.has_clocks = version != "1.0"
 
     def add(self, path: Path, fmu: Fmu, source: str) -> None:
         """Add a component, and the systems around it that do not exist."""
@@ -44,7 +44,8 @@ class Editor:
         self.graph.fmus = {**self.graph.fmus, path: fmu}
         for variable in fmu.variables.values():
             is_array = variable.dimensions and self.has_arrays and variable.type not in _TEXTS
-            if variable.causality == "output" and (variable.is_signal or is_array):
+            exists = variable.type != "Clock" or self.has_clocks
+            if variable.causality == "output" and exists and (variable.is_signal or is_array):
                 self._declare((path, variable.name))
         add_units(self.document.root, "ssd:Units", fmu.units.values())
 
@@ -171,6 +172,10 @@ class Editor:
             return
         leaf = self._behind(like or end)
         variable = self._variable(leaf)
+        if variable.type == "Clock" and not self.has_clocks:
+            raise SspError(
+                f"{component(path)}.{name} is a clock, which SSP 1.0 has not; write SSP 2.0"
+            )
         if variable.array and self.has_arrays and not like:
             name, variable = variable.array, self._variable((path, variable.array))
         unit = unit or self.graph.inner_unit(leaf)

@@ -1,4 +1,4 @@
-"""modelDescription.xml of FMI 2.0 and 3.0: read, and checked as far as a run depends on it.
+"""modelDescription.xml of FMI 1.0, 2.0 and 3.0: read, and checked as far as a run depends on it.
 
 A description that contradicts itself or the standard raises ``DescriptionFault``.
 """

@@ -32,7 +32,7 @@ from stickslip.fmi.messages import shown
 
 MAX_REFERENCE = 2**32 - 1
 
-_TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3]) | {"Clock"}}
+_TYPES = {2: frozenset(SETTERS[2]), 3: frozenset(SETTERS[3])}
 _PARAMETERS = {"parameter", "calculatedParameter", "structuralParameter"}
 _INITIALS = {None, "exact", "approx", "calculated"}
 # What ``initial`` is where it is not given; combinations that are not here are not lawful.
@@ -118,6 +118,7 @@ def read_variable(
         structure=structure,
         enumeration=declared.name if declared and kind == "Enumeration" else None,
         items=declared.items if declared and kind == "Enumeration" else (),
+        triggered=kind == "Clock" and element.get("intervalVariability") == "triggered",
         relative=kind in FLOATS and flag({**given, **own}, "relativeQuantity"),
     )
 

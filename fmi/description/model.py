@@ -43,7 +43,7 @@ class Description:
 
     Attributes
     ----------
-    version : 2 or 3
+    standard : 1, 2 or 3; what is FMI 1.0 is given in the form of FMI 2.0
     token : the GUID of FMI 2.0, the instantiation token of FMI 3.0
     licence : what the FMU says of it
     interfaces : ``CoSimulation``, ``ModelExchange`` or ``ScheduledExecution`` -> its attributes
@@ -57,7 +57,7 @@ class Description:
     outside : variables that start outside their own range
     """
 
-    version: int
+    standard: int
     name: str
     token: str
     licence: str

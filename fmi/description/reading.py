@@ -10,6 +10,7 @@ from typing import Any
 from stickslip.fmi.description.attributes import DescriptionFault, name_of, real, whole, whole_of
 from stickslip.fmi.description.clocks import read_clocks
 from stickslip.fmi.description.elements import MAX_REFERENCE, Lengths, read_variable, typed_element
+from stickslip.fmi.description.fmi1 import upgrade
 from stickslip.fmi.description.learned import read_learned
 from stickslip.fmi.description.model import DefaultExperiment, Description
 from stickslip.fmi.description.structure import read_derivatives, read_unknowns
@@ -22,7 +23,10 @@ _INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 
 def read_description(root: Any) -> Description:
     """Return what a description says."""
-    version = _version(root)
+    standard = _version(root)
+    version = max(2, standard)
+    if standard == 1:
+        upgrade(root)
     units, types = read_units(root), read_types(root, version)
     elements = _elements(root)
     lengths = _lengths(elements) if version == 3 else {}
@@ -48,7 +52,7 @@ def read_description(root: Any) -> Description:
     by_name = {v.name: v for v in variables}
     rates = [u.name for u in unknowns["derivatives"]]
     return Description(
-        version=version,
+        standard=standard,
         name=root.get("modelName", ""),
         token=root.get("guid" if version == 2 else "instantiationToken", ""),
         licence=root.get("license", ""),
@@ -78,12 +82,12 @@ def _version(root: Any) -> int:
         raise DescriptionFault(
             root, f"the root element is {shown(str(root.tag))}, expected fmiModelDescription"
         )
-    if version is None or not re.fullmatch(r"2\.0|3\.[0-9]+(\.[0-9]+)?", version):
+    if version is None or not re.fullmatch(r"[12]\.0|3\.[0-9]+(\.[0-9]+)?", version):
         stated = "missing" if version is None else shown(version)
         raise DescriptionFault(
             root,
-            f"fmiVersion is {stated}, expected '2.0' or '3.0'; export the model again for one of"
-            " these",
+            f"fmiVersion is {stated}, expected '1.0', '2.0' or '3.0'; export the model again for"
+            " one of these",
         )
     return int(version[0])
 

@@ -55,6 +55,7 @@ SETTERS: dict[int, dict[str, tuple[str, Any]]] = {
         "Boolean": ("fmi3SetBoolean", c_bool),
         "String": ("fmi3SetString", c_char_p),
         "Binary": ("fmi3SetBinary", c_char_p),
+        "Clock": ("fmi3SetClock", c_bool),
     },
 }
 
@@ -97,6 +98,7 @@ class Variable:
     array, element : of an element of an array, the array's name and the place in it, row by row
     enumeration : name of its type, of an enumeration
     items : (name, number) of that type
+    triggered : of a clock, whether it is a signal, which is 1 where the clock ticks
     """
 
     name: str
@@ -118,11 +120,12 @@ class Variable:
     enumeration: str | None = None
     items: tuple[tuple[str, int], ...] = ()
     relative: bool = False
+    triggered: bool = False
 
     @property
     def is_signal(self) -> bool:
-        """Whether it can be connected and recorded: a scalar that is a number or Boolean."""
-        return self.type not in NOT_NUMBERS and not self.dimensions
+        """Whether it can be connected and recorded: a number, Boolean or triggered clock."""
+        return (self.type not in NOT_NUMBERS or self.triggered) and not self.dimensions
 
     @property
     def is_plain(self) -> bool:

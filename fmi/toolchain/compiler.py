@@ -11,7 +11,6 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from stickslip.fmi.binary import read_library
@@ -159,6 +158,8 @@ def _compiler_version() -> str:
             "the C compiler is missing: package 'ziglang' is not installed; "
             "run 'pip install ziglang'"
         )
+    from importlib.metadata import version  # late, for those who start quickly
+
     return version("ziglang")
 
 

@@ -18,11 +18,11 @@ _PLACE = "DefaultExperiment"
 
 @error("2.2.5", "2.4.6", "stop after the start")
 def stop_before_start(description: Description) -> Claims:
-    """The stopTime is not after startTime."""
+    """The stopTime is before startTime."""
     start = experiment_number(description, "startTime") or 0.0
     stop = experiment_number(description, "stopTime")
-    if stop is not None and stop <= start:
-        yield _PLACE, f"stopTime {stop} is not after startTime {start}"
+    if stop is not None and stop < start:
+        yield _PLACE, f"stopTime {stop} is before startTime {start}"
 
 
 @error("2.2.5", "2.4.6", "write a finite time")

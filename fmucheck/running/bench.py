@@ -27,7 +27,6 @@ from stickslip.fmucheck.running.calls import (
     Binary,
     Callbacks,
     CallFailed,
-    Message,
     status_name,
 )
 from stickslip.fmucheck.running.instance import Instance, Values
@@ -37,6 +36,10 @@ Settings = list[tuple[str, object]]
 Thing = TypeVar("Thing")
 PATIENCE = 8.0  # s for one rule that tries one thing after the other
 MOST_READ = 500  # variables read at every step
+
+
+class Spent(Exception):
+    """A further instance is needed where the FMU allows one per process."""
 
 
 @dataclass
@@ -52,6 +55,7 @@ class Bench:
     results : what is found out, for a later process
     tick : tells the parent that work goes on
     began : when the rule that is being tried began, by the monotonic clock
+    instantiated : whether an instance was made, or refused
     """
 
     description: Description
@@ -65,7 +69,13 @@ class Bench:
     began: float = 0.0
     changes: list[tuple[Variable, Values]] | None = None
     seen: dict[tuple[str, int], set[int]] | None = None
+    instantiated: bool = False
     _open: list[Instance] = field(default_factory=list)
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether the FMU allows one instance per process, and this process has had it."""
+        return self.instantiated and self.interface.flag("canBeInstantiatedOnlyOncePerProcess")
 
     @cached_property
     def binary(self) -> Binary:
@@ -87,7 +97,16 @@ class Bench:
     def instantiate(
         self, *, token: str | None = None, logging: bool = True, logger: bool = True
     ) -> Instance | None:
-        """Return a new instance, or ``None`` when the FMU refuses."""
+        """Return a new instance, or ``None`` when the FMU refuses.
+
+        Raises
+        ------
+        Spent
+            When the FMU allows one instance per process, and this process has had it.
+        """
+        if self.is_spent:
+            raise Spent
+        self.instantiated = True
         self.tick()
         callbacks = Callbacks()
         given = (self.description.token if token is None else token).encode()
@@ -139,9 +158,10 @@ class Bench:
             raise CallFailed("instantiation", FATAL, ": it gave no instance")
         return instance
 
-    def messages(self) -> list[Message]:
-        """Return what the open instances have logged."""
-        return [m for instance in self._open for m in instance.callbacks.messages]
+    def last_words(self) -> str:
+        """Return what the instance that failed has logged last, as half a sentence."""
+        texts = [m.text for i in self._open if i.broken for m in i.callbacks.messages if m.text]
+        return f"; its last message: {texts[-1][:200]}" if texts else ""
 
     def close(self) -> None:
         """Free every instance that is still in order; one after a failed call may hurt."""

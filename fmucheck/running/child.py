@@ -20,7 +20,7 @@ from typing import IO
 
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
-from stickslip.fmucheck.running.bench import Bench
+from stickslip.fmucheck.running.bench import Bench, Spent
 from stickslip.fmucheck.running.calls import CallFailed
 from stickslip.fmucheck.running.loading import GATES, LOADING
 from stickslip.fmucheck.running.process import settings
@@ -56,12 +56,16 @@ def main(job_file: str, report_file: str) -> None:
     job: Job = pickle.loads(Path(job_file).read_bytes())  # noqa: S301 (written by the parent)
     with Path(report_file).open("a", encoding="utf-8") as report:
         for interface in job.description.interfaces:
-            if library := job.libraries.get(interface.kind):
+            library = job.libraries.get(interface.kind)
+            if library and library.exists():  # an FMU may have deleted it
                 first = job.first.get(interface.kind, {})
                 bench = Bench(
                     job.description, interface, library, job.resources, before, first, dict(first)
                 )
                 _try(job, bench, report)
+                if bench.is_spent:  # the rest needs a process of its own
+                    _tell(job, report, end=True, again=True)
+                    return
         _tell(job, report, end=True)
 
 
@@ -75,25 +79,26 @@ def _try(job: Job, bench: Bench, report: IO[str]) -> None:
         if applies and (kind, rule.id) not in job.tried:
             _tell(job, report, begin=[kind, rule.id])
             bench.began = time.monotonic()
-            claims, failed, puzzled = _claims(bench, rule)
-            message = {"claims": claims, "failed": failed, "puzzled": puzzled}
-            _tell(job, report, **message, results=bench.results)
-            if rule.id in GATES and (claims or failed):
+            claims, reasons = _claims(bench, rule)
+            _tell(job, report, claims=claims, reasons=reasons, results=bench.results)
+            if bench.is_spent or (rule.id in GATES and (claims or "failed" in reasons)):
                 return
 
 
-def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], str, str]:
-    """Return what a rule finds, which call failed on the way, and any unexpected exception."""
+def _claims(bench: Bench, rule: rules.Rule) -> tuple[list[tuple[str, str]], dict[str, str]]:
+    """Return what a rule finds, and why it could not be tried to its end, see ``Ending``."""
     claims: list[tuple[str, str]] = []
-    failed = puzzled = ""
+    reasons: dict[str, str] = {}
     try:
         claims += rule.check(bench)
     except CallFailed as fault:
-        failed = str(fault)
+        reasons["failed"] = f"{fault}{bench.last_words()}"
+    except Spent:
+        reasons["spent"] = rule.id
     except Exception:  # noqa: BLE001 (an error in stickslip is not a fault of the FMU)
-        puzzled = traceback.format_exc()
+        reasons["puzzled"] = traceback.format_exc()
     bench.close()
-    return claims, failed, puzzled
+    return claims, reasons
 
 
 def _tell(job: Job, report: IO[str], **what: object) -> None:

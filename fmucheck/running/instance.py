@@ -127,12 +127,19 @@ class Instance:
 
     # Life
 
-    def enter_initialisation(self, start: float) -> None:
-        """Go from instantiated into initialisation mode."""
+    def enter_initialisation(
+        self, start: float, parameters: Sequence[tuple[Variable, Values]] = ()
+    ) -> None:
+        """Set parameters and go from instantiated into initialisation mode.
+
+        FMI 2.0 also allows them before SetupExperiment, but tools set them after it.
+        """
         nothing, no = c_double(0.0), self._flag(False)
         times = (no, nothing, c_double(start), no, nothing)
         if self.two:
             self.do("SetupExperiment", *times)
+        for variable, values in parameters:
+            self.set(variable, values)
         self.do("EnterInitializationMode", *(() if self.two else times))
 
     def exit_initialisation(self) -> None:

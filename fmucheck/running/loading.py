@@ -66,13 +66,7 @@ def does_not_run(bench: Bench) -> Claims:
         try:
             finished(bench)
         except CallFailed as still:
-            yield bench.interface.kind, f"{still}{_last_words(bench)}"
-
-
-def _last_words(bench: Bench) -> str:
-    """Return what was logged last, as half a sentence."""
-    texts = [m.text for m in bench.messages() if m.text]
-    return f"; its last message: {texts[-1][:200]}" if texts else ""
+            yield bench.interface.kind, f"{still}{bench.last_words()}"
 
 
 @note("", "", "give the inputs min and max")

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import pickle
 import platform
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from stat import S_ISDIR
 
 from stickslip.fmi.process import check_interruption, child_process
 from stickslip.fmucheck import rules
@@ -46,8 +49,22 @@ def host_binary(fmu: Fmu, identifier: str) -> str | None:
     return None
 
 
+@dataclass(frozen=True)
+class Patience:
+    """How long running may take.
+
+    Attributes
+    ----------
+    rule : s for one rule
+    end : of all, by the monotonic clock
+    """
+
+    rule: float = TIMEOUT
+    end: float = math.inf
+
+
 def findings_of_runs(
-    fmu: Fmu, blocked: set[str], broken: Mapping[str, str], timeout: float = TIMEOUT
+    fmu: Fmu, blocked: set[str], broken: Mapping[str, str], patience: Patience
 ) -> Iterator[Finding]:
     """Yield what is found by running every interface of an FMU.
 
@@ -55,7 +72,6 @@ def findings_of_runs(
     ----------
     blocked : rules whose findings make running pointless
     broken : binary that cannot be loaded -> the rule that found so
-    timeout : s that one rule may take
     """
     libraries = {}
     for interface in fmu.description.interfaces:
@@ -77,8 +93,22 @@ def findings_of_runs(
     if libraries:
         job = Job("running", fmu.description, libraries, fmu.folder / "resources", {})
         results: dict[str, dict[str, str]] = {}
-        yield from _tried(job, fmu, timeout, results)
-        yield from _tried(replace(job, stage="rerunning", first=results), fmu, timeout, {})
+        files = _files(fmu.folder)
+        yield from _tried(job, fmu, patience, results)
+        yield from _tried(replace(job, stage="rerunning", first=results), fmu, patience, {})
+        changed = files.items() ^ _files(fmu.folder).items()
+        for name in sorted({name for name, _ in changed}):
+            yield from _ended(Ending(name, "", "changed"), fmu)
+
+
+def _files(folder: Path) -> dict[str, tuple[int, int]]:
+    """Return size and time of change of all files below a folder."""
+    found = ((path, path.lstat()) for path in folder.rglob("*"))
+    return {
+        path.relative_to(folder).as_posix(): (stat.st_size, stat.st_mtime_ns)
+        for path, stat in found
+        if not S_ISDIR(stat.st_mode)
+    }
 
 
 def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
@@ -93,32 +123,50 @@ def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
 
 
 def _tried(
-    job: Job, fmu: Fmu, timeout: float, results: dict[str, dict[str, str]]
+    job: Job, fmu: Fmu, patience: Patience, results: dict[str, dict[str, str]]
 ) -> Iterator[Finding]:
     """Yield what a stage finds, in as many children as it takes; fill in what they found out."""
-    printed = False
-    for _ in range(_MOST_CHILDREN):
+    printed, spent = False, list[str]()
+    died = 0
+    while died < _MOST_CHILDREN:
         child = _Child(job, fmu.folder)
-        ending = child.watch(timeout)
+        ending = child.watch(patience)
         results |= child.results
         for (_, rule), claims in child.claims.items():
             for claim in _agreed(rule, claims, child.claims):
                 yield rules.RULES[rule].finding(claim, fmu.description.version)
         for (interface, rule, reason), text in child.failed.items():
-            yield from _ended(Ending(interface, rule, reason, text=text), fmu)
-        if ending is None:
-            if child.text.strip() and not printed:
-                yield from _ended(Ending("standard output", "", "printed", text=child.text), fmu)
-            return
-        printed = True
-        yield from _ended(ending, fmu)
-        if not ending.during:
-            return
-        tried = job.tried | {*child.claims, (ending.interface, ending.during)}
-        libraries = dict(job.libraries)
-        if ending.during in GATES:
-            del libraries[ending.interface]
+            if reason == "spent":
+                spent.append(rule)
+            else:
+                yield from _ended(Ending(interface, rule, reason, text=text), fmu)
+        for command in child.left:
+            yield from _ended(Ending(command, "", "left"), fmu)
+        if ending is None and child.text.strip() and not printed:
+            yield from _ended(Ending("standard output", "", "printed", text=child.text), fmu)
+        printed = printed or ending is not None or bool(child.text.strip())
+        tried, gated = job.tried | child.claims.keys(), _gated(child)
+        if ending is not None:
+            died += 1
+            yield from _ended(ending, fmu)
+            tried |= {(ending.interface, ending.during)}
+            gated |= {ending.interface} if ending.during in GATES else set()
+        if not (child.again if ending is None else ending.during and ending.reason != "unable"):
+            break
+        libraries = {kind: path for kind, path in job.libraries.items() if kind not in gated}
         job = replace(job, libraries=libraries, tried=tried, first=job.first | child.results)
+    if spent:
+        text = f"one instance per process is not enough for {', '.join(dict.fromkeys(spent))}"
+        yield from _ended(
+            Ending("canBeInstantiatedOnlyOncePerProcess", "", "unable", text=text), fmu
+        )
+
+
+def _gated(child: _Child) -> set[str]:
+    """Return the interfaces of which nothing more can be tried."""
+    claimed = {key for key, claims in child.claims.items() if claims}
+    failed = {(kind, rule) for kind, rule, reason in child.failed if reason == "failed"}
+    return {kind for kind, rule in claimed | failed if rule in GATES}
 
 
 def _agreed(
@@ -131,6 +179,18 @@ def _agreed(
     return [claim for claim in claims if all(claim[0] in made for made in places)]
 
 
+def _left_behind(child: int, mark: str) -> list[str]:
+    """End the processes that a child has left in any session; return their commands (Linux)."""
+    left = []
+    for path in Path("/proc").glob("[0-9]*/environ") if sys.platform == "linux" else ():
+        process = int(path.parent.name)
+        with contextlib.suppress(OSError):
+            if process != child and mark.encode() in path.read_bytes().split(b"\0"):
+                left.append((path.parent / "comm").read_text().strip())
+                os.kill(process, signal.SIGKILL)
+    return left
+
+
 @dataclass
 class _Child:
     job: Job
@@ -139,8 +199,10 @@ class _Child:
     failed: dict[tuple[str, str, str], str] = field(default_factory=dict)
     results: dict[str, dict[str, str]] = field(default_factory=dict)
     text: str = ""
+    again: bool = False
+    left: list[str] = field(default_factory=list)
 
-    def watch(self, timeout: float) -> Ending | None:
+    def watch(self, patience: Patience) -> Ending | None:
         """Run the child until it ends or has to be ended; ``None`` when all went well."""
         room = self.folder.parent / f"{self.folder.name}-run"
         room.mkdir(exist_ok=True)
@@ -156,10 +218,15 @@ class _Child:
                 stdout=stream,
                 stderr=stream,
                 cwd=room,
-                env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+                env=os.environ
+                | {
+                    "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
+                    "STICKSLIP_CHECK": self.job.token,
+                },
             ) as process,
         ):
-            reason = self._wait(process, report, output, timeout)
+            reason = self._wait(process, report, output, patience)
+            self.left = _left_behind(process.pid, f"STICKSLIP_CHECK={self.job.token}")
         with output.open("rb") as printed:
             self.text = printed.read(2000).decode("utf-8", "replace")
         interface, during, done = self._read(report)
@@ -170,10 +237,13 @@ class _Child:
             interface, during = "unloading the library", ""
         if reason == "exit" and (status or 0) < 0:
             reason = "crash"
-        return Ending(interface, during, reason, status, self.text, timeout)
+        text = self.text
+        if reason == "unable":
+            text = "the time for all rules is over; it was not run further"
+        return Ending(interface, during, reason, status, text, patience.rule)
 
     def _wait(
-        self, process: subprocess.Popen[bytes], report: Path, output: Path, timeout: float
+        self, process: subprocess.Popen[bytes], report: Path, output: Path, patience: Patience
     ) -> str:
         """Return why the child has to be ended, or that it ended."""
         size_before, since = 0, time.monotonic()
@@ -185,8 +255,10 @@ class _Child:
             if size > size_before:
                 size_before, since = size, time.monotonic()
             check_interruption()
-            if time.monotonic() - since > timeout:
+            if time.monotonic() - since > patience.rule:
                 return "hang"
+            if time.monotonic() > patience.end:
+                return "unable"
             if output.stat().st_size > MOST_TEXT or size > _MOST_REPORT:
                 return "flood"
 
@@ -205,9 +277,9 @@ class _Child:
             elif "claims" in message:
                 claims = [(place, message) for place, message in message["claims"]]
                 self.claims[interface, during] = claims
-                for reason in ("failed", "puzzled"):
-                    if message[reason]:
-                        self.failed[interface, during, reason] = message[reason]
+                for reason, text in message["reasons"].items():
+                    self.failed[interface, during, reason] = text
                 self.results[interface] = message["results"]
             done = done or "end" in message
+            self.again = self.again or "again" in message
         return interface, during, done

@@ -16,10 +16,6 @@ def difference(a: list[str], b: list[str]) -> str | None:
     return None if len(a) == len(b) else f"one has {len(a)} steps, the other {len(b)}"
 
 
-def _only_once(bench: Bench) -> bool:
-    return bench.interface.flag("canBeInstantiatedOnlyOncePerProcess")
-
-
 @error("2.1.5", "2.3.1", "keep all state in the instance")
 def second_run_differs(bench: Bench) -> Claims:
     """A second instance in the same process, after the first, gives another result."""
@@ -34,8 +30,6 @@ def second_run_differs(bench: Bench) -> Claims:
 @error("2.1.5", "2.3.1", "keep all state in the instance, none global")
 def instances_share_state(bench: Bench) -> Claims:
     """Two instances that run side by side influence each other."""
-    if _only_once(bench):
-        return
     alone = []
     for phase in (0.0, 1.0):
         run = _begun(bench, phase)

@@ -97,9 +97,7 @@ class Run:
 
     def begin(self, parameters: Sequence[tuple[Variable, Values]] = ()) -> None:
         """Initialise."""
-        for variable, values in parameters:
-            self.instance.set(variable, values)
-        self.instance.enter_initialisation(self.bench.start_time)
+        self.instance.enter_initialisation(self.bench.start_time, parameters)
         self.instance.exit_initialisation()
         self.enter()
 

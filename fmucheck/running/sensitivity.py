@@ -15,6 +15,7 @@ from stickslip.fmucheck.running.run import Run, new_run, scale
 
 _MOST = 40  # knowns and unknowns compared
 _PLACES = (0, 5)  # steps after which it is compared
+_BETWEEN = (-0.83, -0.37, 0.21, 0.64)  # parts of the step at which straightness is checked
 
 
 @dataclass(frozen=True)
@@ -24,9 +25,10 @@ class Slope:
     value: float
     doubt: float
 
-    def agrees(self, other: float) -> bool:
+    def agrees(self, other: float, doubt: float = 0.0) -> bool:
         """Tell whether a derivative is near enough."""
-        return abs(other - self.value) <= 1e-3 * max(abs(other), abs(self.value)) + self.doubt
+        slack = 1e-3 * max(abs(other), abs(self.value)) + self.doubt + doubt
+        return abs(other - self.value) <= slack
 
 
 def _scalar(v: Variable | None) -> bool:
@@ -69,20 +71,21 @@ def put(run: Run, v: Variable, value: float) -> None:
 def _slope(run: Run, unknown: Variable, known: Variable) -> Slope | None:
     """Return the central difference, ``None`` where it is not smooth or cannot be taken."""
     middle = float(run.instance.get([known])[0][0])
-    usual = scale(known, middle)
-    found = []
-    for step in (1e-4 * usual, 5e-5 * usual):
-        ends = []
-        for there in (middle + step, middle - step):
-            put(run, known, there)
-            ends.append(float(run.instance.get([unknown])[0][0]))
-        put(run, known, middle)
-        found.append((ends[0] - ends[1]) / (2 * step))
-    noise = 1e-11 * max(abs(e) for e in ends) / step
+    span = 1e-4 * scale(known, middle)
+    values = {}
+    for part in (1.0, -1.0, 0.5, -0.5, *_BETWEEN):
+        put(run, known, middle + part * span)
+        values[part] = float(run.instance.get([unknown])[0][0])
+    put(run, known, middle)
+    found = [(values[part] - values[-part]) / (2 * part * span) for part in (1.0, 0.5)]
+    centre = (values[0.5] + values[-0.5]) / 2
+    # Terms far greater than their sum leave rounding errors that its size does not show.
+    off = max(abs(values[part] - centre - part * span * found[0]) for part in _BETWEEN)
+    noise = (1e-11 * abs(centre) + 5 * off) / span
     doubt = abs(found[0] - found[1])
     if not doubt <= 1e-3 * max(map(abs, found)) + noise:
         return None
-    return Slope(found[1], 10 * doubt + noise + 1e-12)
+    return Slope(found[1], 10 * doubt + 2 * noise + 1e-12)
 
 
 def _at(bench: Bench, steps: int) -> Run:
@@ -152,7 +155,7 @@ def wrong_dependency_kind(bench: Bench) -> Claims:
             if unknown.variable is None or unknown.variable is known or bench.still:
                 continue
             slopes = [s for run in runs if (s := _slope(run, unknown.variable, known))]
-            if any(not slopes[0].agrees(other.value) for other in slopes[1:]):
+            if any(not slopes[0].agrees(other.value, other.doubt) for other in slopes[1:]):
                 factors = ", ".join(f"{s.value:.6g}" for s in slopes)
                 yield unknown.place, f"{kind} factor of {known.name}, but it is {factors}"
 

@@ -112,6 +112,7 @@ def build_fmu(
     start: Mapping[str, float] | None = None,
     law: str | None = None,
     called: str | None = None,
+    terminals: bool = True,
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
 
@@ -124,6 +125,7 @@ def build_fmu(
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : a friction law of ``law_names()`` in place of the model's default
     called : name of the file and of the model in it, by default ``name``
+    terminals : with terminalsAndIcons.xml, of which FMI Library says FATAL in FMI 2.0
 
     Raises
     ------
@@ -137,7 +139,9 @@ def build_fmu(
     model = replace(model, name=called or model.name)
     # The reference holds for the start values of model.toml and law.toml.
     expected = not start and reference_file(model) is not None
-    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=expected)
+    return pack_fmu(
+        model, folder, fmi=fmi, platforms=platforms, reference=expected, terminals=terminals
+    )
 
 
 def pack_fmu(
@@ -147,6 +151,7 @@ def pack_fmu(
     fmi: FmiVersion = 2,
     platforms: Iterable[Platform] | None = None,
     reference: bool = False,
+    terminals: bool = True,
 ) -> Path:
     """Write ``folder/NAME.fmu`` of any model and return its path.
 
@@ -168,6 +173,8 @@ def pack_fmu(
         texts |= {f"sources/{path}": content for path, content in fmi_headers(fmi).items()}
     if reference:
         texts |= layered_standard(model)
+    if not terminals:
+        del texts["terminalsAndIcons/terminalsAndIcons.xml"]
     members = {path: content.encode() for path, content in texts.items()}
     members |= dict.fromkeys({"terminalsAndIcons/icon.png", _ICON[fmi]}, png(model.icon))
     members |= _binaries(model.name, files, fmi, platforms or [host_platform()])

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from stickslip import models
 from stickslip.commands import FLAG, SEVERAL, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
 from stickslip.errors import UsageError
-from stickslip.evaluation.arena.comparison import make_plan
-from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
-from stickslip.evaluation.arena.table import arena_table, ranking
-from stickslip.evaluation.arena.tuning import Budget
-from stickslip.evaluation.arena.writing import FILES, write_arena
+from stickslip.evaluation.arena.budget import Budget
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.evaluation.arena.protocol import Arena, Plan
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +62,10 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run the arena, write its files and print the ranking; status 1 if a cell failed."""
+    from stickslip.evaluation.arena.protocol import run_arena
+    from stickslip.evaluation.arena.table import arena_table
+    from stickslip.evaluation.arena.writing import FILES, write_arena
+
     plan = _plan(options)
     with reserved(options.out, FILES), TerminalProgress() as progress:
         cells = len(plan.drives) * len(plan.entrants)
@@ -83,6 +87,8 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _plan(options: argparse.Namespace) -> Plan:
     """Return what the options choose."""
+    from stickslip.evaluation.arena.comparison import make_plan
+
     if len(options.compensator) != len(options.ports):
         raise UsageError("--compensator and --ports: expected one file of ports for each FMU")
     return make_plan(
@@ -101,6 +107,8 @@ def _plan(options: argparse.Namespace) -> Plan:
 
 def _print(arena: Arena, table: pd.DataFrame) -> None:
     """Print what became of each entrant over all drives."""
+    from stickslip.evaluation.arena.table import ranking
+
     found = ranking(table, arena.plan)
     width = max(map(len, found.index))
     print(f"errors relative to {arena.plan.reference}: geometric mean and worst over the drives")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from argparse import ArgumentParser
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 
-from stickslip.catalog.parameters import estimated, friction_law, learnable_laws
 from stickslip.commands import SEVERAL, add_old_spelling, add_options
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
@@ -20,13 +19,13 @@ def add_set_option(parser: ArgumentParser, what: str = "") -> None:
     add_options(parser, {"--set NAME=VALUE": what}, **SEVERAL)
 
 
-def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
-    """Declare ``--source``, with which signal the compensator is driven; the first is usual."""
+def add_source_option(parser: ArgumentParser) -> None:
+    """Declare ``--source``, with which signal the compensator is driven."""
     action = parser.add_argument(
         "--source",
         dest="feed",
-        choices=sources,
-        default=sources[0],
+        choices=("nominal", "command"),
+        default="nominal",
         help="velocity input of the compensator: that of the nominal loop, or the command",
     )
     add_old_spelling(parser, "--feed", action)
@@ -34,6 +33,8 @@ def add_source_option(parser: ArgumentParser, sources: Sequence[str]) -> None:
 
 def add_law_option(parser: ArgumentParser, *further: str, more: str = "") -> None:
     """Declare ``--law``, the friction law of the compensator, with further choices."""
+    from stickslip.catalog.parameters import learnable_laws
+
     parser.add_argument(
         "--law",
         choices=[*learnable_laws(), *further],
@@ -50,6 +51,8 @@ def coarse_factors(texts: Iterable[str], law: str = "lugre") -> dict[str, float]
     UsageError
         When a name is not one of the law's, or a factor is not a positive finite number.
     """
+    from stickslip.catalog.parameters import estimated, friction_law
+
     names = estimated(friction_law(law))
     factors: dict[str, float] = {}
     for name, value in split_assignments(texts, "--coarse").items():

@@ -24,7 +24,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--law NAME": f"friction law of the models that contain one: {laws}"})
     add_platform_option(parser)
     check = "also write inputs and expected results in the layout of the FMI Cross-Check"
-    add_options(parser, {"--cross-check": check}, **FLAG)
+    terminals = "FMI 2.0 without terminals, of which FMI Library says FATAL; so --cross-check"
+    add_options(parser, {"--cross-check": check, "--no-terminals": terminals}, **FLAG)
     parser.add_argument("--out", type=Path, default=Path("fmus"), metavar="DIR")
     parser.set_defaults(run=run)
 
@@ -43,7 +44,12 @@ def run(options: argparse.Namespace) -> Answer:
     def build(job: tuple[str, models.FmiVersion]) -> Path:
         name, version = job
         return models.build_fmu(
-            name, folders[version], fmi=version, platforms=platforms, law=options.law
+            name,
+            folders[version],
+            fmi=version,
+            platforms=platforms,
+            law=options.law,
+            terminals=version == 3 or not (options.no_terminals or options.cross_check),
         )
 
     written = []

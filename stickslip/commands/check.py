@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from stickslip import fmucheck
 from stickslip.commands import FLAG, add_options
-from stickslip.fmucheck import Report, Severity
 from stickslip.output import Answer
+
+if TYPE_CHECKING:
+    from stickslip.fmucheck import Report
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -22,23 +25,30 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, flags, **FLAG)
     limit = {"--timeout S": "time limit of the binary for one rule"}
     add_options(parser, limit, type=float, default=20.0)
+    total = {"--total S": "time limit for each file; what is known by then is printed"}
+    add_options(parser, total, type=float, default=math.inf)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Print what was found; status 1 if any of it is an error."""
+    from stickslip import fmucheck
+
     reports = [
-        fmucheck.check(path, run=not options.no_run, timeout=options.timeout)
+        fmucheck.check(path, run=not options.no_run, timeout=options.timeout, total=options.total)
         for path in options.files
     ]
     for report in reports:
         _print(report)
-    worst = Severity.WARNING if options.strict else Severity.ERROR
+    levels = fmucheck.Severity
+    worst = levels.WARNING if options.strict else levels.ERROR
     status = int(any(finding.severity >= worst for report in reports for finding in report))
     return Answer({"version": 1, "files": [r.as_json() for r in reports]}, status)
 
 
 def _print(report: Report) -> None:
+    from stickslip.fmucheck import Severity
+
     counts = [f"{report.count(s)} {s}s" for s in sorted(Severity, reverse=True)]
     version = f"FMI {report.fmi}, " if report.fmi else ""
     print(f"{report.path}: {version}{', '.join(counts)}")
@@ -48,5 +58,9 @@ def _print(report: Report) -> None:
             f"  {finding.severity!s:7}  {finding.rule:{width}}  {finding.place}: {finding.message}"
         )
         indent = " " * (11 + width)
+        if finding.others:
+            shown = ", ".join(finding.others[:3])
+            dots = ", ..." if finding.count > 4 else ""
+            print(f"{indent}  {finding.count} times, also at {shown}{dots}")
         section = f"  [{finding.section}]" if finding.section else ""
         print(f"{indent}  -> {finding.advice}{section}")

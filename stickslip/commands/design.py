@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stickslip.catalog.parameters import PAPER
-from stickslip.commands.tables import write_files
 from stickslip.output import Answer
-from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.systems import nominal_parameters
-from stickslip.servo.velocity_loop import LoopSpecification, VelocityLoop, design_velocity_loop
+from stickslip.servo.specification import LoopSpecification
+
+if TYPE_CHECKING:
+    from stickslip.servo.velocity_loop import VelocityLoop
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -36,6 +37,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Design, print gains and margins, and write them with the nominal loop's matrices."""
+    from stickslip.commands.tables import write_files
+    from stickslip.servo.axis import Axis
+    from stickslip.servo.systems import nominal_parameters
+    from stickslip.servo.velocity_loop import design_velocity_loop
+
     loop = design_velocity_loop(
         Axis(options.mass, options.viscous, options.current_lag),
         LoopSpecification(

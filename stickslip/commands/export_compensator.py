@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from stickslip import models
 from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.platforms import add_fmu_options, fmu_options
-from stickslip.commands.tables import print_benefit
 from stickslip.errors import HarmfulError, UsageError
-from stickslip.evaluation.guards import benefits_on_drives, feedforward
-from stickslip.models.firmware import write_compensator
 from stickslip.output import Answer
-from stickslip.results.learned import LearnedFile
-from stickslip.servo.systems import Compensator
+
+if TYPE_CHECKING:
+    from stickslip.results.learned import LearnedFile
+    from stickslip.servo.systems import Compensator
+
 
 NAME = "compensator"
 """Of the command, of what it writes, and of the model that evaluates any law."""
@@ -53,6 +52,9 @@ def run(options: argparse.Namespace) -> Answer:
     What the guards find goes to standard error. The force is reduced to the largest share that
     makes the loop worse nowhere; where there is none, nothing is written.
     """
+    from stickslip import models
+    from stickslip.results.learned import LearnedFile
+
     learned = LearnedFile(options.parameters)
     one = learned.feedforward
     law = learned.law.name if one.model == NAME else None
@@ -75,6 +77,9 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     HarmfulError
         When it makes the loop worse at every share, or learning refused it, and is not forced.
     """
+    from stickslip.commands.tables import print_benefit
+    from stickslip.evaluation.guards import benefits_on_drives, feedforward
+
     path = learned.path
     if learned.refusal and not force:
         raise HarmfulError(
@@ -120,6 +125,9 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
 def _write(
     options: argparse.Namespace, model: str, law: str | None, start: dict[str, float]
 ) -> list[Path]:
+    from stickslip import models
+    from stickslip.models.firmware import write_compensator
+
     if options.form != "fmu":
         return write_compensator(
             options.out, options.form, start=start, law=law, model=model, called=NAME

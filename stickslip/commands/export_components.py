@@ -6,14 +6,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from stickslip import models
 from stickslip.commands import add_options
 from stickslip.commands.export_compensator import add_form_option
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import UsageError
-from stickslip.models.firmware import write_compensator
 from stickslip.output import Answer
-from stickslip.results.learned import LearnedFile
 
 
 def add_to(exports: argparse._SubParsersAction[Any]) -> None:
@@ -34,6 +31,10 @@ def run(options: argparse.Namespace) -> Answer:
     UsageError
         When there is none, or it is not available in the form that is wanted.
     """
+    from stickslip import models
+    from stickslip.models.firmware import write_compensator
+    from stickslip.results.learned import LearnedFile
+
     components = LearnedFile(options.parameters).components
     if not components:
         raise UsageError(f"{options.parameters}: contains no components")

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from stickslip import models
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.output import Answer
@@ -28,6 +27,8 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Write DIR/NAME.fmu and print its path."""
+    from stickslip import models
+
     described = models.read_lti(options.file)
     path = models.export_lti(
         described.system,

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from stickslip import models
 from stickslip.commands import FLAG, add_options, warn
 from stickslip.commands.export_compensator import add_form_option
 from stickslip.commands.platforms import add_fmu_options, fmu_options
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.fmi.process import temporary_folder
-from stickslip.models.firmware import write_compensator
 from stickslip.output import Answer
-from stickslip.results.learned import LearnedFile
-from stickslip.servo.chain_response import ChainResponse
-from stickslip.servo.observer import LIMIT
-from stickslip.servo.systems import Compensator
-from stickslip.servo.velocity_loop import VelocityLoop
+
+if TYPE_CHECKING:
+    from stickslip.results.learned import LearnedFile
+    from stickslip.servo.systems import Compensator
+    from stickslip.servo.velocity_loop import VelocityLoop
+
 
 NAME = "observer"
 
@@ -43,6 +42,10 @@ def run(options: argparse.Namespace) -> Answer:
     HarmfulError
         When learning refused it, or the peak sensitivity of the loop is too large with it.
     """
+    from stickslip import models
+    from stickslip.models.firmware import write_compensator
+    from stickslip.results.learned import LearnedFile
+
     learned = LearnedFile(options.parameters)
     observer = learned.observer
     model, start = observer.model, observer.values
@@ -66,6 +69,8 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
+    from stickslip.servo.observer import LIMIT
+
     found = []
     if learned.observer_refusal:
         found.append(f"learn does not recommend the observer: {learned.observer_refusal}")
@@ -81,6 +86,9 @@ def _refusals(learned: LearnedFile, observer: Compensator) -> list[str]:
 
 def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
     """Return the peak sensitivity of a loop with an observer, measured on its FMU."""
+    from stickslip import models
+    from stickslip.servo.chain_response import ChainResponse
+
     with temporary_folder() as folder:
         models.build_fmu(observer.model, folder)
         with ChainResponse(folder, loop, [observer], abs(speed)) as response:

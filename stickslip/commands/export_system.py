@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip import cosim
 from stickslip.commands import add_options
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.platforms import add_fmu_options, fmu_options
@@ -43,6 +42,8 @@ def add_to(exports: argparse._SubParsersAction[Any]) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Write DIR/NAME.fmu, named like the package, and print its path."""
+    from stickslip import cosim
+
     file = Path(options.what)
     system, experiment = cosim.read_ssp(file, options.variant)
     step = experiment.step if options.step is None else options.step

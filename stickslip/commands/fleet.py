@@ -6,19 +6,20 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from stickslip.commands import FLAG, add_options, at_least
 from stickslip.commands.execution import add_worker_options
 from stickslip.commands.progress import TerminalProgress
-from stickslip.fleet import Drive, Fleet, fleet_table, learn_fleet, read_fleet
-from stickslip.fleet.writing import files_of, write_fleet
-from stickslip.identification.fitting.identifiability import LEVELS, NOT_IDENTIFIABLE
 from stickslip.output import Answer
 from stickslip.results.folder import reserved
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.jobs import Outcome
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.fleet import Drive, Fleet
+    from stickslip.tuning.jobs import Outcome
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -41,12 +42,18 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Learn all drives, write the results, print what is known; status 1 if a drive failed."""
+    from stickslip.fleet import read_fleet
+    from stickslip.fleet.writing import files_of
+
     drives = read_fleet(options.table)
     with reserved(options.out, files_of(drives)):
         return _learn(options, drives)
 
 
 def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
+    from stickslip.fleet import fleet_table, learn_fleet
+    from stickslip.fleet.writing import write_fleet
+
     execution = Execution(options.workers, options.where, resume=options.resume)
     with TerminalProgress() as progress:
         done = 0
@@ -80,6 +87,8 @@ def _learn(options: argparse.Namespace, drives: Sequence[Drive]) -> Answer:
 
 def _print_drives(fleet: Fleet) -> None:
     """Print the criterion of each drive and the identifiability of its parameters."""
+    from stickslip.identification.fitting.identifiability import LEVELS
+
     width = max(len(drive.name) for drive in fleet.drives)
     for drive in fleet.drives:
         if drive.name in fleet.reasons:
@@ -97,6 +106,8 @@ def _print_drives(fleet: Fleet) -> None:
 
 def _print_parameters(table: pd.DataFrame) -> None:
     """Print each parameter's range over the drives in which it is identifiable."""
+    from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+
     seen = table[table["parameter"].notna() & (table["identifiability"] != NOT_IDENTIFIABLE)]
     if seen.empty:
         return

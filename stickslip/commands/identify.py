@@ -9,13 +9,8 @@ from pathlib import Path
 from stickslip.catalog.parameters import UNITS
 from stickslip.commands.assignments import add_set_option, drive_changes
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import write_files
-from stickslip.identification.stages import identify
 from stickslip.output import Answer
-from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
-from stickslip.servo.datasheet import LOOP
-from stickslip.servo.rig import rig_of
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -27,6 +22,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run the experiments, print the estimates with standard errors, and write them."""
+    from stickslip.commands.tables import write_files
+    from stickslip.identification.stages import identify
+    from stickslip.pipeline.reproduction import drive_truth
+    from stickslip.rigs.fmu import rig_of
+    from stickslip.servo.datasheet import LOOP
+
     truth = drive_changes(options.set)
     drive_truth(truth)
     with reserved(options.out, ["identified.json"]):

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 from stickslip.commands import FLAG, add_options
-from stickslip.contents import info
 from stickslip.output import Answer
 
 
@@ -24,6 +23,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Print what the file contains."""
+    from stickslip.contents import info
+
     found = info(options.file, options.variant)
     print(found.text(whole=options.all))
     return Answer(found.document())

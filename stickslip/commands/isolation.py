@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
-from stickslip import cosim
 from stickslip.commands import add_options
 from stickslip.errors import UsageError
+
+if TYPE_CHECKING:
+    from stickslip import cosim
 
 
 def add_isolation(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +37,8 @@ def isolation_of(options: argparse.Namespace) -> cosim.Isolation | None:
     UsageError
         When a limit is given without isolation.
     """
+    from stickslip import cosim
+
     given = {"timeout": options.timeout, "memory": options.memory}
     limits = {name: value for name, value in given.items() if value is not None}
     if limits and not options.isolate:

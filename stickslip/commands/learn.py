@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.catalog.parameters import unit_of
 from stickslip.commands import FLAG, SEVERAL, add_old_spelling, add_options, at_least, warn
@@ -19,24 +19,14 @@ from stickslip.commands.log_options import (
     print_findings,
 )
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import (
-    print_benefit,
-    print_compared,
-    print_holds,
-    print_laws,
-    print_parts,
-    print_tracking,
-)
-from stickslip.identification.estimation import CriterionName, Estimation, Search
-from stickslip.logs import Description, raise_errors
 from stickslip.output import Answer
-from stickslip.pipeline.candidates import AUTO, SIGNALS, law_of
-from stickslip.pipeline.learned import LearnedFromRecording
-from stickslip.pipeline.log_learning import learn, read_and_check
-from stickslip.pipeline.observed import BOTH, OBSERVER
 from stickslip.results.folder import reserved
-from stickslip.results.learned import log_document
-from stickslip.results.learned_folder import FILES, write_learned
+
+if TYPE_CHECKING:
+    from stickslip.identification.estimation import CriterionName, Estimation
+    from stickslip.logs import Description
+    from stickslip.pipeline.learned import LearnedFromRecording
+
 
 CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
@@ -75,7 +65,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_execution_options(parser)
     add_log_options(parser)
     add_law_option(
-        parser, AUTO, more="; auto: the one that predicts the force best where it is not fitted"
+        parser, "auto", more="; auto: the one that predicts the force best where it is not fitted"
     )
     parser.add_argument(
         "--compensator",
@@ -86,16 +76,22 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "that the log supports (default: the law, and ekbf where it helps)",
     )
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
-    add_options(parser, absent, choices=sorted(SIGNALS), **SEVERAL)
+    add_options(parser, absent, choices=("encoder", "motor_force"), **SEVERAL)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Check the log, learn, print the parameters, and write the results."""
     options.log = log_of(options)
-    law_of(options.compensator, options.law, options.without)
     description = description_of(options)
+    from stickslip.pipeline.candidates import law_of
+    from stickslip.results.learned_folder import FILES
+
+    law_of(options.compensator, options.law, options.without)
     if options.check:
+        from stickslip.logs import raise_errors
+        from stickslip.pipeline.log_learning import read_and_check
+
         findings = read_and_check(options.log, description)[1]
         print_findings(findings)
         raise_errors(options.log, findings)
@@ -105,6 +101,12 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:
+    from stickslip.commands import tables
+    from stickslip.identification.estimation import Search
+    from stickslip.pipeline.log_learning import learn
+    from stickslip.results.learned import log_document
+    from stickslip.results.learned_folder import write_learned
+
     checkpoint = options.out and options.out / "learning.checkpoint.json"
     with TerminalProgress() as progress, execution_of(options, checkpoint) as execution:
         learned = learn(
@@ -123,15 +125,15 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         print_estimation(learned.estimation)
         if learned.tracking:
             rotary = learned.estimation.recording.motion == "rotary"
-            print_tracking(learned.tracking, rotary=rotary)
+            tables.print_tracking(learned.tracking, rotary=rotary)
         if learned.trial:
-            print_benefit(learned.benefit or learned.trial.benefit)
+            tables.print_benefit(learned.benefit or learned.trial.benefit)
             if learned.trial.compared:
-                print_compared(learned.trial.compared)
+                tables.print_compared(learned.trial.compared)
             elif learned.trial.observed:
-                print_parts(learned.trial.observed)
+                tables.print_parts(learned.trial.observed)
             if learned.trial.holds:
-                print_holds(learned.trial.holds)
+                tables.print_holds(learned.trial.holds)
         for warning in learned.warnings:
             warn(warning)
         if options.out:
@@ -142,6 +144,8 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
 
 
 def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -> None:
+    from stickslip.pipeline.observed import BOTH, OBSERVER
+
     benefit = learned.benefit
     if learned.refusal:
         fate, how = ("written", "") if options.force else ("not written", " (--force writes it)")
@@ -161,6 +165,8 @@ def _print_written(learned: LearnedFromRecording, options: argparse.Namespace) -
 
 def print_estimation(estimation: Estimation) -> None:
     """Print criterion, parameters with intervals, and relative errors."""
+    from stickslip.commands.tables import print_laws
+
     print(f"\ncriterion: {estimation.criterion} ({estimation.reason})")
     for remark in estimation.remarks:
         print(f"note: {remark}")

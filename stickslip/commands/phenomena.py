@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from stickslip import models
-from stickslip.evaluation.phenomena import phenomena
 from stickslip.fmi.files import atomic_write
 from stickslip.output import Answer
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -29,9 +30,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> Answer:
     """Print a row for each phenomenon and a column for each law, or draw the published figures."""
     if options.published:
-        from stickslip.report.canudas_1995 import draw_published  # late, for matplotlib is slow
+        from stickslip.report.canudas_1995 import draw_published
 
         return Answer({"written": [atomic_write(options.published, draw_published())]})
+    from stickslip.evaluation.phenomena import phenomena
+
     found = phenomena(*options.laws)
     print(table_of(found))
     return Answer({"phenomena": found.reset_index()})

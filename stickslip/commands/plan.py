@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.commands import FLAG, SEVERAL, add_options, warn
@@ -16,7 +14,11 @@ from stickslip.fmi.files import atomic_write
 from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
 from stickslip.output import Answer
-from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, draw_plan, plan
+from stickslip.planning import LINEAR, ROTARY, Limits, Stretch, arrange, plan
+
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 _OPTIONS = {
     "stroke": ("position", "M", "distance between the two farthest positions"),
@@ -65,6 +67,8 @@ def run(options: argparse.Namespace) -> Answer:
     table, stretches = plan(limits, options.show), arrange(limits, options.show)
     atomic_write(options.out, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
     if options.plot:
+        from stickslip.planning.picture import draw_plan
+
         atomic_write(options.plot, draw_plan(table, stretches, length))
     _print_parts(table, stretches, length)
     _warn_of_speed(table, limits, length)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from tqdm import tqdm
-
-from stickslip import ga
 from stickslip.output import LOG, quiet
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+    from stickslip import ga
 
 
 class TerminalProgress:
@@ -30,6 +32,8 @@ class TerminalProgress:
     def generation(self, algorithm: ga.Optimiser) -> None:
         """Move the bar on."""
         if self._bar is None:
+            from tqdm import tqdm  # late, for those who start quickly
+
             self._bar = tqdm(
                 total=algorithm.limits.generations,
                 unit="generation",

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stickslip.commands import FLAG, SEVERAL, add_options, at_least, warn
 from stickslip.commands.assignments import (
@@ -19,27 +20,14 @@ from stickslip.commands.assignments import (
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.commands.learn import print_estimation
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_published, print_table4
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
-from stickslip.identification.stages import identify
 from stickslip.output import Answer
-from stickslip.pipeline.record_mode import reproduce_from_recording
-from stickslip.pipeline.reproduction import Options, Reproduction, drive_truth, reproduce
-from stickslip.pipeline.studies import with_studies
 from stickslip.results.folder import reserved
-from stickslip.results.learned_folder import RECORD_FILES, write_record_results
-from stickslip.results.reproduction_folder import (
-    FILES,
-    PUBLISHED_FILES,
-    write_published_results,
-    write_results,
-)
-from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.rig import Rig
-from stickslip.servo.systems import FEEDS, build_fmus
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.published import study_as_published
+
+if TYPE_CHECKING:
+    from stickslip.pipeline.reproduction import Options, Reproduction
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +59,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--coarse NAME=FACTOR": coarse}, **SEVERAL)
     add_algorithm_option(parser, "--preset")
     add_execution_options(parser)
-    add_source_option(parser, FEEDS)
+    add_source_option(parser)
     add_set_option(parser)
     add_law_option(parser)
     parser.set_defaults(run=run)
@@ -85,6 +73,10 @@ Show = Callable[[], None]
 def _drive(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Show:
+    from stickslip.pipeline.reproduction import reproduce
+    from stickslip.pipeline.studies import with_studies
+    from stickslip.results.reproduction_folder import write_results
+
     reproduction = reproduce(options, fmus, progress, execution)
     reproduction = with_studies(reproduction, fmus, progress, execution)
     progress.stage("writing the report")
@@ -93,6 +85,8 @@ def _drive(
 
 
 def _print_drive(reproduction: Reproduction) -> None:
+    from stickslip.commands.tables import print_table4
+
     for warning in reproduction.identification.warnings:
         warn(warning)
     print_table4(reproduction.table4())
@@ -103,6 +97,10 @@ def _print_drive(reproduction: Reproduction) -> None:
 def _record(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Show:
+    from stickslip.commands.tables import print_table4
+    from stickslip.pipeline.record_mode import reproduce_from_recording
+    from stickslip.results.learned_folder import write_record_results
+
     reproduction = reproduce_from_recording(options, fmus, progress, execution)
     print_estimation(reproduction.learned.estimation)
     print()
@@ -114,9 +112,18 @@ def _record(
 def _published(
     options: Options, fmus: Path, progress: TerminalProgress, execution: Execution, out: Path
 ) -> Show:
+    from stickslip.commands.tables import print_published
+    from stickslip.identification.stages import identify
+    from stickslip.pipeline.reproduction import drive_truth
+    from stickslip.results.reproduction_folder import write_published_results
+    from stickslip.rigs.fmu import FmuRig
+    from stickslip.servo.datasheet import LOOP, Datasheet
+    from stickslip.servo.systems import build_fmus
+    from stickslip.tuning.published import study_as_published
+
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = study_as_published(
         rig,
@@ -132,31 +139,32 @@ def _published(
     return partial(print_published, study.published)
 
 
-MODES = {
-    "drive": (_drive, FILES, "results/paper"),
-    "record": (_record, RECORD_FILES, "results/paper"),
-    "published": (_published, PUBLISHED_FILES, "results/as_published"),
-}
-"""By name: what computes and writes, the names of the files, and the folder by default."""
-
-
 def run(options: argparse.Namespace) -> Answer:
     """Reproduce, write the results and print the main figures."""
     _check(options)
+    truth, coarse = drive_changes(options.set), coarse_factors(options.coarse, options.law)
+    from stickslip.pipeline.reproduction import Options, drive_truth
+    from stickslip.results.learned_folder import RECORD_FILES
+    from stickslip.results.reproduction_folder import FILES, PUBLISHED_FILES
+
     mode = "published" if options.as_published else options.mode
     chosen = Options(
-        truth=drive_changes(options.set),
+        truth=truth,
         law=options.law,
         seed=options.seed,
         preset=options.algorithm,
         feed=options.feed,
         published_seeds=options.published_seeds,
         complete=options.complete,
-        coarse=coarse_factors(options.coarse, options.law),
+        coarse=coarse,
     )
     drive_truth(chosen.truth, chosen.law)  # before anything is done
-    compute, files, usual = MODES[mode]
-    out = options.out or Path(usual)
+    compute, files = {
+        "drive": (_drive, FILES),
+        "record": (_record, RECORD_FILES),
+        "published": (_published, PUBLISHED_FILES),
+    }[mode]
+    out = options.out or Path("results/as_published" if options.as_published else "results/paper")
     with (
         reserved(out, files),
         temporary_folder() as fmus,

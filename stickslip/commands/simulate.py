@@ -7,8 +7,8 @@ import io
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from stickslip import cosim
 from stickslip.commands import FLAG, SEVERAL, add_options, or_, warn
 from stickslip.commands.assignments import add_set_option, split_assignments
 from stickslip.commands.isolation import add_isolation, isolation_of
@@ -16,14 +16,14 @@ from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write, require_regular_file
 from stickslip.output import LOG, Answer
 from stickslip.results.folder import writable
-from stickslip.simulation import Model
+
+if TYPE_CHECKING:
+    from stickslip import cosim
+    from stickslip.simulation import Model
 
 PICTURES = (".png", ".svg", ".pdf")
-WRITERS = {
-    ".csv": cosim.Result.to_csv,
-    ".parquet": cosim.Result.to_parquet,
-    ".xlsx": cosim.Result.to_excel,
-}
+WRITERS = {".csv": "to_csv", ".parquet": "to_parquet", ".xlsx": "to_excel"}
+"""Methods of a result, by suffix."""
 SIGNAL = ("signal", "unit", "min", "max", "end")
 WINDOW = Path()
 _MOST = 8  # names in a warning
@@ -98,6 +98,9 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _simulate(options: argparse.Namespace) -> Answer:
+    from stickslip import cosim
+    from stickslip.simulation import Model
+
     model = Model.open(options.file, options.variant)
     for name, value in split_assignments(options.set).items():
         model.set(name, value)
@@ -126,7 +129,9 @@ def _simulate(options: argparse.Namespace) -> Answer:
             simulation.save(options.save)
         pacing = simulation.pacing
     _warn(options, model, inputs, simulation.spec.step)
-    written = [WRITERS[options.out.suffix](result, options.out)] if options.out else []
+    written = []
+    if options.out:
+        written.append(getattr(result, WRITERS[options.out.suffix])(options.out))
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
     signals = []
     for name in result.names if len(result.time) else ():  # a resumed run may keep no point

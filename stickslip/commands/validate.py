@@ -9,34 +9,18 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.commands import FLAG, add_options
 from stickslip.commands.assignments import add_set_option, add_source_option, drive_changes
 from stickslip.commands.log_options import add_log_options, description_of, one_of, print_findings
 from stickslip.commands.progress import TerminalProgress
-from stickslip.commands.tables import print_comparison, print_prediction, print_table4, write_files
 from stickslip.errors import UsageError
-from stickslip.evaluation.attribution import attribute
-from stickslip.evaluation.compared_logs import sentences
-from stickslip.evaluation.log_verdict import verdict
-from stickslip.evaluation.validation import validate
-from stickslip.identification.stages import identify
 from stickslip.output import Answer
-from stickslip.pipeline.log_validation import compare_logs, read_log, validate_log
-from stickslip.pipeline.reproduction import drive_truth
 from stickslip.results.folder import reserved
-from stickslip.results.learned import LearnedFile
-from stickslip.results.validated_folder import (
-    COMPARISON_FILES,
-    LOG_FILES,
-    write_comparison,
-    write_log_validation,
-)
-from stickslip.servo.datasheet import LOOP, VALIDATION
-from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.rig import rig_of
-from stickslip.servo.systems import FEEDS
+
+if TYPE_CHECKING:
+    from stickslip.results.learned import LearnedFile
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +35,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "on the same command"
     )
     add_options(parser, logs, type=Path)
-    add_source_option(parser, FEEDS)
+    add_source_option(parser)
     velocity_filter = (
         "compensate with a Kalman filter for the velocity and feedforward of inertia, and print "
         "the contribution of each"
@@ -65,6 +49,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Compare with a log, or evaluate on the simulated drive."""
+    from stickslip.results.learned import LearnedFile
+    from stickslip.results.validated_folder import COMPARISON_FILES, LOG_FILES
+
     learned = LearnedFile(one_of("a learned.json", options.learned, options.learned_option))
     if options.log is None and options.without is None:
         return Answer(_on_simulated_drive(options, learned))
@@ -80,6 +67,11 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    from stickslip.commands.tables import print_prediction
+    from stickslip.evaluation.log_verdict import verdict
+    from stickslip.pipeline.log_validation import read_log, validate_log
+    from stickslip.results.validated_folder import write_log_validation
+
     log = read_log(options.log, description_of(options), learned, print_findings)
     found, values = validate_log(log, learned), learned.drive
     print_prediction(found, values)
@@ -96,6 +88,11 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
 
 
 def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
+    from stickslip.commands.tables import print_comparison
+    from stickslip.evaluation.compared_logs import sentences
+    from stickslip.pipeline.log_validation import compare_logs, read_log
+    from stickslip.results.validated_folder import write_comparison
+
     description = description_of(options)
     compensated, without = (
         read_log(path, description, learned) for path in (options.log, options.without)
@@ -118,6 +115,16 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
 
 def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]:
     """Identify the axis for its loop, run the trapezoid without and with the compensator."""
+    from stickslip.commands.tables import print_table4, write_files
+    from stickslip.evaluation.attribution import attribute
+    from stickslip.evaluation.validation import validate
+    from stickslip.identification.stages import identify
+    from stickslip.pipeline.reproduction import drive_truth
+    from stickslip.rigs.fmu import rig_of
+    from stickslip.servo.datasheet import LOOP
+    from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+    from stickslip.servo.paper_commands import VALIDATION
+
     truth = drive_changes(options.set)
     drive_truth(truth)
     compensator, behind = learned.compensator, learned.behind

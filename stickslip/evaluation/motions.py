@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip import cosim
-from stickslip.servo.datasheet import REGION, VALIDATION
+from stickslip.servo.paper_commands import REGION, VALIDATION
 
 Span = tuple[float, float]
 """From when to when [s]."""

@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 
 from stickslip.servo.measurement import Array
 
@@ -31,6 +30,8 @@ def clock_seconds(texts: Sequence[str]) -> Array:
     ValueError
         When a text is not a point in time, or lies beyond 2262.
     """
+    import pandas as pd  # late, for those who start quickly
+
     plain = [text.replace(",", ".") for text in texts]
     if ":" in plain[0][:3]:
         seconds = pd.to_timedelta(plain).total_seconds().to_numpy()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.signal import correlate
+import scipy
 
 from stickslip.logs.description import quantity_key
 from stickslip.logs.finding import Finding
@@ -73,7 +73,7 @@ def _image(a: Array, b: Array, late: float) -> tuple[float, float] | None:
     sizes = float(np.std(a)), float(np.std(b))
     if min(sizes) == 0:
         return None
-    lags = correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
+    lags = scipy.signal.correlate(b / sizes[1], a / sizes[0], mode="full", method="fft") / len(a)
     reach = int(late * len(a))
     lags = lags[len(a) - 1 - reach : len(a) + reach]
     if lags.max() >= ALIKE:

@@ -7,10 +7,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from stickslip.identification.stages.estimate import covariance
 from stickslip.logs.motion import basis, kinematics, rigid, unexplained
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array
@@ -93,8 +92,10 @@ def _fitted(
     ``slope`` gives the derivative (k,) of what the columns fit by time. It is the same smooth
     motion that the delay moves along, so noise in it weakens a step but not where the steps end.
     """
+    from stickslip.identification.stages.estimate import covariance  # late: loads the stages
+
     T_s = float(t[1] - t[0])
-    spline = CubicSpline(t, signal)
+    spline = scipy.interpolate.CubicSpline(t, signal)
     delay = _best_trial(spline, t[used], base)
     fit = np.linalg.lstsq(base, spline(t[used] + delay), rcond=None)[0]
     for _ in range(ROUNDS):
@@ -115,7 +116,7 @@ def _fitted(
     return Delay(delay, float(error))
 
 
-def _best_trial(signal: CubicSpline, t: Array, base: Array) -> float:
+def _best_trial(signal: scipy.interpolate.CubicSpline, t: Array, base: Array) -> float:
     """Return the delay [s], of a few, with which columns (k, c) explain a signal at t (k,) best."""
     directions = basis(base)
     rests = {}

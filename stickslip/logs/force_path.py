@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import lfilter
+import scipy
 
 from stickslip.logs.delay import force_delay
 from stickslip.logs.finding import Finding
@@ -111,7 +110,7 @@ def _low_passed(recording: Recording) -> Finding | None:
         return None
     delay = force_delay(recording)
     late = delay.value if delay and not delay.at_bound else 0.0
-    spline, t = CubicSpline(recording.t, drive.force), recording.t[drive.used]
+    spline, t = scipy.interpolate.CubicSpline(recording.t, drive.force), recording.t[drive.used]
     every = rigid_columns(motion, recording.T_s)
     force = spline(recording.t + late)
     plain, mass = _fitted(drive.columns, force[drive.used])
@@ -120,7 +119,9 @@ def _low_passed(recording: Recording) -> Finding | None:
     trials = []
     for lag in LAGS:
         share = -np.expm1(-1.0 / lag)
-        both = lfilter([share], [1.0, share - 1.0], np.column_stack([every, force]), axis=0)
+        both = scipy.signal.lfilter(
+            [share], [1.0, share - 1.0], np.column_stack([every, force]), axis=0
+        )
         delayed, alike = both[drive.used, :-1], both[drive.used, -1]
         filtered = _fitted(delayed, alike)[0]
         trials += [

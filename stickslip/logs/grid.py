@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from stickslip.errors import RecordingError
 from stickslip.logs.finding import Finding, Severity
@@ -208,5 +208,5 @@ def better_method(t: Array, signal: Array) -> Method:
 def interpolated(t: Array, signal: Array, at: Array, method: str) -> Array:
     """Return a signal (n,) given at t (n,) at other times (k,) [s]."""
     if method == "cubic":
-        return np.asarray(CubicSpline(t, signal)(at))
+        return np.asarray(scipy.interpolate.CubicSpline(t, signal)(at))
     return np.interp(at, t, signal)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import median_filter
+import scipy
 
 from stickslip.logs.finding import Finding
 from stickslip.logs.recording import Recording
@@ -27,7 +27,7 @@ def lost_rows(recording: Recording) -> Finding | None:
     if x is None or len(x) < 10 * WINDOW:
         return None
     steps = np.diff(x)
-    usual = median_filter(steps, WINDOW)
+    usual = scipy.ndimage.median_filter(steps, WINDOW)
     noise = 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / np.sqrt(20.0)
     fast = np.abs(usual) > max(STEPS * recording.encoder_step, 10.0 * noise)
     off = np.abs(steps - usual)

@@ -35,14 +35,12 @@ from stickslip.pipeline.candidates import compare
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, SimulatedTrial
 from stickslip.pipeline.observed import FEEDFORWARD, kalman_designs, try_observer
 from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.observer import MASSES
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    close_velocity_loop,
-    design_velocity_loop,
-)
+from stickslip.servo.paper_commands import VALIDATION
+from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 RULED_OUT = 5.0
 """Ratio to the least force error among the laws above which values of a law are ruled out."""

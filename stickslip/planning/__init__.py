@@ -2,6 +2,5 @@
 
 from stickslip.planning.experiment import Stretch, arrange, plan
 from stickslip.planning.limits import LINEAR, ROTARY, Limits
-from stickslip.planning.picture import draw_plan
 
-__all__ = ["LINEAR", "ROTARY", "Limits", "Stretch", "arrange", "draw_plan", "plan"]
+__all__ = ["LINEAR", "ROTARY", "Limits", "Stretch", "arrange", "plan"]

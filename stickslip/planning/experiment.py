@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.errors import UsageError
 from stickslip.planning import parts
 from stickslip.planning.limits import LINEAR, Limits
 from stickslip.servo.measurement import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 REST = 0.01
 """Share of the whole in which the drive rests, before and after."""
@@ -93,6 +96,8 @@ def plan(limits: Limits = LINEAR, show: Collection[str] = ()) -> pd.DataFrame:
     UsageError
         When ``show`` names no parameter, or the way into the travel takes too long.
     """
+    import pandas as pd  # late, for those who start quickly
+
     velocity = _laid_out(limits, show)[1]
     steps = 0.5 * (velocity[1:] + velocity[:-1]) / limits.rate
     position = np.concatenate([[0.0], np.cumsum(steps).round(15)])

@@ -43,7 +43,8 @@ from stickslip.models import Law, Model, StartValueError, UnknownLaw, UnknownMod
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.reproduction import Reproduction
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import VALIDATION, Datasheet
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import COMPONENTS, FEEDS, Compensator, Feed
 from stickslip.servo.velocity_filter import VelocityFilter
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop

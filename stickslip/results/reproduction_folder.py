@@ -21,7 +21,7 @@ from stickslip.report.reproduction import write_report
 from stickslip.report.reproduction.as_published import FIGURES, study_section
 from stickslip.results.folder import staged
 from stickslip.results.learned import reproduction_document
-from stickslip.servo.datasheet import TRAINING, VALIDATION
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.published.readings import TABLES, WholeStudy
 

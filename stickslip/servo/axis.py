@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fmi.errors import Fault
+
+if TYPE_CHECKING:
+    import control
 
 Array = NDArray[np.float64]
 
@@ -43,6 +46,8 @@ class Axis:
         The states are the outputs. Without a lag F follows u at once: at a sample it is the command
         of the period that ends.
         """
+        import control  # late, for those who start quickly
+
         A = np.array([[0, 0, 0], [1 / self.m, -self.b / self.m, 0], [0, 1, 0]])
         B = np.array([[0], [1 / self.m], [0]])
         if self.tau_i > 0.0:

@@ -1,12 +1,11 @@
-"""Prior knowledge of the axis, specification of its loop, and the commands of the paper."""
+"""Prior knowledge of the axis, and the specification of its loop."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.cosim import SineSweep, Trapezoid
 from stickslip.servo.axis import Axis
-from stickslip.servo.velocity_loop import LoopSpecification
+from stickslip.servo.specification import LoopSpecification
 
 
 @dataclass(frozen=True)
@@ -35,15 +34,3 @@ class Datasheet:
 
 LOOP = LoopSpecification(bandwidth=125.0, phase_margin=50.0, T_s=5e-4, tau_f=5e-4)
 """The velocity loop. How it was calibrated to Table 4: docs/decisions/0003-calibration.md."""
-
-TRAINING = SineSweep(frequency=(0.1, 5.0), amplitude=(0.030, 0.040), duration=10.0)
-"""The training command of section 4.2 [m/s]."""
-
-SLOW = SineSweep(frequency=(0.1, 0.5), amplitude=(0.030, 0.040), duration=10.0)
-"""Reversals slower than nearly all of the training command, to compare results of it on [m/s]."""
-
-VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
-"""The trapezoid of Fig. 6(a) [m/s]."""
-
-REGION = (0.030, 0.070)
-"""The evaluated windows: from when to when after motion starts or reverses [s]."""

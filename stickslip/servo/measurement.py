@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 Array = NDArray[np.float64]
 
@@ -22,13 +22,13 @@ def smoothed(signal: Array, T_s: float, cutoff: float = CUTOFF) -> Array:
     signal : (n,), one value each T_s seconds
     cutoff : of the single pass [Hz]
     """
-    return sosfiltfilt(_low_pass(cutoff, T_s), signal)
+    return scipy.signal.sosfiltfilt(_low_pass(cutoff, T_s), signal)
 
 
 @cache
 def _low_pass(cutoff: float, T_s: float) -> Array:
     """Return the second-order sections; designing them takes as long as filtering 10,000 values."""
-    sections: Array = butter(2, cutoff, fs=1.0 / T_s, output="sos")
+    sections: Array = scipy.signal.butter(2, cutoff, fs=1.0 / T_s, output="sos")
     return sections
 
 

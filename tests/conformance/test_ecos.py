@@ -65,3 +65,12 @@ def test_a_whole_loop_as_one_fmu(build, tmp_path):
     theirs = in_ecos(path, {"v_cmd": 0.005}, outputs)
     assert theirs[0] == pytest.approx(0.005, rel=0.1)
     assert theirs == in_kernel(path, {"v_cmd": 0.005}, outputs)
+
+
+def test_parameters_of_a_package_are_applied(build, tmp_path):
+    """Of every component: the parameter sets of a package have one name."""
+    system = cosim.System("loop")
+    system.add("a", build("stage", 2).path, {"m": 2.5})
+    system.add("b", build("stage", 2).path, {"m": 3.5})
+    path = cosim.write_ssp(system, tmp_path / "loop.ssp")
+    assert in_ecos(path, {}, ["a::m", "b::m"]) == [2.5, 3.5]

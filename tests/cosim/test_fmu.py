@@ -66,7 +66,7 @@ def test_is_unpacked_once_and_nothing_else_is_left(make, cache):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('fmiVersion="2.0"', 'fmiVersion="1.0"', "fmiVersion is '1.0', expected"),
+        ('fmiVersion="2.0"', 'fmiVersion="1.0"', "fmiVersion is '1.0' and"),
         ('fmiVersion="2.0"', "", "fmiVersion is missing"),
         ('modelIdentifier="gain"', 'modelIdentifier="../../gain"', "expected a C identifier"),
         ("CoSimulation", "Other", "no Co-Simulation or Model Exchange interface"),

@@ -16,7 +16,7 @@ from stickslip.logs import Description, Finding, raise_errors
 from stickslip.models import build_fmu
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.log_learning import read_and_check
-from stickslip.servo.datasheet import VALIDATION
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Compensator, build_loop
 from tests.fault_matrix.drives import Drive, steady
 

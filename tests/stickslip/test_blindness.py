@@ -13,7 +13,8 @@ from stickslip.evaluation.arena.entrants import entrant
 from stickslip.evaluation.arena.protocol import Plan, build
 from stickslip.evaluation.arena.tuning import Budget, tune
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import LOOP, TRAINING, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.refinement import refine, without_search
 
@@ -21,7 +22,7 @@ SOURCES = Path(stickslip.__file__).parent
 BLIND = [
     *sorted((SOURCES / "identification").rglob("*.py")),
     *sorted((SOURCES / "tuning").glob("*.py")),
-    SOURCES / "servo" / "rig.py",
+    *sorted((SOURCES / "rigs").glob("*.py")),
     *(SOURCES / "evaluation" / "arena" / f"{name}.py" for name in ("entrants", "tuning")),
 ]
 SETTINGS = ga.Settings(generations=3)

@@ -15,8 +15,9 @@ from stickslip.evaluation.guards.benefit import Benefit
 from stickslip.pipeline.candidates import SAME, Compared, Row, compare, law_of, offered
 from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import frequencies
-from stickslip.servo.datasheet import VALIDATION, Datasheet
+from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import LIMIT
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.sensitivity import Opened
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop

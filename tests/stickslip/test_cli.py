@@ -1,6 +1,7 @@
 """The command line: results, and one clear line for each error."""
 
 import json
+import os
 import subprocess
 import sys
 import zipfile
@@ -12,6 +13,9 @@ import pytest
 
 from stickslip import models
 from stickslip.cli import COMMANDS, main
+
+LARGE = {"control", "fmpy", "matplotlib", "pandas", "scipy.linalg"}
+"""Libraries that take seconds to load."""
 
 
 @pytest.fixture(scope="module")
@@ -48,11 +52,52 @@ def test_help_and_version_come_at_once():
         assert not {"numpy", "stickslip.cosim", "fmpy"} & {*run.stdout.split()}
 
 
-def test_commands_on_fmus_load_no_large_library():
-    """Building, checking and simulating an FMU needs none of them; they take seconds to load."""
-    code = "import sys; from stickslip.commands import build, check, simulate; print(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert not {"control", "matplotlib", "pandas", "scipy"} & {*run.stdout.split()}
+def modules(code, *arguments):
+    """Return the words that a program prints, a set for each line."""
+    run = [sys.executable, "-c", f"import sys; from stickslip import cli\n{code}", *arguments]
+    printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+    return [{*line.split()} for line in printed.splitlines()]
+
+
+def test_arguments_are_parsed_before_anything_large_is_loaded():
+    each = modules("for name in cli.COMMANDS: cli._parser([name]); print(*sys.modules)")
+    for name, loaded in zip(COMMANDS, each, strict=True):
+        assert f"stickslip.commands.{name}" in loaded
+        assert not {*LARGE, "lxml", "stickslip.cosim", "tqdm"} & loaded, name
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="shells that complete are of POSIX")
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("sim", {"simulate"}),
+        ("learn log.csv --criterion ", {"auto", "inverse", "loop"}),
+        ("simulate --re", {"--real-time", "--record", "--resume"}),
+        ("simulate --stop=1 ./", {"./a.fmu", "./b.ssp", "./deep/"}),
+        ("simulate a.fmu --stop ", set()),
+    ],
+)
+def test_a_shell_completes(typed, offered, tmp_path):
+    """By the protocol of argcomplete: the line in the environment, words to descriptor 8."""
+    for name in ("a.fmu", "b.ssp", "c.txt"):
+        (tmp_path / name).touch()
+    (tmp_path / "deep").mkdir()
+    line = f"stickslip {typed}"
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line))}
+    shell = ["/bin/sh", "-c", f"'{sys.executable}' -m stickslip 8>&1 9>/dev/null 1>/dev/null"]
+    run = subprocess.run(
+        shell, cwd=tmp_path, env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    assert {word.strip() for word in run.stdout.split("\013")} - {""} == offered
+    assert not run.stderr
+
+
+def test_commands_on_fmus_load_no_large_library(stage):
+    loaded = modules(
+        "cli.main(sys.argv[1:]); print(*sys.modules)", "simulate", str(stage), "--stop=1"
+    )
+    assert "stickslip.cosim" in loaded[-1]
+    assert not LARGE & loaded[-1]
 
 
 def test_build_makes_both_versions_of_all_models(tmp_path, capsys):

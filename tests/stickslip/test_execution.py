@@ -10,7 +10,7 @@ from stickslip.cli import main
 from stickslip.commands.execution import add_algorithm_option, add_execution_options, execution_of
 from stickslip.errors import UsageError
 from stickslip.ga.execution import checkpoint
-from stickslip.servo.datasheet import TRAINING
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.execution import Execution, processors
 from stickslip.tuning.learning import Study, learn
 
@@ -63,7 +63,7 @@ def test_ctrl_c_prints_one_line_on_how_to_continue(monkeypatch, tmp_path, capsys
     def interrupted(*_):
         raise ga.Interrupted(tmp_path / "learning.checkpoint.json", 7, 58)
 
-    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", interrupted)
+    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", interrupted)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("stickslip: interrupted after 7 generations (58 evaluations); ")
@@ -75,7 +75,7 @@ def interrupt(*_):
 
 
 def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", interrupt)
+    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", interrupt)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     assert capsys.readouterr().err == "stickslip: interrupted\n"
 
@@ -83,7 +83,7 @@ def test_ctrl_c_before_and_after_the_search(monkeypatch, tmp_path, capsys):
         given[-1].checkpoint.touch()
         interrupt()
 
-    monkeypatch.setattr("stickslip.commands.reproduce.reproduce", searched)
+    monkeypatch.setattr("stickslip.pipeline.reproduction.reproduce", searched)
     assert main(["reproduce", "--out", str(tmp_path)]) == 130
     kept = tmp_path / "learning.checkpoint.json"
     message = f"interrupted; the state of the search is kept in {kept}; continue with --resume"

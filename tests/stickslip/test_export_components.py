@@ -11,9 +11,10 @@ from stickslip import models
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.results.learned import LearnedFile
-from stickslip.servo import Axis, design_velocity_loop
+from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 
 @pytest.fixture(scope="module")

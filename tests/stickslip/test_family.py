@@ -28,7 +28,8 @@ from stickslip.evaluation.guards.benefit import _repeated
 from stickslip.evaluation.guards.family import deflection, travel
 from stickslip.models import law_names
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Compensator, build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 

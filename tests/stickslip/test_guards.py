@@ -14,8 +14,9 @@ from stickslip.evaluation.guards import Trial, hunting, inspect, stribeck, toler
 from stickslip.evaluation.guards.stribeck import growth_rate
 from stickslip.evaluation.guards.tolerance import _at_bounds
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.stribeck_curve import slope
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop

@@ -51,7 +51,7 @@ def test_ctrl_c_while_the_results_are_written_keeps_the_search(log, folder, tmp_
 
     arguments = ["learn", "--log", str(log), "--out", str(tmp_path)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.commands.learn.write_learned", interrupt)
+        patch.setattr("stickslip.results.learned_folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoint = tmp_path / "learning.checkpoint.json"
     assert f"kept in {checkpoint}; continue with --resume" in capsys.readouterr().err
@@ -68,7 +68,7 @@ def of_two_seeds(log, tmp_path_factory):
     """Return what short searches find that are not interrupted."""
     out = tmp_path_factory.mktemp("seeds") / "whole"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
+        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
         patch.setattr("stickslip.report.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
         assert main(["learn", "--log", str(log), *TWO_SEEDS, "--out", str(out)]) == 0
     return out
@@ -82,13 +82,15 @@ def test_checkpoints_of_several_seeds_stay_until_the_results_are_written(
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stickslip.commands.learn.Search", partial(Search, evaluations=40))
+    monkeypatch.setattr(
+        "stickslip.identification.estimation.Search", partial(Search, evaluations=40)
+    )
     arguments = ["learn", "--log", str(log), *TWO_SEEDS]
     own = tmp_path / "out" / "learning.checkpoint.json"
     path = tmp_path / "mine.json" if named else own
     arguments += ["--out", str(tmp_path / "out"), *(["--checkpoint", str(path)] if named else [])]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.commands.learn.write_learned", interrupt)
+        patch.setattr("stickslip.results.learned_folder.write_learned", interrupt)
         assert main(arguments) == 130
     checkpoints = [path.with_suffix(f".seed{seed}.json") for seed in (3, 4)]
     assert f"kept in {checkpoints[0]}, {checkpoints[1]}; continue with" in capsys.readouterr().err

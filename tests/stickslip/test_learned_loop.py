@@ -18,8 +18,9 @@ from stickslip.results.learned import (
     validation_document,
 )
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 pytestmark = pytest.mark.slow

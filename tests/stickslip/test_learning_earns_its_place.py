@@ -12,7 +12,8 @@ from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.commands.assignments import coarse_factors
 from stickslip.errors import UsageError
 from stickslip.identification.stages import identify
-from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.refinement import refine

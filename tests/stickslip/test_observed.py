@@ -10,8 +10,9 @@ from stickslip.catalog.parameters import friction_law
 from stickslip.evaluation.guards import Known, bench_of, family, feedforward
 from stickslip.pipeline.observed import BOTH, OBSERVER, Observed, kalman_designs, try_observer
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import VALIDATION, Datasheet
+from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.observer import LIMIT
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 
 AXIS = Axis(80.0, 100.0, 1e-3)

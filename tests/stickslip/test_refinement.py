@@ -7,7 +7,8 @@ import pytest
 
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.identification.stages import Estimate, identify
-from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import Study
 from stickslip.tuning.refinement import refine, without_search

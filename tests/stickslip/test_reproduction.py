@@ -7,7 +7,8 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.identification.stages import Estimate
 from stickslip.pipeline.reproduction import Options, reproduce
-from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import build_fmus, paper_loop
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn

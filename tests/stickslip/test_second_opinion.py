@@ -7,7 +7,8 @@ import pytest
 from stickslip import models
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.evaluation.fmpy_check import second_opinion
-from stickslip.servo.datasheet import LOOP, TRAINING, VALIDATION, Datasheet
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.paper_commands import TRAINING, VALIDATION
 from stickslip.servo.systems import FEEDS, build_fmus, paper_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

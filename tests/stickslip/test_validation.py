@@ -5,8 +5,8 @@ import pytest
 
 from stickslip.evaluation.motions import regions_after, trapezoid, windows
 from stickslip.evaluation.validation import reduction, tracking_errors
-from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import CUTOFF, measured_velocity, smoothed
+from stickslip.servo.paper_commands import REGION, VALIDATION
 
 T_S = 5e-4
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip.cosim import Signal, SineSweep, Table
 from stickslip.evaluation.motions import BEGIN, Motion, Span, Stroke, strokes, windows
-from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import Array
+from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.velocity_loop import VelocityLoop
 
 PASSES = 2

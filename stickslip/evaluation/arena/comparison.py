@@ -14,11 +14,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 
 from stickslip.errors import UsageError
+from stickslip.evaluation.arena.budget import Budget
 from stickslip.evaluation.arena.drives import default_drives, learned_drive, read_drives
 from stickslip.evaluation.arena.entrants import default_names, own_part
 from stickslip.evaluation.arena.protocol import Arena, Plan, run_arena
 from stickslip.evaluation.arena.table import ALL, arena_table, ranking, relative_errors
-from stickslip.evaluation.arena.tuning import Budget
 from stickslip.evaluation.arena.writing import FILES, write_arena
 from stickslip.fmi.process import temporary_folder
 from stickslip.report.style import WITH, WITHOUT

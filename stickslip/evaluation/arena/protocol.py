@@ -19,12 +19,13 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import models
 from stickslip.errors import UsageError
+from stickslip.evaluation.arena.budget import Budget
 from stickslip.evaluation.arena.commands import COMMANDS
 from stickslip.evaluation.arena.course import build_entrants
 from stickslip.evaluation.arena.drives import Drive
 from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Part, entrant
 from stickslip.evaluation.arena.running import footprint, seconds_per_step
-from stickslip.evaluation.arena.tuning import Budget, Found, tune
+from stickslip.evaluation.arena.tuning import Found, tune
 from stickslip.evaluation.arena.validation import (
     RESOLUTION,
     ROBUSTNESS,

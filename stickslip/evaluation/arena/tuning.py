@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import cosim, ga
+from stickslip.evaluation.arena.budget import Budget
 from stickslip.evaluation.arena.commands import Training, moves, sweep
 from stickslip.evaluation.arena.course import Course
 from stickslip.evaluation.arena.entrants import SPEED, Coarse, Entrant, Tuned, entrant
@@ -29,24 +30,6 @@ SLIDING = 0.5
 """Share of the largest speed of the command above which the drive slides."""
 NEAR = 1.05
 """A cost of at most so many times that at the end counts as tuned."""
-
-
-@dataclass(frozen=True)
-class Budget:
-    """What each entrant may use on each drive.
-
-    Attributes
-    ----------
-    evaluations : candidates
-    seconds : of motion of the drive [s]
-    """
-
-    evaluations: int = 180
-    seconds: float = 2000.0
-
-    def runs(self, duration: float) -> int:
-        """Return how many candidates can be evaluated, each with a run of a duration [s]."""
-        return max(1, min(self.evaluations, int(self.seconds / duration)))
 
 
 @dataclass(frozen=True)

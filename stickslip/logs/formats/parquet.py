@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from stickslip.cosim.signals.parquet import Unreadable, read_columns
 from stickslip.errors import RecordingError
 from stickslip.fmi.messages import printable
 from stickslip.logs.dialect import split_unit
@@ -27,6 +26,8 @@ def read(path: str, data: bytes) -> LogTable:
     RecordingError
         When the file cannot be read, or it holds no rows of numbers.
     """
+    from stickslip.cosim.signals.parquet import Unreadable, read_columns  # late: loads cosim
+
     try:
         columns = read_columns(data)
     except Unreadable as error:

@@ -25,8 +25,9 @@ from stickslip.report.quantity import (
     symbol,
 )
 from stickslip.report.reproduction.curves import cost_axes
-from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.datasheet import LOOP
 from stickslip.servo.measurement import Array
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.coarse_start import SPREAD
 from stickslip.tuning.published.readings import ERRORS, WholeStudy, summary, worse
 from stickslip.tuning.published.study import PAPER_COST, Published

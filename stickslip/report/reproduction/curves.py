@@ -19,8 +19,8 @@ from stickslip.pipeline.reproduction import Reproduction
 from stickslip.pipeline.steps import STEPS
 from stickslip.report import style
 from stickslip.report.quantity import METRICS, with_error
-from stickslip.servo.datasheet import REGION
 from stickslip.servo.measurement import Array
+from stickslip.servo.paper_commands import REGION
 
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 

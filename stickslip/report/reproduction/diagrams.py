@@ -13,7 +13,7 @@ from stickslip.pipeline.reproduction import Options, Reproduction
 from stickslip.report.diagram import Block, Sheet
 from stickslip.report.quantity import number, symbol
 from stickslip.report.style import FAINT, PAGE, PALE, SHADE, SMALL, WITH, name_panel, new_figure
-from stickslip.servo.datasheet import TRAINING
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.learning import BOUNDS
 

@@ -20,7 +20,7 @@ from stickslip.report.quantity import (
 )
 from stickslip.report.reproduction.curves import draw_fitness
 from stickslip.report.reproduction.diagrams import draw_flow, draw_scheme
-from stickslip.servo.datasheet import TRAINING
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.tuning.published.study import PAPER_COST
 
 PAPER_TABLE3 = {

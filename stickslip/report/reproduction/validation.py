@@ -26,8 +26,8 @@ from stickslip.report.markup import Html, element, join, paragraph, table
 from stickslip.report.page import Illustration, Section
 from stickslip.report.quantity import METRICS, number, percent, symbol
 from stickslip.report.reproduction.curves import draw_motions, draw_steps, draw_tracking
-from stickslip.servo.datasheet import REGION, VALIDATION
 from stickslip.servo.measurement import CUTOFF
+from stickslip.servo.paper_commands import REGION, VALIDATION
 from stickslip.servo.sensitivity import peak_sensitivity
 
 

@@ -52,6 +52,8 @@ _BOTH = [
     ("leak", "leaks-memory"),
     ("locale-folder", "changes-the-process"),
     ("rounding", "changes-the-process"),
+    ("daemon", "leaves-a-process"),
+    ("deletes", "changes-its-files"),
     ("indicators", "wrong-count"),
     ("derivative-nan", "derivative-not-finite"),
     ("states-lost", "state-not-set"),

@@ -30,7 +30,6 @@ def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:
     binary = binary_name(version)
     code = library()
     other = with_files({binary: None, binary_name(version).replace("reference", "other"): code})
-    manifest = {"extra/org.example/fmi-ls-manifest.xml": b"<fmiLayeredStandardManifest/>"}
     sources = {n: None for n in members(version) if n.startswith("sources/")}
     return [
         ("binary-missing", "named otherwise", other),
@@ -82,7 +81,6 @@ def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:
             ),
         ),
         ("unexpected-file", "at the root", with_files({"readme.txt": b"hello"})),
-        ("bad-layered-standard", "attributes missing", with_files(manifest)),
     ]
 
 
@@ -108,7 +106,9 @@ def _needing(code: bytes) -> bytes:
     return code.replace(b"libc.so.6\0", b"libz.so.9\0")
 
 
+_MANIFEST = {"extra/org.example/fmi-ls-manifest.xml": b"<fmiLayeredStandardManifest/>"}
 _FILES3 = [
+    ("bad-layered-standard", "attributes missing", with_files(_MANIFEST)),
     ("sources-without-build-description", "none", with_files({_BUILD: None})),
     ("headers-of-the-standard", "among the sources", with_files({"sources/fmi3Functions.h": b"/* */"})),
     ("extra-without-domain", "folder data", with_files({"extra/data/a.txt": b"a"})),

@@ -132,6 +132,27 @@ static int enter(Model *m) {
     return OK;
 }
 
+static void leave_a_process(void) {
+    static int done;
+    if (!done++ && fork() == 0) {
+        setsid();
+        sleep(5);
+        _exit(0);
+    }
+}
+
+static void delete_itself(void) {
+    char line[1000];
+    FILE *maps = fopen("/proc/self/maps", "r");
+    while (maps && fgets(line, sizeof line, maps)) {
+        line[strcspn(line, "\n")] = 0;
+        if (strstr(line, "/reference."))
+            unlink(strchr(line, '/'));
+    }
+    if (maps)
+        fclose(maps);
+}
+
 static int leave(Model *m) {
     if (has("hang"))
         for (volatile int i = 0;; i++)
@@ -140,6 +161,10 @@ static int leave(Model *m) {
         return fail(m, "no root");
     if (has("rounding"))
         fesetround(FE_UPWARD);
+    if (has("daemon"))
+        leave_a_process();
+    if (has("deletes"))
+        delete_itself();
     if (has("prints"))
         puts("hello from the FMU");
     of(m)->phase = RUNNING;

@@ -65,6 +65,8 @@ def _clocked() -> list[Variable]:
             _row(f"{name}_ticks", 10 + i, "Int32", "output", "discrete"),
             _row(f"{name}_at", 15 + i, "Float64", "output", "discrete"),
         ]
+    triggered = clocks["by_hand"]
+    variables += [_row("tock", 20, "Clock", "output", "discrete", attributes=triggered)]
     return variables
 
 

@@ -34,7 +34,18 @@ enum { H, V, G, E, BOUNCES, HEIGHT };               /* BALL */
 enum { POS, VEL, K, FORCE, GAIN, EVENTS };          /* OSCILLATOR */
 enum { COUNT, PERIOD, LAST, TRIGGER, SEEN, LEVEL }; /* STAIR */
 /* CLOCKED: clocks, whether they tick, how often they did, the time of the last; 5 each */
-enum { EVERY, GROWING, AFTER, BY_HAND, ASKED, N_CLOCKS, TICKED = 5, TICKS = 10, AT = 15 };
+enum {
+    EVERY,
+    GROWING,
+    AFTER,
+    BY_HAND,
+    ASKED,
+    N_CLOCKS,
+    TICKED = 5,
+    TICKS = 10,
+    AT = 15,
+    TOCK = 20
+};
 
 static void start(Model *m) {
     memset(m->v, 0, sizeof m->v);
@@ -142,6 +153,7 @@ static bool due(const Model *m) {
 }
 
 static void update(Model *m) {
+    m->v[TOCK].i = MODEL == CLOCKED ? 0 : m->v[TOCK].i;
     for (int i = 0; MODEL == CLOCKED && i < N_CLOCKS; i++) {
         if (m->v[TICKED + i].i) {
             m->v[TICKED + i].i = 0;
@@ -327,8 +339,14 @@ fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n,
                         const fmi3Clock values[]) {
     for (size_t i = 0; i < n; i++) {
         ((Model *)c)->v[TICKED + r[i]].i = values[i];
+        ((Model *)c)->v[TOCK].i |= r[i] == EVERY || r[i] == BY_HAND;
     }
     return fmi3OK;
+}
+/* TOCK ticks with EVERY and BY_HAND. */
+fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                        fmi3Clock values[]) {
+    return values[n - 1] = ((Model *)c)->v[r[n - 1]].i != 0, fmi3OK;
 }
 /* GROWING doubles with every tick. AFTER ticks 0.1 s after the second tick of EVERY, and once more
  * at the same time. */

@@ -47,12 +47,50 @@ def test_a_clock_ticks_at_its_times(export, interfaces, step, clock, ticks):
 
 def test_clocks_that_will_not_tick_are_named(export, caplog):
     with caplog.at_level(logging.WARNING, "stickslip.cosim.fmu.fmu"):
-        cosim.Fmu(export("clocked", 3, "CS events"))
-        assert "the clocks by_hand never tick: only clocks with an interval do" in caplog.text
-        caplog.clear()
         fmu = cosim.Fmu(export("clocked", 3, "CS"))
     assert "the clocks every, growing, after, by_hand, asked never tick" in caplog.text
     assert fmu.clocks == []
+    system = one(export("clocked", 3, "CS"))
+    assert "a.tock" not in system.prepare(step=STEP, stop=STOP).run().names
+    with pytest.raises(cosim.ConnectionFault, match="by_hand is a Clock input, expected"):
+        system.expose("tick", "a.by_hand")
+
+
+@pytest.mark.parametrize("step", [0.125, 0.1])
+def test_an_output_clock_ticks_the_input_clock_that_it_is_connected_to(export, interfaces, step):
+    """Its column is 1 after each step in which it ticked; each tick is one event of the other."""
+    path = export("clocked", 3, interfaces)
+    system = one(path)
+    system.add("b", path)
+    system.connect("a.tock", "b.by_hand")
+    with system.prepare(step=step, stop=STOP) as simulation:
+        result = simulation.run()
+        np.testing.assert_array_equal(simulation.run().values, result.values)
+    every = np.diff(result["a.every_ticks"], prepend=0)
+    np.testing.assert_array_equal(result["a.tock"], every)
+    np.testing.assert_array_equal(result["b.by_hand_ticks"], result["a.every_ticks"])
+
+
+def test_clocks_are_connected_in_ssp_2(export, tmp_path):
+    system = one(export("clocked", 3, "CS events"))
+    system.add("b", export("clocked", 3, "CS events"))
+    cosim.write_ssp(system, tmp_path / "apart.ssp")
+    system.connect("a.tock", "b.by_hand")
+    with pytest.raises(cosim.SspError, match=r"a\.tock is a clock, which SSP 1.0 has not"):
+        cosim.write_ssp(system, tmp_path / "one.ssp")
+    cosim.write_ssp(system, tmp_path / "two.ssp", version="2.0")
+    assert cosim.read_ssp(tmp_path / "two.ssp")[0].connections == system.connections
+
+
+def test_a_triggered_clock_ticks_where_its_input_is_not_0(export, interfaces):
+    system = one(export("clocked", 3, interfaces), u="by_hand")
+    table = cosim.Table([0.0, 0.15, 0.6, 0.85], [1.0, 0.0, 1.0, 0.0], held=True)
+    with system.prepare(step=0.1, stop=STOP) as simulation:
+        result = simulation.run(inputs={"u": table})
+    ticks = np.array([0.0, 0.1, 0.6, 0.7, 0.8])
+    late = 0 if interfaces == "ME" else 1e-9  # Co-Simulation takes inputs when its next step begins
+    reached = np.searchsorted(ticks + late, result.time + 1e-12, side="right")
+    np.testing.assert_array_equal(result["a.by_hand_ticks"], reached)
 
 
 @pytest.mark.parametrize("start", [1e4, 1.7e9])

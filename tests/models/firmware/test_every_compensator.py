@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -14,7 +15,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
-from stickslip.models.firmware import write_compensator
+from stickslip.models.firmware import c_files, write_compensator
 from stickslip.models.firmware.structured_text import st_file
 
 sys.path.insert(0, str(Path(__file__).parent))  # structured_text
@@ -138,6 +139,22 @@ def test_c_in_double_is_the_fmu_bit_for_bit(exported, case):
     model, expected = of_fmu(folder, case)
     np.testing.assert_array_equal(of_c(folder, model), expected)
     assert np.ptp(expected) > 5.0  # N
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed here")
+def test_c_is_valid_cpp_and_states_its_formulas(tmp_path):
+    sources = []
+    for case, (model, law, _) in CASES.items():
+        for name, text in c_files(models.load_model(model, law)).items():
+            (tmp_path / case).mkdir(exist_ok=True)
+            (tmp_path / case / name).write_text(text)
+        sources.append(tmp_path / case / f"{model}.c")
+        header = (tmp_path / case / f"{model}.h").read_text()
+        assert " = " in header.partition("*/")[0]
+        assert "equation (" not in header
+    strict = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    compiler = ["g++", "-x", "c++", "-std=c++11", "-fsyntax-only"]
+    subprocess.run([*compiler, *strict, *map(str, sources)], check=True)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -13,7 +13,8 @@ from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.planning import LINEAR, ROTARY, Limits, arrange, plan
 from stickslip.servo.axis import Axis
-from stickslip.servo.datasheet import LOOP, TRAINING
+from stickslip.servo.datasheet import LOOP
+from stickslip.servo.paper_commands import TRAINING
 from stickslip.servo.systems import build_fmus, servo_loop
 from stickslip.servo.velocity_loop import design_velocity_loop
 

@@ -84,14 +84,14 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
 
 
 COMMANDS = {
-    "learn": (["learn", "--log", "LOG"], learned_folder.FILES, "commands.learn.learn"),
-    "reproduce": (["reproduce"], reproduction_results.FILES, "commands.reproduce.reproduce"),
+    "learn": (["learn", "--log", "LOG"], learned_folder.FILES, "pipeline.log_learning.learn"),
+    "reproduce": (["reproduce"], reproduction_results.FILES, "pipeline.reproduction.reproduce"),
     "record": (
         ["reproduce", "--mode", "record"],
         learned_folder.RECORD_FILES,
-        "commands.reproduce.reproduce_from_recording",
+        "pipeline.record_mode.reproduce_from_recording",
     ),
-    "identify": (["identify"], ["identified.json"], "commands.identify.identify"),
+    "identify": (["identify"], ["identified.json"], "identification.stages.identify"),
 }
 
 

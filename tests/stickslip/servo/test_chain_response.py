@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo import Axis, design_velocity_loop
+from stickslip.servo.axis import Axis
 from stickslip.servo.chain_response import LOWEST, SAMPLES, ChainResponse
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.observer import LIMIT
 from stickslip.servo.sensitivity import Opened, peak_sensitivity
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
+from stickslip.servo.velocity_loop import design_velocity_loop
 
 COMPENSATORS = [name for name in models.model_names() if models.load_model(name).ports]
 

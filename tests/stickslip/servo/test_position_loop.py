@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from stickslip import models
-from stickslip.servo import Axis, ControlError, design_velocity_loop
+from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.frequency import frequency_response
 from stickslip.servo.sensitivity import Opened, peak_sensitivity
 from stickslip.servo.systems import build_loop
-from stickslip.servo.velocity_loop import close_velocity_loop
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 K_X = 75.4
 

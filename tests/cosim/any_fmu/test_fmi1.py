@@ -1,0 +1,90 @@
+"""FMI 1.0 Co-Simulation, against FMPy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip import cosim
+from tests.corpus import fmu
+from tests.cosim.single import by_fmpy
+
+VARIABLE = '<ScalarVariable name="{}" valueReference="{}" causality="{}" variability="{}" {}>{}'
+ROWS = [
+    ("u", 0, "input", "continuous", "", '<Real start="0"/>'),
+    ("on", 4, "input", "discrete", "", '<Boolean start="true"/>'),
+    ("k", 1, "internal", "parameter", "", '<Real start="1"/>'),
+    ("x", 2, "internal", "continuous", "", "<Real/>"),
+    ("minus_x", 2, "internal", "continuous", 'alias="negatedAlias"', "<Real/>"),
+    ("y", 3, "output", "continuous", "", "<Real/><DirectDependency><Name>u</Name>"),
+    ("high", 5, "output", "discrete", "", "<Boolean/><DirectDependency>"),
+]
+SLAVE = "<Implementation><CoSimulation_StandAlone><Capabilities/></CoSimulation_StandAlone>"
+
+
+def described(rows=ROWS, implementation=f"{SLAVE}</Implementation>"):
+    """Return a description of FMI 1.0."""
+    variables = "".join(
+        VARIABLE.format(*row)
+        + ("</DirectDependency>" if "<Direct" in row[-1] else "")
+        + "</ScalarVariable>"
+        for row in rows
+    )
+    return (
+        '<fmiModelDescription fmiVersion="1.0" modelName="old" modelIdentifier="old" guid="{1}"'
+        ' numberOfContinuousStates="0" numberOfEventIndicators="0">'
+        f"<ModelVariables>{variables}</ModelVariables>{implementation}</fmiModelDescription>"
+    )
+
+
+@pytest.fixture(scope="module")
+def binary():
+    """Return path in the FMU -> library."""
+    source = Path(__file__).with_name("fmi1.c")
+    library = fmu.library("old", source, versions=(1,), complete=False)
+    return {fmu.place("old", 2): library.read_bytes()}
+
+
+def test_runs_equal_fmpy(tmp_path, binary):
+    path = fmu.pack(tmp_path / "old.fmu", described(), binary)
+    time = np.linspace(0.0, 1.0, 11)
+    u, on = 1.0 + np.sin(7 * time), time < 0.45
+    system = cosim.System()
+    system.add("a", path, {"k": 0.5})
+    for name in ("u", "on"):
+        system.expose(name, f"a.{name}")
+    theirs = by_fmpy(
+        path,
+        0.1,
+        1.0,
+        "y",
+        "high",
+        inputs=[time, ("u", "f8", u), ("on", "?", on)],
+        start_values={"k": 0.5},
+    )
+    with system.prepare(step=0.1, stop=1.0) as simulation:
+        for _ in range(2):
+            ours = simulation.run(inputs={"u": u, "on": on})
+            np.testing.assert_array_equal(ours["a.y"], theirs["y"])
+            np.testing.assert_array_equal(ours["a.high"], theirs["high"])
+    assert ours["a.y"][0] == 0.5 * u[0]
+    assert 0 < ours["a.high"].sum() < len(time)
+    assert system.components["a"].feedthrough == {"y": {"u"}, "high": set()}
+
+
+def test_what_is_not_run_is_one_line(tmp_path, binary):
+    exchange = fmu.pack(tmp_path / "exchange.fmu", described(implementation=""), binary)
+    with pytest.raises(cosim.FmuError, match=r"Model Exchange, .* for FMI 2.0 or 3.0"):
+        cosim.Fmu(exchange)
+    negated = [("y", 3, "output", "continuous", 'alias="negatedAlias"', "<Real/>")]
+    with pytest.raises(cosim.FmuError, match="output 'y' is a negated alias"):
+        cosim.Fmu(fmu.pack(tmp_path / "negated.fmu", described(negated), binary))
+    lacking = (*ROWS[-1][:-1], "<Boolean/><DirectDependency><Name>z</Name>")
+    with pytest.raises(cosim.FmuError, match="dependencies of Unknown"):
+        cosim.Fmu(fmu.pack(tmp_path / "lacking.fmu", described([lacking]), binary))
+    system = cosim.System()
+    system.add("a", fmu.pack(tmp_path / "old.fmu", described(), binary))
+    with pytest.raises(cosim.FmuError, match=r"a \(old.fmu\) is of FMI 1.0"):
+        cosim.write_fmu(system, tmp_path / "out.fmu", step=0.1)
