@@ -1,4 +1,4 @@
-"""What happens to signals during a run: replaced, offset, noisy, stuck. Prepared as tables, run in C."""
+"""What happens to signals: replaced, offset, noisy, stuck. Prepared as tables, run in C."""
 
 from __future__ import annotations
 

@@ -83,9 +83,7 @@ def test_an_offset_adds_to_a_signal_until_it_is_reset(simulation, name):
 
 
 def test_the_tables_of_a_scenario_count_as_memory(simulation, monkeypatch):
-    monkeypatch.setattr(
-        "os.sysconf", lambda _: 40
-    )  # 1600 bytes: room for 7 numbers at each point, which the run takes
+    monkeypatch.setattr("os.sysconf", lambda _: 40)  # 1600 bytes: 7 numbers at each point
     run(simulation, None)
     with pytest.raises(cosim.ExperimentError, match="21 points of 13 numbers"):
         run(simulation, Scenario().offset("x", 1.0).reset("x", at=1.0))
