@@ -47,4 +47,7 @@ def read_rig(rig: Rig, limits: Limits) -> Reading:
 
 def gains_of(loop: VelocityLoop) -> dict[str, float]:
     """Return the parameters of the controller FMU in a loop, by name."""
-    return {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
+    gains = {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}
+    if loop.K_x:
+        gains |= {"K_x": loop.K_x, "velocity_feedforward": loop.velocity_feedforward}
+    return gains
