@@ -7,7 +7,7 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -22,7 +22,7 @@ from stickslip.fmi.process import (
     open_standard_streams,
 )
 from stickslip.output import answered, messages
-from stickslip.parser import Parser
+from stickslip.parser import Parser, suffixes_of
 
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
@@ -50,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     A SIGTERM or SIGHUP ends a command as Ctrl-C does, with 143 and 129.
     """
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions
+        _complete(os.environ["COMP_LINE"].split()[1:])
     open_standard_streams()  # those that cron or a service has closed
     given = list(sys.argv[1:] if arguments is None else arguments)
     plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
@@ -110,6 +112,19 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         if name == called:
             import_module(f"stickslip.commands.{name}").declare(command)
     return parser
+
+
+def _complete(words: Sequence[str]) -> None:
+    """Answer the shell and exit: commands, options, choices, and files where one is expected."""
+    from argcomplete import autocomplete
+    from argcomplete.completers import BaseCompleter, FilesCompleter
+
+    class Files(BaseCompleter):
+        def __call__(self, *, prefix: str, action: argparse.Action, **_: object) -> Iterable[str]:
+            suffixes = suffixes_of(action)
+            return FilesCompleter(suffixes)(prefix) if suffixes or action.type is Path else ()
+
+    autocomplete(_parser(words), "long", exclude=["FILE.ssp"], default_completer=Files())
 
 
 def _line(error: BaseException) -> str:

@@ -6,6 +6,8 @@ StickslipError(Fault)
     IdentificationError(RuntimeError)   a recording does not show what is looked for
     HarmfulError(RuntimeError)          a compensator that makes its loop worse
     ResultsError(RuntimeError)          a folder of results that is not what its manifest says
+    RigError(RuntimeError)              a rig cannot run a command, or did not run it to its end
+        LimitError                      a limit refused a command, or aborted its motion
 """
 
 from stickslip.fmi.errors import Fault
@@ -33,3 +35,11 @@ class HarmfulError(StickslipError, RuntimeError):
 
 class ResultsError(StickslipError, RuntimeError):
     """A folder of results has no manifest, or is not what its manifest says."""
+
+
+class RigError(StickslipError, RuntimeError):
+    """A rig cannot run a command, or did not run it to its end."""
+
+
+class LimitError(RigError):
+    """A limit refused a command, or aborted its motion."""

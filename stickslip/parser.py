@@ -165,11 +165,16 @@ def _accepts(action: argparse.Action, word: str) -> bool:
     return True
 
 
+def suffixes_of(action: argparse.Action) -> list[str]:
+    """Return the suffixes of files that a metavar such as ``FILE.csv|FILE.parquet`` names."""
+    return _SUFFIX.findall(str(action.metavar))
+
+
 def _misplaced(
     wanted: argparse.Action, options: list[tuple[argparse.Action, list[str]]]
 ) -> list[str]:
     """Remove the file that is wanted from the values of an option, and return it, if any."""
-    suffixes = _SUFFIX.findall(str(wanted.metavar))
+    suffixes = suffixes_of(wanted)
     for action, taken in reversed(options):
         least, most = _numbers(action, taken[0])
         if least == most or len(taken) - 1 <= least:

@@ -29,11 +29,10 @@ from scipy.stats import binomtest
 from stickslip.catalog.parameters import PAPER, UNITS
 from stickslip.errors import StickslipError
 from stickslip.identification.estimation import Estimation, Task, candidate_fmus, learn
-from stickslip.identification.estimation.estimation import CriterionName
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.logs import Recording
-from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.report.quantity import meaning, number
 from stickslip.report.style import (
@@ -46,6 +45,7 @@ from stickslip.report.style import (
     house_style,
     new_figure,
 )
+from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
@@ -68,6 +68,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.interval_coverage", description=__doc__)
     parser.add_argument("--recordings", type=int, default=100, metavar="N")
     parser.add_argument("--drives", choices=("any", "varied", "same"), default="varied")
+    parser.add_argument("--sound", action="store_true", help="any drive, but none with faults")
+    parser.add_argument("--cascade", action="store_true", help="any drive, in a position loop")
+    parser.add_argument("--own-law", action="store_true", help="learn the law that the drive has")
     parser.add_argument("--criterion", choices=("auto", "inverse model"), default="auto")
     parser.add_argument("--first", type=int, default=0, help="seed of the first recording")
     parser.add_argument("--workers", type=int, default=1, help="processes")
@@ -80,7 +83,7 @@ def main() -> None:
     every = range(options.first, options.first + options.recordings)
     seeds = [seed for seed in every if seed not in done]
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        waiting = [pool.submit(learn_one, options.drives, options.criterion, s) for s in seeds]
+        waiting = [pool.submit(learn_one, options, seed) for seed in seeds]
         for one in as_completed(waiting):
             try:
                 table = one.result()
@@ -160,20 +163,21 @@ def record(fmus: Path, loop: VelocityLoop, truth: dict[str, float], seed: int) -
     return Recording(result.time, x, force, velocity_command=v_cmd, encoder_step=step)
 
 
-def learn_one(drives: str, criterion: CriterionName, seed: int) -> pd.DataFrame:
+def learn_one(options: argparse.Namespace, seed: int) -> pd.DataFrame:
     """Return a row for each quantity of one recording."""
-    if drives == "any":
-        made = random_drive(seed)
+    if options.drives == "any":
+        made = random_drive(seed, cascade=options.cascade, sound=options.sound)
         recording, gains = record_random(made, seed)
     else:
-        truth, sheet = drive(drives, seed), Datasheet()
+        truth, sheet = drive(options.drives, seed), Datasheet()
         loop = design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
         made = RandomDrive(parameters=truth)
         with candidate_fmus() as fmus:
             recording, gains = record(fmus, loop, truth, seed), gains_of(loop)
     begin = time.process_time()
-    with candidate_fmus() as fmus:
-        estimation = learn(Task(fmus, recording, gains, criterion, seed=seed))
+    law = made.law if options.own_law else "lugre"
+    with candidate_fmus(law) as fmus:
+        estimation = learn(Task(fmus, recording, gains, options.criterion, seed=seed, law=law))
     told = {1.0: "right", 0.0: "none"}.get(made.gains, "wrong")
     return pd.DataFrame(_rows(made, estimation)).assign(
         seed=seed,

@@ -22,7 +22,7 @@ import stickslip as ss
 from stickslip.errors import StickslipError
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Column, Description
-from stickslip.pipeline.record_mode import gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.servo.axis import Axis
 from stickslip.servo.paper_commands import VALIDATION

@@ -18,12 +18,13 @@ import numpy as np
 from stickslip import models
 from stickslip.fmi.process import temporary_folder
 from stickslip.logs import Recording
-from stickslip.pipeline.record_mode import COMMISSIONING, gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import Limits, plan
+from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.stribeck_curve import level
 from stickslip.servo.systems import servo_loop
-from stickslip.servo.velocity_loop import design_velocity_loop
+from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 
 LAWS = ("lugre", "dahl", "gms", "coulomb_stribeck")
 MASS = (0.8, 14.0)  # [kg]
@@ -33,6 +34,7 @@ V_S = (3e-4, 3e-3)  # [m/s]
 VISCOUS = (2.0, 30.0)  # [N s/m]
 SIGMA_0 = (1e5, 1e6)  # [N/m]
 DAMPING = (0.3, 2.0)  # sigma_1 / (2 sqrt(sigma_0 m))
+K_X = (15.0, 60.0)  # [1/s]
 FLAGS = ("asymmetric", "position_dependent", "ripple", "noise")
 SHARE = 0.3
 """Probability of each imperfection."""
@@ -52,6 +54,7 @@ class RandomDrive:
     nominal_mass : for which the loop is designed [kg]
     gains : factor of the controller gains that learning is told; 1 where they are right, 0 where
         it is told none
+    K_x, velocity_feedforward : of the position loop around the velocity loop; 0: none [1/s], [1]
     """
 
     law: str = "lugre"
@@ -62,6 +65,8 @@ class RandomDrive:
     stroke: float = 0.1
     nominal_mass: float = 5.5
     gains: float = 1.0
+    K_x: float = 0.0
+    velocity_feedforward: float = 1.0
 
     def along(self, travel: np.ndarray) -> dict[str, float]:
         """Return the parameters, those of friction as means over the travel (n,) [m]."""
@@ -97,8 +102,14 @@ def _even(travel: np.ndarray) -> np.ndarray:
     return np.linspace(travel.min(), travel.max(), 2001)
 
 
-def random_drive(seed: int) -> RandomDrive:
-    """Return a drive of a random law with random imperfections."""
+def random_drive(seed: int, *, cascade: bool = False, sound: bool = False) -> RandomDrive:
+    """Return a drive of a random law with random imperfections.
+
+    Parameters
+    ----------
+    cascade : whether a position loop is around its velocity loop
+    sound : whether it has no imperfections, and learning is told the right gains
+    """
     rng = np.random.default_rng([seed, 66])
 
     def log(low: float, high: float) -> float:
@@ -136,25 +147,34 @@ def random_drive(seed: int) -> RandomDrive:
         "lag": {"tau_i": log(2e-4, 8e-4)},
         "saturation": {"u_max": choices["F_s"] * 1.3 + 2.0 * m * rng.uniform(0.4, 0.8)},
     }
-    on = tuple(name for name in further if rng.random() < SHARE)
+    on = tuple(name for name in further if rng.random() < SHARE and not sound)
     for name in on:
         parameters |= {key: float(value) for key, value in further[name].items()}
-    told = rng.random()
+    told = 0.0 if sound else rng.random()
+    constant = float(rng.uniform(-0.3, 0.3) * F_c) if rng.random() < SHARE else 0.0
+    speed, stroke, nominal_mass = log(0.02, 0.1), log(0.05, 0.2), m * log(0.7, 1.4)
+    gains = 1.0 if told < 0.5 else 0.0 if told < 0.75 else float(rng.choice([0.5, 0.95, 1.5]))
     return RandomDrive(
         law=law,
         parameters=parameters | noise,
         imperfections=on,
-        constant=float(rng.uniform(-0.3, 0.3) * F_c) if rng.random() < SHARE else 0.0,
-        speed=log(0.02, 0.1),
-        stroke=log(0.05, 0.2),
-        nominal_mass=m * log(0.7, 1.4),
-        gains=1.0 if told < 0.5 else 0.0 if told < 0.75 else float(rng.choice([0.5, 0.95, 1.5])),
+        constant=constant,
+        speed=speed,
+        stroke=stroke,
+        nominal_mass=nominal_mass,
+        gains=gains,
+        K_x=log(*K_X) if cascade else 0.0,
+        velocity_feedforward=float(rng.choice([0.0, 0.5, 1.0])) if cascade else 1.0,
     )
 
 
 def record(drive: RandomDrive, seed: int) -> tuple[Recording, dict[str, float] | None]:
     """Simulate the planned experiment; return its recording and the gains that are told."""
-    loop = design_velocity_loop(Datasheet().axis(drive.nominal_mass, 0.0), COMMISSIONING)
+    axis = Datasheet().axis(drive.nominal_mass, 0.0)
+    loop = design_velocity_loop(axis, COMMISSIONING)
+    if drive.K_x:
+        position = {"K_x": drive.K_x, "velocity_feedforward": drive.velocity_feedforward}
+        loop = close_velocity_loop(axis, loop.T_s, loop.tau_f, loop.K_p, loop.K_i, **position)
     v_cmd = plan(Limits(stroke=drive.stroke, speed=drive.speed))["velocity_command"].to_numpy()
     measured = ("drive.x_enc", "drive.F_m")
     stop = (len(v_cmd) - 1) * loop.T_s
@@ -169,11 +189,12 @@ def record(drive: RandomDrive, seed: int) -> tuple[Recording, dict[str, float] |
             result = simulation.run(
                 {f"drive.{name}": value for name, value in start.items()},
                 # The drive has no constant force; what the motor spends on it is left out here.
-                {"v_cmd": v_cmd, "F_ff": np.full_like(v_cmd, -drive.constant)},
+                loop.commands(v_cmd) | {"F_ff": np.full_like(v_cmd, -drive.constant)},
             )
     x, force = result[measured[0]], result[measured[1]] + drive.constant
     step = p.get("encoder_step", Datasheet().encoder_step)
-    recording = Recording(result.time, x, force, velocity_command=v_cmd, encoder_step=step)
+    commands = {"velocity_command": v_cmd, "position_command": loop.commands(v_cmd).get("x_cmd")}
+    recording = Recording(result.time, x, force, **commands, encoder_step=step)
     gains = gains_of(loop)
     wrong = {name: gains[name] * drive.gains for name in ("K_p", "K_i")}
     return recording, {**gains, **wrong} if drive.gains else None

@@ -18,6 +18,7 @@ from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.structures import doubles
 from stickslip.cosim.signals.signals import Table
+from stickslip.cosim.system.coupling import Adaptive
 from stickslip.fmi.description.variables import Value, Variable
 
 # What it keeps of time, and of each clock, that does not follow from anything else.
@@ -128,6 +129,15 @@ class GeneralComponent:
             self.c.input_ports[i].ahead = known
         self.c.follows = degree > 0
         return _address(self._kernel.general_SetRealInputDerivatives)
+
+    def tighten(self, n_steps: int, adaptive: Adaptive | None) -> None:
+        """Let the solver's error stay below that of the coupling.
+
+        The solver restarts in each communication step, and the errors of all of them add up.
+        """
+        share, finest = (1e-5 * adaptive.tolerance, 1e-12) if adaptive else (0.1 / n_steps, 1e-10)
+        usual = self.c.tolerance
+        self.c.tolerance = min(usual, max(finest, share if adaptive else share * usual))
 
     def tune_call(self) -> int:
         """Return the address of the function that changes tunable parameters between two steps."""

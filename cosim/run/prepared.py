@@ -19,6 +19,7 @@ from stickslip.cosim.assembly.settings import Settings, check_start_values
 from stickslip.cosim.assembly.wiring import library_of, wire
 from stickslip.cosim.errors import SimulationError
 from stickslip.cosim.fmu import fatal
+from stickslip.cosim.fmu.names import component_of
 from stickslip.cosim.fmu.single_instance import claim, release
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.kernel.unrolled import unroll
@@ -73,7 +74,8 @@ class Prepared:
         record = Record.of(spec.record)
         self._layout = layout = Layout.of(system, record)
         check_start_values(system)
-        check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
+        self._kept = 1 + len(system.inputs) + layout.kept_per_point(record)
+        check_memory(n_steps + 1, self._kept)
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         return groups
 
@@ -99,6 +101,9 @@ class Prepared:
         )
         for general in self._general_components.values():
             general.c.near = slack(max(abs(spec.start), abs(spec.stop)), spec.step)
+        for name in {component_of(target) for target in system.connections}:
+            if spec.tolerance is None and (coupled := self._general_components.get(name)):
+                coupled.tighten(len(self.time) - 1, coupling.adaptive)
         self._run.n_steps, self._run.constant_step = len(self.time) - 1, spec.constant_step
         self._run.allows_nan = spec.allow_nan
         record = Record.of(spec.record)

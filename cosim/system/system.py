@@ -343,7 +343,9 @@ class System:
             once, then up to a sixth less for cheap FMUs. The values are the same
         tolerance : relative, of the solver of Model Exchange and of those within FMUs.
             By default each FMU has the one that it proposes; where it proposes none, Model Exchange
-            takes 1e-5 (as FMPy does) and Co-Simulation is given none
+            takes 1e-5 (as FMPy does) and Co-Simulation is given none. Model Exchange that is
+            coupled takes less: a tenth of it divided by the number of steps, at least 1e-10, and
+            with adaptive steps 1e-5 of their tolerance
         allow_nan : whether outputs may be NaN or infinite. By default such a value ends the run
         isolation : ``process`` lets the FMUs live in a process of their own, which they may crash;
             an Isolation says how long and how much memory they may take

@@ -25,8 +25,8 @@ def run(options: argparse.Namespace) -> Answer:
     from stickslip.commands.tables import write_files
     from stickslip.identification.stages import identify
     from stickslip.pipeline.reproduction import drive_truth
+    from stickslip.rigs.fmu import rig_of
     from stickslip.servo.datasheet import LOOP
-    from stickslip.servo.rig import rig_of
 
     truth = drive_changes(options.set)
     drive_truth(truth)

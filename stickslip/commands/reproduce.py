@@ -116,14 +116,14 @@ def _published(
     from stickslip.identification.stages import identify
     from stickslip.pipeline.reproduction import drive_truth
     from stickslip.results.reproduction_folder import write_published_results
+    from stickslip.rigs.fmu import FmuRig
     from stickslip.servo.datasheet import LOOP, Datasheet
-    from stickslip.servo.rig import Rig
     from stickslip.servo.systems import build_fmus
     from stickslip.tuning.published import study_as_published
 
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
     identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
     study = study_as_published(
         rig,

@@ -120,10 +120,10 @@ def _on_simulated_drive(options: argparse.Namespace, learned: LearnedFile) -> di
     from stickslip.evaluation.validation import validate
     from stickslip.identification.stages import identify
     from stickslip.pipeline.reproduction import drive_truth
+    from stickslip.rigs.fmu import rig_of
     from stickslip.servo.datasheet import LOOP
     from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
     from stickslip.servo.paper_commands import VALIDATION
-    from stickslip.servo.rig import rig_of
 
     truth = drive_changes(options.set)
     drive_truth(truth)

@@ -10,14 +10,14 @@ import pandas as pd
 from stickslip import cosim
 from stickslip.evaluation.comparison import Entry, evaluate
 from stickslip.evaluation.motions import trapezoid
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
 
 def attribute(
-    rig: Rig,
+    rig: FmuRig,
     loop: VelocityLoop,
     compensator: Mapping[str, float],
     command: cosim.Trapezoid,

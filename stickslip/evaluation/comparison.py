@@ -16,7 +16,7 @@ from stickslip.evaluation.validation import (
     run_compensators,
     velocity_errors,
 )
-from stickslip.servo.rig import Rig
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -77,7 +77,7 @@ class Evaluation:
 
 
 def evaluate(
-    rig: Rig,
+    rig: FmuRig,
     entries: Mapping[str, Entry],
     feed: Feed = "nominal",
     motions: Sequence[Motion] = MOTIONS,
@@ -101,7 +101,7 @@ def evaluate(
     return Evaluation(tuple(motions), runs, others)
 
 
-def _runs(rig: Rig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion) -> dict[Key, Run]:
+def _runs(rig: FmuRig, entries: Mapping[Key, Entry], feed: Feed, motion: Motion) -> dict[Key, Run]:
     """Run one motion; the FMUs are prepared once for all compensators in the same loop."""
     v_cmd = motion.command.sample(rig.samples(motion.duration))
     runs = {

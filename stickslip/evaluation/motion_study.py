@@ -13,7 +13,7 @@ import pandas as pd
 from stickslip.catalog.parameters import parameter
 from stickslip.evaluation.comparison import Entry, Evaluation, evaluate
 from stickslip.evaluation.motions import MOTIONS, Motion
-from stickslip.servo.rig import Rig
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop
 
@@ -57,7 +57,7 @@ class MotionStudy:
 
 
 def study_motions(
-    rig: Rig,
+    rig: FmuRig,
     entries: Mapping[str, Entry],
     loop: VelocityLoop,
     exact: Mapping[str, float],
@@ -101,7 +101,7 @@ def wrong_values(exact: Mapping[str, float]) -> dict[tuple[str, str], dict[str, 
 
 
 def sensitivity(
-    rig: Rig,
+    rig: FmuRig,
     loop: VelocityLoop,
     exact: Mapping[str, float],
     feed: Feed = "nominal",

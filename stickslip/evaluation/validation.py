@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from stickslip import cosim
+from stickslip.errors import RigError
 from stickslip.evaluation.motions import Regions, Span, regions_after, trapezoid, windows
+from stickslip.rigs.contract import Rig
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, measured_velocity
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Compensator, Feed, paper_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
@@ -43,10 +45,10 @@ class Run:
     ----------
     t, v_cmd : (n,) [s], [m/s]
     x_enc : position (n,) [m] that the encoder shows
-    v : velocity (n,) [m/s] by what shows it, ``measured`` or ``true``
+    v : velocity (n,) [m/s] by what shows it, ``measured`` and, of a simulated drive, ``true``
     v_r : response of the nominal loop (n,) [m/s]
     F_f, F_ff : the drive's true friction, and the force of the compensator (n,) [N]
-    x : the drive's true position (n,) [m]
+    x : the drive's true position (n,) [m]; NaN where the truth is not known, as F_f
     """
 
     t: Array
@@ -135,13 +137,18 @@ def validate(
 ) -> Validation:
     """Run the trapezoid without and with compensation.
 
-    It may use the true values, since it evaluates and does not learn.
+    It may use the true values of a simulated drive, since it evaluates and does not learn.
 
     Parameters
     ----------
     plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
         counts on a compensator follows worse without: compare it with the loop it replaces.
-    behind : further compensators, behind this one
+    behind : further compensators, behind this one; only on a simulated drive
+
+    Raises
+    ------
+    RigError
+        When a motion of the rig did not end as commanded.
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     without = run_command(rig, plain or loop, None, v_cmd, feed)
@@ -158,12 +165,22 @@ def run_command(
     behind: Sequence[Compensator] = (),
 ) -> Run:
     """Run a velocity command (n,) [m/s], one value a sample, with a compensator or None."""
-    system = paper_loop(rig.fmus, loop, compensator, feed, behind)
-    return _runs(system, rig, loop, [{}], v_cmd)[0]
+    if isinstance(rig, FmuRig):
+        system = paper_loop(rig.fmus, loop, compensator, feed, behind)
+        return _runs(system, rig, loop, [{}], v_cmd)[0]
+    if behind:
+        raise RigError(f"{rig.name}: compensators with feedback run in the drive, not beside it")
+    with rig.trials(v_cmd, loop, feed, compensated=compensator is not None) as trial:
+        found = trial(compensator or {})
+    x_enc, unknown = found["drive.x_enc"], np.full(len(v_cmd), np.nan)
+    shown = {"measured": measured_velocity(x_enc, rig.T_s)}
+    forces = unknown, found["compensator.F_mean"]
+    t = rig.samples((len(v_cmd) - 1) * rig.T_s)
+    return Run(t, v_cmd, x_enc, shown, found["nominal.v_r"], *forces, unknown)
 
 
 def run_compensators(
-    rig: Rig,
+    rig: FmuRig,
     loop: VelocityLoop,
     compensators: Iterable[Mapping[str, float]],
     v_cmd: Array,
@@ -175,7 +192,7 @@ def run_compensators(
 
 def _runs(
     system: cosim.System,
-    rig: Rig,
+    rig: FmuRig,
     loop: VelocityLoop,
     compensators: Iterable[Mapping[str, float]],
     v_cmd: Array,

@@ -14,7 +14,7 @@ from stickslip.logs import Description, load_description
 from stickslip.pipeline.log_learning import learn
 from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.results.learned import log_document, recording_document
-from stickslip.servo.rig import rig_of
+from stickslip.rigs.fmu import rig_of
 from stickslip.tuning.jobs import OnStage, Outcome, ended_by_signals
 
 

@@ -17,10 +17,10 @@ from stickslip.evaluation.validation import Validation, run_command, validate
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import identify
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 
 FACTORS: Mapping[str, tuple[float, ...]] = {
@@ -64,14 +64,14 @@ def vary_datasheet(
     def row(case: tuple[str, float, Datasheet]) -> dict[str, object]:
         quantity, factor, assumed = case
         value = getattr(assumed, quantity) if quantity else None
-        rig = Rig(fmus, assumed, LOOP.T_s, law)
+        rig = FmuRig(fmus, assumed, LOOP.T_s, law)
         return {"quantity": quantity, "factor": factor, "value": value, **_outcome(rig, feed)}
 
     with Threads(workers) as threads:
         return pd.DataFrame(threads.each(row, cases))
 
 
-def _outcome(rig: Rig, feed: Feed) -> dict[str, object]:
+def _outcome(rig: FmuRig, feed: Feed) -> dict[str, object]:
     """Return what identification and validation give; ``error`` says what failed."""
     found: dict[str, object] = {"error": ""}
     try:

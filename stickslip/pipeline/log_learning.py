@@ -1,4 +1,4 @@
-"""What ``stickslip learn`` does with a log: read, check, learn, try the compensator."""
+"""What ``stickslip learn`` does with a log or a rig: read, check, learn, try the compensator."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import ga
 from stickslip.identification.estimation import CriterionName, Search
 from stickslip.logs import (
     Description,
@@ -24,7 +25,10 @@ from stickslip.logs import (
 from stickslip.pipeline.candidates import law_of
 from stickslip.pipeline.compensator_trial import loops_of_log, try_compensator
 from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
+from stickslip.pipeline.recorded import read_rig
 from stickslip.pipeline.tracking import with_tracking
+from stickslip.planning import LINEAR, Limits
+from stickslip.rigs.contract import Rig
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
@@ -41,9 +45,10 @@ def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple
 
 
 def learn(
-    path: Path | str,
+    source: Path | str | Rig,
     description: Description | None = None,
     *,
+    limits: Limits = LINEAR,
     law: str = "lugre",
     criterion: CriterionName = "auto",
     seed: int = 0,
@@ -53,13 +58,15 @@ def learn(
     absent: Sequence[str] = (),
     on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
     on_stage: Callable[[str], object] = lambda _: None,
+    on_generation: Callable[[ga.Optimiser], object] = lambda _: None,
 ) -> LearnedFromRecording:
-    """Learn a drive's parameters from a log of it; options are those of ``estimation.Task``.
+    """Learn a drive from a log of it, or on a rig; options are those of ``estimation.Task``.
 
     Parameters
     ----------
-    path : CSV, Parquet or MAT file
+    source : CSV, Parquet or MAT file, or a rig, which then runs one experiment
     description : of its columns and of the controller; by default the columns are detected
+    limits : of the experiment on a rig, see ``plan``
     compensator : what is to be written: ``auto`` for the best on the drives that the log supports,
         or a name such as ``static+ekbf``; by default feedforward of the law, and a disturbance
         observer if it helps
@@ -71,13 +78,20 @@ def learn(
         When the log cannot be read, or lacks a signal, or there is no such compensator.
     IdentificationError
         When it does not show a drive that slides.
+    RigError
+        When the experiment on the rig did not end as commanded.
     """
     law = law_of(compensator, law, absent)
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
-        on_stage("reading the log")
-        path = Path(path)
-        reading, findings = read_and_check(path, description or Description())
+        if isinstance(source, Rig):
+            on_stage("recording the drive")
+            path, reading = Path(source.name), read_rig(source, limits)
+            findings = check_recording(reading.recording, reading.controller, reading.force_limit)
+        else:
+            on_stage("reading the log")
+            path = Path(source)
+            reading, findings = read_and_check(path, description or Description())
         raise_errors(path, findings)
         on_findings(findings)
         recording = aligned(reading.recording, samples_late(reading.recording))
@@ -93,6 +107,7 @@ def learn(
             seeds=seeds,
             search=search,
             on_stage=on_stage,
+            on_generation=on_generation,
         )
         on_stage("trying the compensator")
         learned = try_compensator(

@@ -17,21 +17,17 @@ import pandas as pd
 from stickslip import ga
 from stickslip.evaluation.attribution import attribute
 from stickslip.identification.estimation import Estimation, Search
-from stickslip.logs import Recording, check_recording
+from stickslip.logs import check_recording
 from stickslip.pipeline.learned import LearnedFromRecording, Loops, learn_recording
+from stickslip.pipeline.recorded import gains_of, record_drive
 from stickslip.pipeline.reproduction import Options, Progress, Reproduced, build_rig, validated
 from stickslip.pipeline.tables import table2_of_recording
-from stickslip.planning import plan
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.rig import Rig
-from stickslip.servo.specification import LoopSpecification
-from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.execution import Execution
-
-COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
-"""The loop of the recording: soft, so that it bears a third and three times its nominal mass."""
 
 
 @dataclass(frozen=True)
@@ -51,25 +47,6 @@ class RecordReproduction(Reproduced):
         return table2_of_recording(self.learned.estimation, self.truth)
 
 
-def commissioning_loop(sheet: Datasheet) -> VelocityLoop:
-    """Return the loop of the recording."""
-    return design_velocity_loop(sheet.axis(sheet.mass, 0.0), COMMISSIONING)
-
-
-def record_drive(rig: Rig) -> Recording:
-    """Record 20 s of a drive without compensation, in the commissioning loop."""
-    v_cmd = plan()["velocity_command"].to_numpy()
-    log = rig.follow(v_cmd, commissioning_loop(rig.datasheet))
-    return Recording(
-        log.t,
-        log.x_enc,
-        log.F_m,
-        velocity_command=v_cmd,
-        encoder_step=rig.datasheet.encoder_step,
-        source="drive.fmu",
-    )
-
-
 def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
     """Return the paper's loop for a learned axis, and that with velocity filter and inertia.
 
@@ -85,7 +62,7 @@ def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
 
 
 def learn_from_recording(
-    rig: Rig,
+    rig: FmuRig,
     seed: int,
     search: Search,
     on_stage: Callable[[str], object],
@@ -102,7 +79,7 @@ def learn_from_recording(
     recording = record_drive(rig)
     return learn_recording(
         recording,
-        gains_of(commissioning_loop(rig.datasheet)),
+        gains_of(rig.loop),
         partial(loops_of_drive, rig.datasheet),
         check_recording(recording),
         law=rig.law.name,
@@ -131,8 +108,3 @@ def reproduce_from_recording(
     plain = learned.designed.plain
     parts = attribute(rig, plain, learned.friction, VALIDATION, options.feed)
     return RecordReproduction(**vars(result), attribution=parts)
-
-
-def gains_of(loop: VelocityLoop) -> dict[str, float]:
-    """Return the parameters of the controller FMU in a loop, by name."""
-    return {"T_s": loop.T_s, "K_p": loop.K_p, "K_i": loop.K_i, "tau_f": loop.tau_f}

@@ -19,19 +19,18 @@ from stickslip.catalog.parameters import estimated, friction_law
 from stickslip.evaluation.fmpy_check import SecondOpinion
 from stickslip.evaluation.motion_study import MotionStudy
 from stickslip.evaluation.validation import Validation, validate
-from stickslip.identification.stages import Estimate, Identification, identify
-from stickslip.pipeline.learned import Learned, Loops
+from stickslip.identification.stages import Estimate, Identification
+from stickslip.pipeline.learned import Learned
+from stickslip.pipeline.rig_learning import learn_on_rig
 from stickslip.pipeline.steps import with_steps
 from stickslip.pipeline.tables import table2
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.rig import Rig
+from stickslip.servo.paper_commands import VALIDATION
 from stickslip.servo.systems import Changes, Feed, build_fmus, drive_law, paper_loop
-from stickslip.tuning.coarse_start import coarsened
 from stickslip.tuning.execution import Execution
-from stickslip.tuning.learning import Study, learn
 from stickslip.tuning.published import WholeStudy
-from stickslip.tuning.refinement import Refinement, refine, without_search
+from stickslip.tuning.refinement import Refinement
 
 
 @dataclass(frozen=True)
@@ -64,14 +63,6 @@ class Options:
     def refined(self) -> bool:
         """Whether the learning ends with the fit of ``stickslip/tuning/refinement.py``."""
         return self.preset != "paper"
-
-    @property
-    def may_skip(self) -> bool:
-        """Whether the search is skipped if the drive shows that it would not be useful.
-
-        An algorithm that was asked for always searches.
-        """
-        return self.preset == "default"
 
 
 class Progress(Protocol):
@@ -186,14 +177,14 @@ def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
     return dict.fromkeys(estimated(friction_law(law)), math.nan) | known
 
 
-def build_rig(options: Options, fmus: Path, progress: Progress) -> Rig:
+def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
     """Build the drive and the FMUs of the loop into a folder, which must stay."""
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth, options.law)
-    return Rig(fmus, Datasheet(), LOOP.T_s, options.law)
+    return FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
 
 
-def validated(options: Options, rig: Rig, learned: Learned, progress: Progress) -> Reproduced:
+def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> Reproduced:
     """Run the trapezoid on the drive without and with what was learned; join the truth.
 
     Raises
@@ -220,34 +211,22 @@ def reproduce(
         When the drive does not show what is looked for, or its loop cannot be designed.
     """
     rig = build_rig(options, fmus, progress)
-    identification = identify(rig, LOOP, lambda name: progress.stage(f"identifying: {name}"))
-    start = identification.tuned
-    if options.coarse:
-        start = coarsened(start, options.coarse, rig.law)
-    study = Study(
+    found = learn_on_rig(
         rig,
-        identification.loop,
-        start,
-        TRAINING.sample(rig.samples(TRAINING.duration)),
         feed=options.feed,
-        algorithm=options.preset,
+        preset=options.preset,
         seed=options.seed,
+        coarse=options.coarse,
+        execution=execution,
+        on_stage=progress.stage,
+        on_generation=progress.generation,
     )
-    progress.stage("checking whether a search is useful")
-    refinement = without_search(study) if options.may_skip else None
-    progress.stage("learning")
-    limits = ga.Limits(generations=1) if refinement else None
-    algorithm = learn(study, progress.generation, execution, limits)
-    if refinement is None:
-        progress.stage("refining")
-        refinement = refine(study, study.parameters(algorithm.best.values), fitted=options.refined)
-    loop = identification.loop
-    result = validated(options, rig, Learned(refinement.values, Loops(loop, loop)), progress)
+    result = validated(options, rig, found, progress)
     return Reproduction(
         **vars(result),
-        identification=identification,
-        start=start,
-        algorithm=algorithm,
-        refinement=refinement,
-        cost_without=study.cost_without(),
+        identification=found.identification,
+        start=found.start,
+        algorithm=found.algorithm,
+        refinement=found.refinement,
+        cost_without=found.study.cost_without(),
     )

@@ -19,9 +19,9 @@ from stickslip.pipeline.learned import Learned
 from stickslip.pipeline.record_mode import learn_from_recording
 from stickslip.pipeline.reproduction import Extras, Options, Progress, Reproduction, reproduce
 from stickslip.pipeline.steps import TRAPEZOID, steps, with_steps
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import TRAINING
-from stickslip.servo.rig import Rig
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.execution import Execution
 from stickslip.tuning.learning import Study, learn
@@ -53,7 +53,7 @@ def with_studies(
     extras = reproduce_with_extras(options, fmus / "extras", progress, own)
     progress.stage("varying what is known beforehand")
     beforehand = vary_datasheet(fmus, options.feed, execution.workers, law=options.law)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     study = recorded = None
     coarse: list[dict[str, float]] = []
     if options.complete:
@@ -90,13 +90,13 @@ def with_motions(
     found, options = reproduction.identification, reproduction.options
     published = reproduction.published.published if reproduction.published else None
     entries = steps(found, reproduction.learned, published, coarse, recorded)
-    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     motions = study_motions(rig, entries, found.loop, reproduction.exact, options.feed)
     return replace(reproduction, motions=motions)
 
 
 def _from_coarse_starts(
-    rig: Rig,
+    rig: FmuRig,
     found: Identification,
     options: Options,
     seeds: Sequence[int],
@@ -120,7 +120,7 @@ def _from_coarse_starts(
     return side_by_side(learned, some, execution.workers)
 
 
-def _recorded(rig: Rig, options: Options, progress: Progress, execution: Execution) -> Learned:
+def _recorded(rig: FmuRig, options: Options, progress: Progress, execution: Execution) -> Learned:
     """Return what one recording of the drive gives."""
     search = Search(options.preset, execution=execution)
     return learn_from_recording(rig, options.seed, search, progress.stage, progress.generation)
@@ -153,7 +153,7 @@ def step_by_step(
 ) -> pd.DataFrame:
     """Return Table 4 of a reproduction with a column for each step but coarse starts."""
     options = found.options
-    rig = Rig(fmus, Datasheet(), LOOP.T_s, options.law)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
     recorded = _recorded(rig, options, progress, execution) if options.complete else None
     entries = steps(found.identification, found.learned, recorded=recorded)
     table = evaluate(rig, entries, options.feed, [TRAPEZOID]).table()

@@ -13,7 +13,8 @@ from stickslip.fmi.files import atomic_write
 from stickslip.logs import Recording
 from stickslip.pipeline.learned import LearnedFromRecording
 from stickslip.pipeline.observed import BOTH, FEEDFORWARD, OBSERVER
-from stickslip.pipeline.record_mode import RecordReproduction, commissioning_loop, gains_of
+from stickslip.pipeline.record_mode import RecordReproduction
+from stickslip.pipeline.recorded import gains_of
 from stickslip.report.learned import FILES as REPORT
 from stickslip.report.learned import write_estimation_report
 from stickslip.report.learned.content import compensation
@@ -24,6 +25,7 @@ from stickslip.report.reproduction.record import FIGURES, sections
 from stickslip.results.folder import staged
 from stickslip.results.learned import log_document, recording_document
 from stickslip.results.reproduction_folder import command_of, write_json, write_loop, write_tables
+from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.systems import nominal_parameters
 

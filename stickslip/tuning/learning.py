@@ -7,17 +7,18 @@ nominal loop, both through the same low-pass.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from stickslip import cosim, ga
+from stickslip import ga
 from stickslip.catalog.parameters import unit_of
 from stickslip.catalog.space import ParameterSpace
 from stickslip.identification.stages import Estimate
+from stickslip.rigs.contract import Recorded, Rig
 from stickslip.servo.measurement import CUTOFF, Array, smoothed
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.execution import Execution
@@ -38,12 +39,12 @@ class VelocityCost:
     T_s: float
     cutoff: float | None = CUTOFF
 
-    def __call__(self, result: cosim.Result) -> float:
+    def __call__(self, result: Recorded) -> float:
         """Return the cost of the recorded ``drive.x_enc`` [m] and ``nominal.v_r`` [m/s]."""
         gap = self.gap(result)
         return float(np.sum(gap * gap))  # the same bits whatever the threads of the linear algebra
 
-    def gap(self, result: cosim.Result) -> Array:
+    def gap(self, result: Recorded) -> Array:
         """Return v - v_r (n,) [m/s]."""
         v = np.gradient(result["drive.x_enc"], self.T_s)
         gap = v - result["nominal.v_r"]
@@ -82,7 +83,7 @@ class Study:
         """Return the genes' values (k,) by name."""
         return dict(zip(self.start, values.tolist(), strict=True))
 
-    def cost(self) -> ga.SimulatedCost:
+    def cost(self) -> AbstractContextManager[Callable[[Array], float]]:
         """Return the cost function of one candidate on the drive."""
         criterion = VelocityCost(self.rig.T_s)
         return self.rig.cost_of(self.v_cmd, self.loop, criterion, self.feed)

@@ -78,14 +78,13 @@ class Bench:
 
     def _gaps(self, study: Study, values: Mapping[str, float]) -> Array:
         """Return v - v_r (REPEATS, n) [m/s]."""
-        cost, criterion, gaps = study.cost(), VelocityCost(study.rig.T_s), []
-        with cost.specification.prepare() as simulation:
+        criterion, gaps = VelocityCost(study.rig.T_s), []
+        with study.rig.trials(study.v_cmd, study.loop, study.feed) as run:
             for _ in range(REPEATS):
                 self.runs += 1
                 change = np.exp(JITTER * self._rng.standard_normal(len(study.start)))
                 changed = np.array([values[name] for name in study.start]) * change
-                tried = dict(zip(cost.names, changed.tolist(), strict=True))
-                gaps.append(criterion.gap(simulation.run(tried, cost.inputs)))
+                gaps.append(criterion.gap(run(study.parameters(changed))))
         return np.array(gaps)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import stickslip as ss
-from stickslip.pipeline.record_mode import COMMISSIONING
+from stickslip.rigs.contract import COMMISSIONING
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 

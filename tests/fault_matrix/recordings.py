@@ -11,7 +11,7 @@ import pandas as pd
 import stickslip as ss
 from stickslip import cosim
 from stickslip.logs import Column, Description
-from stickslip.pipeline.record_mode import gains_of
+from stickslip.pipeline.recorded import gains_of
 from stickslip.planning import plan
 from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop

@@ -10,15 +10,15 @@ import pytest
 from stickslip import cosim
 from stickslip.evaluation.validation import validate
 from stickslip.pipeline.datasheet_errors import vary_datasheet
-from stickslip.pipeline.record_mode import COMMISSIONING
 from stickslip.pipeline.reproduction import Extras, Options, Reproduction, reproduce
 from stickslip.pipeline.studies import step_by_step, with_motions
 from stickslip.planning import LINEAR, plan
 from stickslip.report.page import Picture
 from stickslip.results.reproduction_folder import write_results
+from stickslip.rigs.contract import COMMISSIONING
+from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.rig import Rig, rig_of
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.tuning.execution import Execution
@@ -75,9 +75,9 @@ def results(reproduction, tmp_path_factory, quiet) -> Path:
 def make_rig(tmp_path):
     """Return a function that builds a rig around a drive with the given truth."""
 
-    def make(**truth: float) -> Rig:
+    def make(**truth: float) -> FmuRig:
         build_fmus(tmp_path, truth)
-        return Rig(tmp_path, Datasheet(), LOOP.T_s)
+        return FmuRig(tmp_path, Datasheet(), LOOP.T_s)
 
     return make
 

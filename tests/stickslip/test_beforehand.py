@@ -7,9 +7,9 @@ from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import identify
 from stickslip.pipeline.datasheet_errors import vary_datasheet
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import LOOP, Datasheet
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import build_fmus
 
 pytestmark = pytest.mark.slow
@@ -37,7 +37,7 @@ def test_a_row_for_the_data_sheet_as_it_is_and_for_each_wrong_number(rows):
 
 
 def test_the_first_row_is_identification_and_validation(fmus, rows):
-    rig = Rig(fmus, Datasheet(), LOOP.T_s)
+    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
     found = identify(rig, LOOP)
     values = {name: found.estimates[name].value for name in LUGRE}
     table = validate(rig, found.loop, values, VALIDATION).table().query("velocity == 'measured'")

@@ -1,6 +1,7 @@
 """The command line: results, and one clear line for each error."""
 
 import json
+import os
 import subprocess
 import sys
 import zipfile
@@ -63,6 +64,32 @@ def test_arguments_are_parsed_before_anything_large_is_loaded():
     for name, loaded in zip(COMMANDS, each, strict=True):
         assert f"stickslip.commands.{name}" in loaded
         assert not {*LARGE, "lxml", "stickslip.cosim", "tqdm"} & loaded, name
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="shells that complete are of POSIX")
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("sim", {"simulate"}),
+        ("learn log.csv --criterion ", {"auto", "inverse", "loop"}),
+        ("simulate --re", {"--real-time", "--record", "--resume"}),
+        ("simulate --stop=1 ./", {"./a.fmu", "./b.ssp", "./deep/"}),
+        ("simulate a.fmu --stop ", set()),
+    ],
+)
+def test_a_shell_completes(typed, offered, tmp_path):
+    """By the protocol of argcomplete: the line in the environment, words to descriptor 8."""
+    for name in ("a.fmu", "b.ssp", "c.txt"):
+        (tmp_path / name).touch()
+    (tmp_path / "deep").mkdir()
+    line = f"stickslip {typed}"
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line))}
+    shell = ["/bin/sh", "-c", f"'{sys.executable}' -m stickslip 8>&1 9>/dev/null 1>/dev/null"]
+    run = subprocess.run(
+        shell, cwd=tmp_path, env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    assert {word.strip() for word in run.stdout.split("\013")} - {""} == offered
+    assert not run.stderr
 
 
 def test_commands_on_fmus_load_no_large_library(stage):

@@ -13,9 +13,9 @@ from stickslip import cosim
 from stickslip.catalog.parameters import LUGRE
 from stickslip.cli import main
 from stickslip.evaluation.validation import run_command
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.datasheet import Datasheet
 from stickslip.servo.paper_commands import TRAINING
-from stickslip.servo.rig import Rig
 
 FILES = {
     *("table2.csv", "table4.csv", "fitness.csv", "learned.json", "manifest.json", "report.html"),
@@ -87,7 +87,7 @@ def test_fmpy_agrees_with_the_kernel_on_the_compensator_that_is_written(results)
 def test_the_cost_without_compensation_is_that_of_the_training_run(results, reproduction):
     """By an independent sum over a run without compensator."""
     loop = reproduction.identification.loop
-    rig = Rig(reproduction.system.components["drive"].path.parent, Datasheet(), loop.T_s)
+    rig = FmuRig(reproduction.system.components["drive"].path.parent, Datasheet(), loop.T_s)
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))
     run = run_command(rig, loop, None, v_cmd)
     gap = sosfiltfilt(

@@ -17,10 +17,10 @@ from stickslip.evaluation.motion_study import (
 )
 from stickslip.evaluation.motions import MOTIONS, SLOW_MOTIONS, Motion
 from stickslip.evaluation.validation import run_command, validate
+from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
 from stickslip.servo.filtered_loop import with_inertia, with_velocity_filter
 from stickslip.servo.paper_commands import VALIDATION
-from stickslip.servo.rig import rig_of
 from stickslip.servo.velocity_loop import design_velocity_loop
 
 pytestmark = pytest.mark.slow

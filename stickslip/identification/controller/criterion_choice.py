@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law, presliding
+from stickslip.catalog.parameters import friction_law
 from stickslip.errors import UsageError
 from stickslip.identification.controller.controller_check import AGREES, ControllerCheck
 from stickslip.identification.controller.initial_state import is_running
@@ -26,7 +26,7 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
     if task.recording.friction is not None and task.recording.force is None:
         return inverse, "friction itself was measured"
     law = friction_law(task.law)
-    if not law.is_smooth and presliding(law) and task.recording.force is not None:
+    if not law.is_smooth and task.recording.force is not None:
         return inverse, (
             f"the law {law.title} switches, so that a simulated loop does not follow small changes "
             "of its parameters smoothly"

@@ -39,6 +39,8 @@ from stickslip.servo.measurement import Array, smoothed
 SHARE = 1.0 / 16.0
 """Cut-off of the low-pass, as a share of the sample rate."""
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
+GUARD = 1.0
+"""Time before and after rest in which the low-pass mixes both, in periods of the cut-off."""
 REST = 3.0
 """Speed up to which a drive may be at rest, in standard deviations of the velocity's noise."""
 
@@ -94,7 +96,9 @@ class InverseModel(Closing):
         if not presliding(self.law):
             noise = position_noise(position_of(recording), recording.encoder_step)
             floor = velocity_noise(noise, self.T_s, self.cutoff)
-            self.slides = np.abs(self.motion.v) > REST * floor
+            rests = np.abs(self.motion.v) <= REST * floor
+            near = np.ones(2 * int(GUARD / self.cutoff / self.T_s) + 1)
+            self.slides = np.convolve(rests, near, "same") < 0.5
         # The velocity of row n + 1 is the one at the end of the step from t[n].
         self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])

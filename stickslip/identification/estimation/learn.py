@@ -49,8 +49,9 @@ from stickslip.identification.fitting.multistart import (
     without_stribeck,
 )
 from stickslip.identification.fitting.search import Search, search, solve_linear
-from stickslip.identification.fitting.start import Start, begin
-from stickslip.identification.sliding.friction_curve import VARYING
+from stickslip.identification.fitting.start import CONTRADICTED, Start, begin
+from stickslip.identification.sliding.friction_curve import VARYING, Interval
+from stickslip.progress import step
 from stickslip.servo.measurement import Array
 
 UNEXPLAINED = 4.0
@@ -67,8 +68,6 @@ DRAWS = 3
 """Number of draws from the covariance of the fit, on which the compensator is tried."""
 SLOWER = 0.5
 """Cut-off of a second low-pass, as share of the first."""
-CONTRADICTED = 1.5
-"""Distance between loop and sliding motion, in half-widths, above which the law is not right."""
 BIAS_ERROR = 0.12
 """Standard error of the bias that is subtracted, as share of it."""
 
@@ -119,7 +118,7 @@ def _learn(
         start = begin(model, recording)
         if task.is_level:
             start = replace(start, space=start.space.level())
-        inverse = model.over(start.narrow(start.space))
+        inverse = model.over(start.narrow(start.space, start.sliding))
         on_stage("searching")
         found, rows, algorithm = _search(task, inverse, start, on_generation)
         corrected = None
@@ -132,23 +131,26 @@ def _learn(
                 criterion = InverseModel.name
                 reason = f"{why}, so the drive has what the model has not, and the force decides"
         on_stage("judging what is known")
+        step(0, 3)
+        # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
+        sliding = {} if criterion == OutputError.name else start.beside(found.parameters)
         model_error = corrected.model_error if corrected else float("nan")
         if criterion == OutputError.name and corrected and task.gains is not None:
             errors, table = _known_loop(task, task.gains, corrected, ambiguity)
             best, degrees = corrected.fit, RUNS - 1
         else:
-            best, errors = _inverse_model(task, inverse, found)
+            best, errors = _inverse_model(task, inverse, found, start, sliding)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
-        # Beside the loop, only sliding motion tells mass and friction apart whatever the law.
-        sliding = {} if criterion == OutputError.name else start.beside(best.parameters)
         known = of_sliding(known, sliding, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
+        step(1, 3)
         change = change_of_friction(inverse, found.parameters)
         believed = check is not None and not check.error > AGREES
         held_out = check_held_out(inverse, found, task, task.gains if believed else None, scale)
+        step(2, 3)
         faults = (
             *task.faults,
             *found_faults(best, criterion, check, model_error, change),
@@ -164,6 +166,7 @@ def _learn(
         bounded = {name: values[name] for name in start.space.bounded}
         fitted = {**best.parameters, **shown, **bounded}
         goodness = goodness_of_fit(task.fmus, recording, inverse, fitted, task.gains, check)
+        step(3, 3)
     return Estimation(
         recording,
         criterion,
@@ -223,8 +226,10 @@ def _search(
         algorithm = search(inverse, start, seed, _of_seed(task, seed), on_generation)
         values = solve_linear(inverse, start, algorithm.best.values)
         found = without_stribeck(inverse, best_fit(inverse, start, values))
-        # Coarse encoder steps bias the curve more than its exponent does.
-        sure = 0.0 if coarse(inverse, task.recording) else SURE
+        # Coarse encoder steps, and slips shorter than the low-pass, bias the curve more than its
+        # exponent does.
+        is_biased = coarse(inverse, task.recording) or not presliding(inverse.law)
+        sure = 0.0 if is_biased else SURE
         selection = select(variants(inverse, found), sure)
         found = replace(selection.fit, covariance=selection.fit.covariance + selection.ambiguity)
         fits.append(found)
@@ -279,16 +284,20 @@ def _output_error(
         criterion = whole.over(space)
         lag = LAG * recording.T_s
         begins = [space.encode({**at, "delay": lag}) for at in (found.parameters, start.line)]
+        step(0, 4)
         criterion.whiten(space.decode(begins[0]))
         fitted = fit(criterion, begins[:1], ROUGH)
+        step(1, 4)
         explained = again.residuals(fitted.parameters, 0.0, np.random.default_rng(task.seed), 1)
         if criterion.unexplained(fitted.parameters, explained[0]) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
             fitted = select(variants(criterion, fit(criterion, begins, BASIN), BASIN), 1.0).fit
             criterion = criterion.over(fitted.space)
+        step(2, 4)
         criterion.whiten(fitted.parameters)
         selection = select(variants(criterion, fit(criterion, [fitted.q], ROUGH), ROUGH))
+        step(3, 4)
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])
@@ -296,7 +305,13 @@ def _output_error(
         return corrected, selection.ambiguity
 
 
-def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, dict[str, float]]:
+def _inverse_model(
+    task: Task,
+    inverse: InverseModel,
+    found: Fit,
+    start: Start,
+    sliding: Mapping[str, Interval],
+) -> tuple[Fit, dict[str, float]]:
     """Return the fit without its bias, and standard errors by name [SI].
 
     What the encoder, sampling, or friction beside the law make of the fit depends on the low-pass,
@@ -304,6 +319,9 @@ def _inverse_model(task: Task, inverse: InverseModel, found: Fit) -> tuple[Fit, 
     """
     if inverse.measures_friction:
         return found, found.errors()
+    if "F_c" in sliding:
+        placed = fit(inverse.over(start.narrow(found.space, sliding)), [found.q])
+        found = replace(placed, covariance=found.covariance)
     recording, cutoff, law = task.recording, SLOWER * inverse.cutoff, found.space.law
     with InverseModel(task.fmus, recording, cutoff, task.workers, law) as slower:
         apart = fit(slower.over(found.space), [found.q]).q - found.q

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,8 @@ PRESLIDING = {False: 2e-4, True: 3e-2}
 DECADES = 3.0
 """Largest distance of a law's parameters from their prior means, in decades."""
 RISE = 1.2  # F_s / F_c
+CONTRADICTED = 1.5
+"""Distance between loop and sliding motion, in half-widths, above which the law is not right."""
 STEEPEST = 20.0  # largest F_s / F_c
 
 
@@ -54,13 +57,29 @@ class Start:
     def beside(self, values: Values) -> dict[str, Interval]:
         """Return what sliding shows, with the viscous friction of a law's values within it.
 
-        The law's Coulomb friction belongs to its own viscous friction.
+        The law's Coulomb friction belongs to its own viscous friction. Where both contradict the
+        friction curve the straight line through it gives them: a speed counts the less the wider
+        the curve's interval there is and the more friction of the law rises towards rest, and the
+        errors at all speeds may be alike.
         """
         found = self.sliding
-        if "b" in found:
+        if self.curve is None or not found:
+            return found
+        if self.disagreement(values) <= CONTRADICTED:
             value = float(np.clip(values["b"], found["b"].low, found["b"].high))
-            found["b"] = replace(found["b"], value=value)
-        return found
+            return {**found, "b": replace(found["b"], value=value)}
+        curve, viscous = self.curve, found["b"]
+        rise = level(values, curve.speed) - values["F_c"]
+        half = np.hypot(0.5 * (curve.high - curve.low), rise)
+        line = np.column_stack([np.ones_like(half), curve.speed])
+        weights = np.linalg.pinv(line / half[:, np.newaxis]) / half
+        slope = float(np.clip(weights[1] @ (curve.value - rise), viscous.low, viscous.high))
+        beyond = (curve.value - rise - slope * curve.speed) / half**2
+        F_c, error = float(np.sum(beyond) / np.sum(half**-2.0)), float(np.abs(weights[0]) @ half)
+        if F_c <= error:
+            return found
+        coulomb = Interval(F_c, 0.5 * error, F_c - error, F_c + error)
+        return {**found, "b": replace(viscous, value=slope), "F_c": coulomb}
 
     def disagreement(self, values: Values) -> float:
         """Return how far a law's values are from what sliding motion shows, in half-widths.
@@ -76,14 +95,14 @@ class Start:
         mass_apart = 2.0 * (values["m"] - mass.value) / (mass.high - mass.low)
         return max(abs(mass_apart), float(np.sqrt(np.mean(apart**2))))
 
-    def narrow(self, space: ParameterSpace) -> ParameterSpace:
-        """Return a space with these within their intervals, for the fit of a law.
+    def narrow(self, space: ParameterSpace, shown: Mapping[str, Interval]) -> ParameterSpace:
+        """Return a space with what sliding shows within its intervals, for the fit of a law.
 
         Where a law does not explain the motion before the drive slides, the inverse model would
-        compensate that by a wrong mass.
+        compensate that by a wrong mass and wrong friction at constant speeds.
         """
         lower, upper = space.lower.copy(), space.upper.copy()
-        for name, interval in self.sliding.items():
+        for name, interval in shown.items():
             k = space.index(name)
             ends = np.array([interval.low, interval.high])
             ends = np.log(ends) if space.is_log[k] else ends / space.units[k]

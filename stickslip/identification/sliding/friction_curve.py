@@ -18,6 +18,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
@@ -36,6 +37,9 @@ SLOWEST = 0.01
 """Speed from which on the drive slides, as a share of its top speed."""
 NOISY = 4.0
 """The same in standard deviations of the velocity's noise."""
+STEADY = 4.0
+"""Largest ratio of speeds within such a distance: friction follows a change of speed over a path,
+so that it is not that of a steady speed while a drive sticks and slips."""
 GUARD = 0.32
 """Distance from rows that are not used, in periods of the cut-off."""
 HARMONICS, KNOTS, STEPS = 40, 10, 6
@@ -195,7 +199,7 @@ class _Rows:
     Attributes
     ----------
     x, v, a, force : (n,)
-    s : (n,) travel since the last reversal [m]
+    path, s : (n,) travel since the begin, and since the last reversal [m]
     ahead : (n,) direction of the motion, -1 or 1
     slides : (n,) whether the speed is above the noise
     """
@@ -206,6 +210,7 @@ class _Rows:
     v: Array
     a: Array
     force: Array
+    path: Array
     s: Array
     ahead: Array
     slides: NDArray[np.bool_]
@@ -230,11 +235,15 @@ class _Rows:
         reversed_at[turns] = path[turns]
         s = path - np.maximum.accumulate(reversed_at)
         logged = smoothed(force[:n].reshape(-1, q).mean(axis=1), T, cutoff)
-        return cls(T, cutoff, x, v, derivative(v, T), logged, s, ahead, slides, top, slowest)
+        return cls(T, cutoff, x, v, derivative(v, T), logged, path, s, ahead, slides, top, slowest)
 
     def used(self, distance: float) -> NDArray[np.intp]:
-        """Return the indices of the rows at which the drive has slid this share of its travel."""
-        good = self.slides & (self.s > distance * np.ptp(self.x))
+        """Return the rows before which it slid evenly for this share of its travel."""
+        path = pd.to_timedelta(self.path / (distance * np.ptp(self.x)), unit="s")
+        speed = pd.Series(np.abs(self.v), path)
+        before = speed.rolling("1s")  # of travel
+        steady = (before.min() * STEADY > speed) & (before.max() < STEADY * speed)
+        good = self.slides & steady.to_numpy() & (self.path > distance * np.ptp(self.x))
         edge = int(4.0 / self.cutoff / self.T)
         good[:edge] = good[len(good) - edge :] = False
         guard = int(GUARD / self.cutoff / self.T)

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages.estimate import Estimate, covariance, unseen
 from stickslip.identification.stages.sliding import measure_sliding
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, measured_velocity
-from stickslip.servo.rig import Rig
 from stickslip.servo.velocity_loop import VelocityLoop
 
 CREEP = 0.2  # standard deviation of break-away from F_s: bristles that creep break away earlier

@@ -8,8 +8,8 @@ import numpy as np
 
 from stickslip.errors import IdentificationError
 from stickslip.identification.stages.estimate import Estimate, covariance
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.servo.rig import Rig
 
 FREQUENCY = 5.0  # of the force [Hz]
 CYCLES = 10

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.rigs.contract import Rig
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.servo.rig import Rig
 from stickslip.servo.velocity_loop import VelocityLoop
 
 SPEEDS = np.geomspace(0.25e-3, 40e-3, 12)  # [m/s]

@@ -19,9 +19,9 @@ from stickslip.evaluation.motions import Span, regions_after, windows
 from stickslip.evaluation.validation import METRICS, Run, tracking_errors
 from stickslip.fmi.process import Threads
 from stickslip.identification.stages import Identification
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.servo.paper_commands import REGION, VALIDATION
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.tuning.learning import repair
 from stickslip.tuning.published.study import PAPER_COST, Method, Published, learn_as_published
@@ -288,7 +288,7 @@ class WholeStudy:
 
 
 def study_as_published(
-    rig: Rig,
+    rig: FmuRig,
     identification: Identification,
     seeds: Sequence[int],
     *,

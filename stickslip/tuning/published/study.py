@@ -19,9 +19,9 @@ from stickslip.evaluation.validation import Run, Validation, run_command
 from stickslip.fmi.process import Threads
 from stickslip.ga.problem.problem import Repair
 from stickslip.identification.stages import Estimate
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.measurement import CUTOFF, Array
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import Feed
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.tuning.coarse_start import coarsened, draw_factors
@@ -139,7 +139,7 @@ class Published:
 
 
 def learn_as_published(
-    rig: Rig,
+    rig: FmuRig,
     loop: VelocityLoop,
     identified: Mapping[str, Estimate],
     seeds: Sequence[int],

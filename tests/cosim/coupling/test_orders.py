@@ -43,10 +43,10 @@ def source_error(linear, kind, step, coupling, signal):
     return state, shown, order
 
 
-def coupled_error(pair, linear, kind, step, coupling, stop=1.0):
+def coupled_error(pair, linear, kind, step, coupling, stop=1.0, tolerance=FINE):
     """Return the greatest error of the left of two masses, m, and the declared order."""
     version, abilities = KINDS[kind]
-    spec = {"step": step, "stop": stop, "coupling": coupling, "tolerance": FINE}
+    spec = {"step": step, "stop": stop, "coupling": coupling, "tolerance": tolerance}
     with pair.system(linear, version, **abilities).prepare(**spec) as simulation:
         result = simulation.run()
         order = simulation.accuracy
@@ -121,6 +121,23 @@ def test_adaptive_steps_follow_their_tolerance(two_masses, linear, kind, method,
         errors.append(coupled_error(two_masses, linear, kind, 0.05, coupling)[0])
     assert errors[1] < errors[0] / 2
     assert errors[1] < (0.02 if degree == 0 else 2e-3)
+
+
+@pytest.mark.parametrize(
+    ("step", "coupling"),
+    [
+        (1e-3, Coupling(degree=1)),
+        (1e-2, Coupling("iterative")),
+        (5e-2, Coupling(degree=2, adaptive=Adaptive(1e-5))),
+    ],
+    ids=["constant", "iterative", "adaptive"],
+)
+def test_the_solver_is_tighter_than_the_coupling(two_masses, linear, step, coupling):
+    """With the tolerance of a single FMU, 1e-5, the errors of the solver are greater."""
+    kind, finer = "ME 2.0", {"tolerance": None}
+    error, _ = coupled_error(two_masses, linear, kind, step, coupling, **finer)
+    assert error < 1.25 * coupled_error(two_masses, linear, kind, step, coupling)[0]
+    assert error < coupled_error(two_masses, linear, kind, step, coupling, tolerance=1e-5)[0] / 3
 
 
 @each_kind

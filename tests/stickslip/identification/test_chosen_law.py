@@ -14,8 +14,8 @@ from stickslip.identification.stages import identify
 from stickslip.models.firmware.words import literal
 from stickslip.pipeline.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import plan
+from stickslip.rigs.fmu import rig_of
 from stickslip.servo.datasheet import LOOP
-from stickslip.servo.rig import rig_of
 
 pytestmark = pytest.mark.slow
 

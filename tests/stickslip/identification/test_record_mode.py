@@ -8,8 +8,9 @@ import pytest
 from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.logs import load_description, read_recording
-from stickslip.pipeline.record_mode import commissioning_loop, record_drive
+from stickslip.pipeline.recorded import record_drive
 from stickslip.results.learned_folder import RECORD_FILES, write_record_results
+from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.datasheet import Datasheet
 
 pytestmark = pytest.mark.slow

@@ -14,9 +14,9 @@ from rigid_drive import rigid_drive
 from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
 from stickslip.logs import Recording
+from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import Axis
 from stickslip.servo.datasheet import LOOP, Datasheet
-from stickslip.servo.rig import Rig
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import design_velocity_loop
 
@@ -79,7 +79,7 @@ def drive_log(tmp_path_factory):
     """Return a function that records the paper's drive under a velocity command (n,)."""
     folder = tmp_path_factory.mktemp("rig")
     build_fmus(folder, {})
-    rig = Rig(folder, Datasheet(), LOOP.T_s)
+    rig = FmuRig(folder, Datasheet(), LOOP.T_s)
     loop = design_velocity_loop(Axis(PAPER["m"], PAPER["b"], 1e-4), LOOP)
 
     def record(v) -> Recording:

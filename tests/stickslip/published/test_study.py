@@ -10,8 +10,8 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE
 from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
+from stickslip.rigs.fmu import rig_of
 from stickslip.servo.paper_commands import TRAINING, VALIDATION
-from stickslip.servo.rig import rig_of
 from stickslip.tuning.coarse_start import coarsened, draw_factors
 from stickslip.tuning.learning import VelocityCost
 from stickslip.tuning.published.readings import (

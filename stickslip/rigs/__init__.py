@@ -1,0 +1,1 @@
+"""Rigs: real or simulated drives that run commands and return logs."""

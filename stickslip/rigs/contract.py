@@ -1,0 +1,326 @@
+"""The contract of a rig: a drive, real or simulated, that runs commands and returns logs.
+
+Identification and learning get a rig, never the drive's parameters or its true motion.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Protocol, Self
+
+import numpy as np
+import pandas as pd
+
+from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.errors import LimitError, RigError, UsageError
+from stickslip.fmi.process import temporary_folder
+from stickslip.ga import CandidateFailed
+from stickslip.rigs.limits import RigLimits, Watch
+from stickslip.servo.datasheet import Datasheet
+from stickslip.servo.measurement import Array
+from stickslip.servo.specification import LoopSpecification
+from stickslip.servo.systems import Feed, build_fmus, feedforward
+from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+
+COMMISSIONING = LoopSpecification(bandwidth=50.0, phase_margin=60.0, T_s=5e-4, tau_f=5e-4)
+"""The loop of a recording: soft, so that it bears a third and three times its nominal mass."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """One motion, a value each sample; it has a velocity or a force.
+
+    Attributes
+    ----------
+    T_s : sample period [s]
+    loop : gains of the velocity loop; a motion with a force uses it only to stop
+    velocity : (n,) to be followed in that loop [m/s]
+    added_force : (n,) added to the output of that loop, such as a compensator's [N]
+    force : (n,) of the motor, without any loop [N]
+
+    Raises
+    ------
+    UsageError
+        When it has velocity and force, or neither, or values that are not finite or not n.
+    """
+
+    T_s: float
+    loop: VelocityLoop
+    velocity: Array | None = None
+    added_force: Array | None = None
+    force: Array | None = None
+
+    def __post_init__(self) -> None:
+        if (self.velocity is None) == (self.force is None):
+            raise UsageError("a command has a velocity or a force; expected one of them")
+        for name, values in self.signals.items():
+            if len(values) != len(self) or not np.isfinite(values).all():
+                raise UsageError(f"command: {name} has not {len(self)} finite values")
+
+    def __len__(self) -> int:
+        driven = self.force if self.velocity is None else self.velocity
+        return 0 if driven is None else len(driven)
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """What the drive takes by name, (n,) each: F, or v_cmd, a_cmd, x_cmd and F_ff in use."""
+        if self.velocity is None:
+            return {} if self.force is None else {"F": self.force}
+        added = {} if self.added_force is None else {"F_ff": self.added_force}
+        return {**self.loop.commands(self.velocity), **added}
+
+
+@dataclass(frozen=True)
+class Log:
+    """One recording, a value each sample.
+
+    Attributes
+    ----------
+    t : (n,) [s]
+    x_enc : (n,) position shown by the encoder, from where motions begin [m]
+    F_m : (n,) motor force, from the current [N]
+    """
+
+    t: Array
+    x_enc: Array
+    F_m: Array
+
+    def table(self) -> pd.DataFrame:
+        """Return time [s], position [m] and force [N], as a log is read by ``stickslip learn``."""
+        return pd.DataFrame({"time": self.t, "position": self.x_enc, "force": self.F_m})
+
+
+def commissioning_loop(sheet: Datasheet, T_s: float = COMMISSIONING.T_s) -> VelocityLoop:
+    """Return the loop of a recording, for the mass of the datasheet."""
+    return design_velocity_loop(sheet.axis(sheet.mass, 0.0), replace(COMMISSIONING, T_s=T_s))
+
+
+def refuse(limits: RigLimits, command: Command) -> None:
+    """Check a command before anything moves.
+
+    Raises
+    ------
+    LimitError
+        When the command itself exceeds a limit.
+    """
+    watch = Watch(limits, command.T_s)
+    driven = command.added_force if command.force is None else command.force
+    checks: list[tuple[Array, Callable[[float], str]]] = []
+    if driven is not None:
+        checks.append((driven, watch.force))
+    if command.velocity is not None:
+        path = command.T_s * np.concatenate([[0.0], np.cumsum(command.velocity)])
+        checks += [(command.velocity, watch.speed), (path, watch.position)]
+    for values, fault in checks:
+        for value in (float(values.max()), float(values.min())):
+            if found := fault(value):
+                raise LimitError(f"the command exceeds a limit, nothing has moved: {found}")
+
+
+class Recorded(Protocol):
+    """What a trial recorded: signals (n,) by name."""
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a signal."""
+
+
+Trial = Callable[[Mapping[str, float]], Recorded]
+"""Runs a compensator, given by its parameters, on the drive."""
+
+
+class Rig(ABC):
+    """A drive on its test bench: it takes commands and returns measurements.
+
+    A kind of rig implements ``move``. It is used in a ``with`` block, and the drive is stopped when
+    that is left.
+
+    Parameters
+    ----------
+    datasheet : what is known of the drive
+    T_s : sample period of commands and logs [s]
+    limits : that abort a motion; None only where nothing can be damaged
+    law : friction law of the compensator
+
+    Attributes
+    ----------
+    name : for people
+    """
+
+    name = "drive"
+
+    def __init__(
+        self, datasheet: Datasheet, T_s: float, limits: RigLimits | None, law: str = "lugre"
+    ) -> None:
+        self.datasheet = datasheet
+        self.T_s = T_s
+        self.limits = limits
+        self.law = friction_law(law)
+        self._closing = ExitStack()
+
+    @abstractmethod
+    def move(self, command: Command) -> Log:
+        """Run a motion that begins at rest at position 0, bring the drive to rest, return its log.
+
+        The drive has to be stopped when this raises anything, and when this program ends. A motion
+        whose log is lost is not repeated.
+
+        Raises
+        ------
+        LimitError
+            When a limit aborted the motion.
+        RigError
+            When the motion did not end as commanded, or it is not known how it ended.
+        """
+
+    def run(self, command: Command) -> Log:
+        """Run a motion within the limits and return its log, n values each.
+
+        Raises
+        ------
+        LimitError
+            When the command exceeds a limit, before anything moves, or when the motion did.
+        RigError
+            When the motion did not end as commanded, or it is not known how it ended.
+        """
+        if self.limits is None:
+            return self.move(command)
+        refuse(self.limits, command)
+        log = self.move(command)
+        watch, velocity = Watch(self.limits, self.T_s), command.velocity
+        commanded = [None] * len(command) if velocity is None else velocity.tolist()
+        samples = zip(log.t, log.x_enc.tolist(), log.F_m.tolist(), commanded, strict=True)
+        for t, x, F, v_cmd in samples:
+            if found := watch.sample(x, F, v_cmd):
+                raise LimitError(f"the motion was aborted at {t:.4g} s: {found}")
+        return log
+
+    @property
+    def loop(self) -> VelocityLoop:
+        """The loop in which the drive is recorded; a soft one for the mass of the datasheet."""
+        return commissioning_loop(self.datasheet, self.T_s)
+
+    def push(self, force: Array) -> Log:
+        """Command a force (n,) [N], one value a sample, without any loop."""
+        return self.run(Command(self.T_s, self.loop, force=force))
+
+    def follow(self, v_cmd: Array, loop: VelocityLoop) -> Log:
+        """Command a velocity (n,) [m/s], one value a sample, in a velocity loop."""
+        return self.run(Command(self.T_s, loop, velocity=v_cmd))
+
+    def samples(self, duration: float) -> Array:
+        """Return the sample instants (n,) of a recording [s]."""
+        return np.asarray(np.arange(round(duration / self.T_s) + 1) * self.T_s)
+
+    @cached_property
+    def fmus(self) -> Path:
+        """The folder of the FMUs that compute what is sent to the drive; it goes with the rig."""
+        folder = self._closing.enter_context(temporary_folder())
+        build_fmus(folder, {}, self.law.name)
+        return folder
+
+    @contextmanager
+    def trials(
+        self,
+        v_cmd: Array,
+        loop: VelocityLoop,
+        feed: Feed = "nominal",
+        fixed: Mapping[str, float] | None = None,
+        *,
+        compensated: bool = True,
+    ) -> Iterator[Trial]:
+        """Return what runs a velocity command (n,) [m/s] with compensators on the drive: Fig. 3.
+
+        A trial takes parameters of the compensator by name; it records ``drive.x_enc`` and
+        ``nominal.v_r``. The compensator depends on the command only, so that its force
+        ``compensator.F_mean`` is known before the motion.
+
+        Parameters
+        ----------
+        fixed : parameters of the compensator that no trial has
+        compensated : whether the compensator's force reaches the drive
+        """
+        system = feedforward(self.fmus, loop, fixed or {}, feed)
+        record, stop = ("nominal.v_r", "compensator.F_mean"), (len(v_cmd) - 1) * self.T_s
+        with system.prepare(step=self.T_s, stop=stop, record=record) as simulation:
+
+            def run(values: Mapping[str, float]) -> Recorded:
+                named = {f"compensator.{name}": value for name, value in values.items()}
+                computed = simulation.run(named, loop.commands(v_cmd))
+                force = computed["compensator.F_mean"]
+                # The force of row n + 1 acts from t[n] on.
+                added = np.append(force[1:], force[-1]) if compensated else None
+                log = self.run(Command(self.T_s, loop, velocity=v_cmd, added_force=added))
+                return {"drive.x_enc": log.x_enc, **{name: computed[name] for name in record}}
+
+            yield run
+
+    def cost_of(
+        self,
+        v_cmd: Array,
+        loop: VelocityLoop,
+        cost: Callable[[Recorded], float],
+        feed: Feed = "nominal",
+        fixed: Mapping[str, float] | None = None,
+        *,
+        compensated: bool = True,
+    ) -> AbstractContextManager[Callable[[Array], float]]:
+        """Return the cost function of a compensator on the drive: Fig. 3.
+
+        Its argument are the parameters (k,) in the order of the law.
+
+        Parameters
+        ----------
+        v_cmd : (n,) training command, one value a sample [m/s]
+        cost : evaluates the recorded ``drive.x_enc`` and ``nominal.v_r``
+        fixed : parameters of the compensator that no candidate has
+        compensated : whether the compensator's force reaches the drive
+        """
+        trials = self.trials(v_cmd, loop, feed, fixed, compensated=compensated)
+        return _TrialCost(trials, estimated(self.law), cost)
+
+    def close(self) -> None:
+        """Let go of the drive, which is at rest."""
+        self._closing.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class _TrialCost(AbstractContextManager["_TrialCost"]):
+    """The cost of a candidate on a rig.
+
+    A candidate whose motion a limit refuses or aborts has failed; what else goes wrong ends the
+    learning.
+    """
+
+    fatal = (RigError,)
+
+    def __init__(
+        self,
+        trials: AbstractContextManager[Trial],
+        names: Sequence[str],
+        cost: Callable[[Recorded], float],
+    ) -> None:
+        self._trials, self._names, self._cost = trials, names, cost
+
+    def __enter__(self) -> Self:
+        self._run = self._trials.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._trials.__exit__(*error)
+
+    def __call__(self, values: Array) -> float:
+        try:
+            recorded = self._run(dict(zip(self._names, values.tolist(), strict=True)))
+        except LimitError as fault:
+            raise CandidateFailed(str(fault)) from fault
+        return self._cost(recorded)

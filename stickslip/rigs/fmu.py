@@ -1,0 +1,127 @@
+"""A drive FMU as a rig."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+from stickslip import cosim
+from stickslip.catalog.parameters import estimated
+from stickslip.fmi.process import temporary_folder
+from stickslip.ga import SimulatedCost
+from stickslip.rigs.contract import Command, Log, Recorded, Rig, Trial
+from stickslip.rigs.limits import RigLimits
+from stickslip.servo.datasheet import LOOP, Datasheet
+from stickslip.servo.measurement import Array
+from stickslip.servo.systems import Changes, Feed, build_fmus, paper_loop, servo_loop
+from stickslip.servo.velocity_loop import VelocityLoop
+
+MEASURED = ("drive.x_enc", "drive.F_m")
+
+
+class FmuRig(Rig):
+    """A drive FMU on its test bench; each motion begins with a new drive.
+
+    Compensators run as FMUs beside it, so that candidates can be tried side by side.
+
+    Parameters
+    ----------
+    fmus : folder with drive.fmu and the FMUs of the loop
+    datasheet : what is known of it
+    T_s : sample period of commands and logs [s]
+    law : friction law of the compensator, with which the FMUs were built
+    limits : that a motion must keep; checked when it has been simulated
+    """
+
+    name = "drive.fmu"
+
+    def __init__(
+        self,
+        fmus: Path,
+        datasheet: Datasheet,
+        T_s: float,
+        law: str = "lugre",
+        limits: RigLimits | None = None,
+    ) -> None:
+        super().__init__(datasheet, T_s, limits, law)
+        self.fmus = fmus
+
+    def move(self, command: Command) -> Log:
+        """Simulate a motion."""
+        if command.force is None:
+            system = servo_loop(self.fmus, command.loop)
+            if command.added_force is not None:
+                system.expose("F_ff", "controller.F_ff")
+        else:
+            system = cosim.System("bench")
+            system.add("drive", self.fmus / "drive.fmu")
+            system.expose("F", "drive.u")
+        stop = (len(command) - 1) * self.T_s
+        with system.prepare(step=self.T_s, stop=stop, record=MEASURED) as simulation:
+            result = simulation.run(inputs=command.signals)
+        return Log(result.time, *(result[measured] for measured in MEASURED))
+
+    @contextmanager
+    def trials(
+        self,
+        v_cmd: Array,
+        loop: VelocityLoop,
+        feed: Feed = "nominal",
+        fixed: Mapping[str, float] | None = None,
+        *,
+        compensated: bool = True,
+    ) -> Iterator[Trial]:
+        """Do what ``Rig.trials`` does, in one simulation where there are no limits to check."""
+        if self.limits is not None:
+            with super().trials(v_cmd, loop, feed, fixed, compensated=compensated) as trial:
+                yield trial
+            return
+        connected = (fixed or {}) if compensated else None
+        with self._loop_run(v_cmd, loop, connected, feed).prepare() as simulation:
+
+            def run(values: Mapping[str, float]) -> Recorded:
+                named = {f"compensator.{name}": value for name, value in values.items()}
+                return simulation.run(named, loop.commands(v_cmd))
+
+            yield run
+
+    def cost_of(
+        self,
+        v_cmd: Array,
+        loop: VelocityLoop,
+        cost: Callable[[Recorded], float],
+        feed: Feed = "nominal",
+        fixed: Mapping[str, float] | None = None,
+        *,
+        compensated: bool = True,
+    ) -> AbstractContextManager[Callable[[Array], float]]:
+        """Do what ``Rig.cost_of`` does; without limits it pickles, and its runs go side by side."""
+        if self.limits is not None:
+            return super().cost_of(v_cmd, loop, cost, feed, fixed, compensated=compensated)
+        connected = (fixed or {}) if compensated else None
+        specification = self._loop_run(v_cmd, loop, connected, feed)
+        names = [f"compensator.{name}" for name in estimated(self.law)]
+        return SimulatedCost(specification, names, cost, loop.commands(v_cmd))
+
+    def _loop_run(
+        self, v_cmd: Array, loop: VelocityLoop, connected: Mapping[str, float] | None, feed: Feed
+    ) -> cosim.Specification:
+        """Return a run of the loop with a compensator, or with one that is not connected."""
+        return cosim.Specification(
+            paper_loop(self.fmus, loop, connected, feed),
+            step=self.T_s,
+            stop=(len(v_cmd) - 1) * self.T_s,
+            record=("drive.x_enc", "nominal.v_r"),
+        )
+
+
+@contextmanager
+def rig_of(truth: Changes, law: str = "lugre") -> Iterator[FmuRig]:
+    """Build a drive with these parameters on its test bench; its files are removed afterwards.
+
+    ``law`` is the friction law of the compensator.
+    """
+    with temporary_folder() as fmus:
+        build_fmus(fmus, truth, law)
+        yield FmuRig(fmus, Datasheet(), LOOP.T_s, law)
