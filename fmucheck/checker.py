@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from stickslip.fmi.process import temporary_folder
+from stickslip.fmi.process.sandbox import permissions
 from stickslip.fmucheck.archive import read_archive, unpack
 from stickslip.fmucheck.description.model import Fmu
 from stickslip.fmucheck.description.reading import read_description
 from stickslip.fmucheck.document import checked_version, claimed_version, read_document
 from stickslip.fmucheck.rules import Report, grouped, stage
-from stickslip.fmucheck.running.parent import TIMEOUT, Patience, findings_of_runs
+from stickslip.fmucheck.running.parent import TIMEOUT, Limits, findings_of_runs
 
 _DESCRIPTION = "modelDescription.xml"
 _BLOCKING = {
@@ -32,6 +34,7 @@ def check(
     run: bool = True,
     timeout: float = TIMEOUT,
     total: float = math.inf,
+    allow: Iterable[str] = (),
 ) -> Report:
     """Check one FMU.
 
@@ -42,13 +45,17 @@ def check(
     run : also load the binary for this machine and run it, in a child process
     timeout : s that the binary may take for one rule
     total : s that all rules together may take; what is known by then is reported
+    allow : what the sandbox lets the binary do, on Linux: ``network``, ``exec``, ``files=DIR``
 
     Raises
     ------
     OSError
         When the file does not exist, or there is no room for temporary files.
+    ValueError
+        When something else is to be allowed.
     """
-    patience = Patience(timeout, time.monotonic() + total)
+    permissions(allow := tuple(allow))
+    limits = Limits(timeout, time.monotonic() + total, allow)
     report = Report(Path(path))
     report.path.stat()
     archive = read_archive(report.path)
@@ -62,7 +69,7 @@ def check(
         if fmu := _check_content(report, members, content):
             blocked = report.rules & _BLOCKING
             broken = {f.place: f.rule for f in report if f.rule in _UNLOADABLE}
-            runs = findings_of_runs(fmu, blocked, broken, patience) if run else ()
+            runs = findings_of_runs(fmu, blocked, broken, limits) if run else ()
             report.findings += runs
     report.findings = grouped(report.findings)
     return report

@@ -29,7 +29,8 @@ class Ending:
     status : exit status, or minus the number of the signal that ended it; ``None`` when the checker
         ended it
     text : what was printed, the beginning of it; or what failed, or why it was not run
-    reason : crash, exit, hang, flood, printed, failed, left, changed, puzzled or unable
+    reason : crash, exit, hang, flood, printed, failed, left, changed, denied, puzzled or
+        unable
     """
 
     interface: str
@@ -104,6 +105,13 @@ def leaves_a_process(ending: Ending) -> Claims:
     """A process that the binary has started outlives its instances."""
     if ending.reason == "left":
         yield ending.place, "was still running when the FMU had been unloaded or ended"
+
+
+@warning("2.1.1", "2.2.1", "document it, or do without; --allow network|exec|files=DIR")
+def reaches_outside(ending: Ending) -> Claims:
+    """The binary tries what the sandbox denies: files, the network, programs, processes."""
+    if ending.reason == "denied":
+        yield ending.place, "was tried, and denied by the sandbox"
 
 
 @error("2.3", "2.5", "leave the unpacked files as they are; write to a temporary folder")

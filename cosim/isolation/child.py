@@ -12,6 +12,8 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,10 @@ def main(name: str, size: int, token: bytes) -> None:
     _limit(order["memory"])
     resets.lines.update(order["resets"])
     if order["sandbox"]:
+        components = order["specification"].system.components.values()
+        if any(c.interface == "model_exchange" for c in components):
+            with suppress(ImportError, OSError):  # it starts programs to find its libraries
+                import_module("fmpy.sundials.libraries")
         sandbox.enter(**order["sandbox"])
     reply()
     served = _Served(order["specification"], shared, reply)

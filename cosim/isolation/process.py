@@ -161,12 +161,11 @@ class Process:
             *(str(fmu.folder.with_suffix(".json")) for fmu in fmus),
             str(library.parents[1]),
         ]
-        given = [str(Path(word[6:]).absolute()) for word in allow if word.startswith("files=")]
-        writable = [str(self._room), *given]
+        folders, words = sandbox.permissions(allow)
+        writable = [str(self._room), *folders]
         guard = Guard(
             readable, writable, lambda: present(self.shared.mark, self._system, self._order)
         )
-        words = frozenset(word for word in allow if not word.startswith("files="))
         return guard, {
             "readable": readable,
             "writable": writable,

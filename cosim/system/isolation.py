@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 from stickslip.cosim.errors import ExperimentError
+from stickslip.fmi.process.sandbox import permissions
 
 
 @dataclass(frozen=True)
@@ -38,11 +39,10 @@ class Isolation:
             value = getattr(self, name)
             if value is not None and not 0 < value < math.inf:
                 raise ExperimentError(f"isolation: {name} is {value}, expected a positive number")
-        for word in self.allow:
-            if word not in ("network", "exec") and not word.startswith("files="):
-                raise ExperimentError(
-                    f"isolation: allow is {word!r}, expected 'network', 'exec' or 'files=DIR'"
-                )
+        try:
+            permissions(self.allow)
+        except ValueError as fault:
+            raise ExperimentError(f"isolation: {fault}") from None
 
     @classmethod
     def of(cls, what: Isolation | Literal["process"] | None) -> Self | Isolation | None:

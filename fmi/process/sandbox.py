@@ -127,6 +127,25 @@ def interpreter_folders(packages: Iterable[Path]) -> list[str]:
     return sorted({*paths, *map(str, packages)})
 
 
+def permissions(allow: Iterable[str]) -> tuple[list[str], frozenset[str]]:
+    """Return the folders and the other words of ``--allow``.
+
+    Raises
+    ------
+    ValueError
+        When a word is not ``network``, ``exec`` or ``files=DIR``.
+    """
+    folders, words = [], set()
+    for word in allow:
+        if word.startswith("files="):
+            folders.append(str(Path(word.removeprefix("files=")).absolute()))
+        elif word in (NETWORK, EXEC):
+            words.add(word)
+        else:
+            raise ValueError(f"allow is {word!r}, expected 'network', 'exec' or 'files=DIR'")
+    return folders, frozenset(words)
+
+
 def enter(
     readable: Iterable[str], writable: Iterable[str], allow: frozenset[str], file: int
 ) -> None:
@@ -143,6 +162,9 @@ def enter(
     OSError
         When the kernel refuses.
     """
+    readable, writable = list(readable), list(writable)
+    within = [*_SYSTEM, *readable]  # imports look into no other folder
+    sys.path[:] = [path for path in sys.path if _is_below(path, within)]
     call = ctypes.CDLL(None, use_errno=True).syscall
     version = _landlock()
     everything = _ALL | (_REFER if version > 1 else 0) | (_TRUNCATE if version > 2 else 0)
@@ -309,10 +331,11 @@ class Guard:
             writes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
             verb = "write" if writes else "read"
         real = os.path.realpath(path)
-        if path.startswith(("/proc/self/", "/proc/thread-self/", f"/proc/{process}/")):
-            return 0  # of the process itself
+        us = f"/proc/{os.getpid()}/"
+        if path.startswith(f"/proc/{process}/") or (real.startswith(us) and us not in path):
+            return 0  # of the process itself, such as /proc/self
         allowed = self._writable if verb != "read" else [*self._readable, *self._writable]
-        if any(real == one or real.startswith(f"{one.rstrip('/')}/") for one in allowed):
+        if _is_below(real, allowed):
             return 0
         if verb == "read" and not os.path.lexists(path):
             return 0
@@ -324,6 +347,10 @@ class Guard:
         if entry not in self.tried and len(self.tried) < _MOST_NOTED:
             self.tried.append(entry)
         return error
+
+
+def _is_below(path: str, folders: Iterable[str]) -> bool:
+    return any(path == one or path.startswith(f"{one.rstrip('/')}/") for one in folders)
 
 
 def _session(process: int) -> int:

@@ -16,8 +16,9 @@ import traceback
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
+from stickslip.fmi.process import sandbox
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench, Spent
@@ -38,6 +39,7 @@ class Job:
     first : interface -> what an earlier process found out
     token : a word that begins each line of the report
     tried : interfaces and rules that other children have tried before
+    sandbox : the arguments with which it is entered, ``None`` without one
     """
 
     stage: str
@@ -47,6 +49,7 @@ class Job:
     first: dict[str, dict[str, str]]
     token: str = field(default_factory=lambda: secrets.token_hex(16))
     tried: frozenset[tuple[str, str]] = frozenset()
+    sandbox: dict[str, Any] | None = None
 
 
 def main(job_file: str, report_file: str) -> None:
@@ -54,6 +57,8 @@ def main(job_file: str, report_file: str) -> None:
     before = settings()
     _limit()
     job: Job = pickle.loads(Path(job_file).read_bytes())  # noqa: S301 (written by the parent)
+    if job.sandbox:
+        sandbox.enter(**job.sandbox)
     with Path(report_file).open("a", encoding="utf-8") as report:
         for interface in job.description.interfaces:
             library = job.libraries.get(interface.kind)

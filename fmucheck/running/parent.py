@@ -17,7 +17,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from stat import S_ISDIR
 
-from stickslip.fmi.process import check_interruption, child_process
+from stickslip.fmi.process import check_interruption, child_process, sandbox
+from stickslip.fmi.process.sandbox import Guard
 from stickslip.fmucheck import rules
 from stickslip.fmucheck.binaries import target
 from stickslip.fmucheck.description.model import Fmu
@@ -30,6 +31,8 @@ Claim = tuple[str, str]
 
 TIMEOUT = 20.0  # s that one rule may take
 _MOST_CHILDREN = 8
+_GRACE = 2.0  # s that the sandbox's guard may take to end after the child
+_PACKAGES = ("stickslip", "stickslip.fmi", "stickslip.fmucheck")
 _MOST_REPORT = 2**28  # bytes; an FMU may write into it too
 _UNANIMOUS = ("dependency-never-seen",)
 _SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
@@ -50,21 +53,23 @@ def host_binary(fmu: Fmu, identifier: str) -> str | None:
 
 
 @dataclass(frozen=True)
-class Patience:
-    """How long running may take.
+class Limits:
+    """How long running may take, and what it may do.
 
     Attributes
     ----------
     rule : s for one rule
     end : of all, by the monotonic clock
+    allow : what the sandbox lets the binary do, as words of ``--allow``
     """
 
     rule: float = TIMEOUT
     end: float = math.inf
+    allow: tuple[str, ...] = ()
 
 
 def findings_of_runs(
-    fmu: Fmu, blocked: set[str], broken: Mapping[str, str], patience: Patience
+    fmu: Fmu, blocked: set[str], broken: Mapping[str, str], limits: Limits
 ) -> Iterator[Finding]:
     """Yield what is found by running every interface of an FMU.
 
@@ -94,8 +99,8 @@ def findings_of_runs(
         job = Job("running", fmu.description, libraries, fmu.folder / "resources", {})
         results: dict[str, dict[str, str]] = {}
         files = _files(fmu.folder)
-        yield from _tried(job, fmu, patience, results)
-        yield from _tried(replace(job, stage="rerunning", first=results), fmu, patience, {})
+        yield from _tried(job, fmu, limits, results)
+        yield from _tried(replace(job, stage="rerunning", first=results), fmu, limits, {})
         changed = files.items() ^ _files(fmu.folder).items()
         for name in sorted({name for name, _ in changed}):
             yield from _ended(Ending(name, "", "changed"), fmu)
@@ -123,14 +128,14 @@ def _ended(ending: Ending, fmu: Fmu) -> Iterator[Finding]:
 
 
 def _tried(
-    job: Job, fmu: Fmu, patience: Patience, results: dict[str, dict[str, str]]
+    job: Job, fmu: Fmu, limits: Limits, results: dict[str, dict[str, str]]
 ) -> Iterator[Finding]:
     """Yield what a stage finds, in as many children as it takes; fill in what they found out."""
     printed, spent = False, list[str]()
     died = 0
     while died < _MOST_CHILDREN:
         child = _Child(job, fmu.folder)
-        ending = child.watch(patience)
+        ending = child.watch(limits)
         results |= child.results
         for (_, rule), claims in child.claims.items():
             for claim in _agreed(rule, claims, child.claims):
@@ -140,6 +145,8 @@ def _tried(
                 spent.append(rule)
             else:
                 yield from _ended(Ending(interface, rule, reason, text=text), fmu)
+        for what in child.denied:
+            yield from _ended(Ending(what, "", "denied"), fmu)
         for command in child.left:
             yield from _ended(Ending(command, "", "left"), fmu)
         if ending is None and child.text.strip() and not printed:
@@ -201,13 +208,15 @@ class _Child:
     text: str = ""
     again: bool = False
     left: list[str] = field(default_factory=list)
+    denied: list[str] = field(default_factory=list)
 
-    def watch(self, patience: Patience) -> Ending | None:
+    def watch(self, limits: Limits) -> Ending | None:
         """Run the child until it ends or has to be ended; ``None`` when all went well."""
         room = self.folder.parent / f"{self.folder.name}-run"
         room.mkdir(exist_ok=True)
         job, report, output = (room / name for name in ("job", "report", "output"))
-        job.write_bytes(pickle.dumps(self.job))
+        guard, entered = self._guarded(room, limits.allow)
+        job.write_bytes(pickle.dumps(replace(self.job, sandbox=entered)))
         report.write_text("")
         command = [sys.executable, "-m", "stickslip.fmucheck.running", str(job), str(report)]
         with (
@@ -218,15 +227,22 @@ class _Child:
                 stdout=stream,
                 stderr=stream,
                 cwd=room,
+                pass_fds=[guard.file] if guard else [],
                 env=os.environ
                 | {
                     "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
                     "STICKSLIP_CHECK": self.job.token,
+                    **({"TMPDIR": str(room)} if guard else {}),
                 },
             ) as process,
         ):
-            reason = self._wait(process, report, output, patience)
+            if guard:
+                guard.close_file()
+            reason = self._wait(process, report, output, limits)
             self.left = _left_behind(process.pid, f"STICKSLIP_CHECK={self.job.token}")
+        if guard:
+            guard.end(_GRACE)
+            self.denied = [what for _, what in guard.tried]
         with output.open("rb") as printed:
             self.text = printed.read(2000).decode("utf-8", "replace")
         interface, during, done = self._read(report)
@@ -240,10 +256,27 @@ class _Child:
         text = self.text
         if reason == "unable":
             text = "the time for all rules is over; it was not run further"
-        return Ending(interface, during, reason, status, text, patience.rule)
+        return Ending(interface, during, reason, status, text, limits.rule)
+
+    def _guarded(
+        self, room: Path, allow: tuple[str, ...]
+    ) -> tuple[Guard | None, dict[str, object] | None]:
+        """Return the guard of the sandbox, and how the child enters it; None without one.
+
+        The FMU may change its unpacked files, so that a rule finds that it does.
+        """
+        if sandbox.unavailable():
+            return None, None
+        folders, words = sandbox.permissions(allow)
+        packages = [path for name in _PACKAGES for path in sys.modules[name].__path__]
+        readable = sandbox.interpreter_folders(map(Path, packages))
+        writable = [str(room), str(self.folder), *folders]
+        guard = Guard(readable, writable)
+        entered = {"readable": readable, "writable": writable, "allow": words, "file": guard.file}
+        return guard, entered
 
     def _wait(
-        self, process: subprocess.Popen[bytes], report: Path, output: Path, patience: Patience
+        self, process: subprocess.Popen[bytes], report: Path, output: Path, limits: Limits
     ) -> str:
         """Return why the child has to be ended, or that it ended."""
         size_before, since = 0, time.monotonic()
@@ -255,9 +288,9 @@ class _Child:
             if size > size_before:
                 size_before, since = size, time.monotonic()
             check_interruption()
-            if time.monotonic() - since > patience.rule:
+            if time.monotonic() - since > limits.rule:
                 return "hang"
-            if time.monotonic() > patience.end:
+            if time.monotonic() > limits.end:
                 return "unable"
             if output.stat().st_size > MOST_TEXT or size > _MOST_REPORT:
                 return "flood"

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.commands import FLAG, add_options
+from stickslip.errors import UsageError
+from stickslip.fmi.process.sandbox import permissions
 from stickslip.output import Answer
 
 if TYPE_CHECKING:
@@ -27,6 +29,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, limit, type=float, default=20.0)
     total = {"--total S": "time limit for each file; what is known by then is printed"}
     add_options(parser, total, type=float, default=math.inf)
+    allow = {"--allow network|exec|files=DIR": "what the sandbox lets FMUs do; may be repeated"}
+    add_options(parser, allow, action="append", default=[])
     parser.set_defaults(run=run)
 
 
@@ -34,8 +38,18 @@ def run(options: argparse.Namespace) -> Answer:
     """Print what was found; status 1 if any of it is an error."""
     from stickslip import fmucheck
 
+    try:
+        permissions(options.allow)
+    except ValueError as fault:
+        raise UsageError(f"--{fault}") from None
     reports = [
-        fmucheck.check(path, run=not options.no_run, timeout=options.timeout, total=options.total)
+        fmucheck.check(
+            path,
+            run=not options.no_run,
+            timeout=options.timeout,
+            total=options.total,
+            allow=options.allow,
+        )
         for path in options.files
     ]
     for report in reports:

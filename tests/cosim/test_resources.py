@@ -43,8 +43,9 @@ def test_every_command_finds_what_was_packed(writer):
 def test_every_preparation_finds_what_was_packed(writer):
     """With one Fmu object, in children: a library that is loaded here stays loaded."""
     fmu = cosim.Fmu(writer)
+    limits = cosim.Isolation(allow=(f"files={fmu.folder}",))
     for _ in range(3):
-        with alone(fmu).prepare(step=0.01, stop=0.1, isolation="process") as simulation:
+        with alone(fmu).prepare(step=0.01, stop=0.1, isolation=limits) as simulation:
             assert behaviour(fmu) == "DoStep rewrite"
             simulation.run()
         assert behaviour(fmu) == "DoStep abort  "

@@ -1,12 +1,14 @@
 """Every seeded defect is found by the rule that is meant for it."""
 
 import warnings
+from pathlib import Path
 
 import pytest
 
 from stickslip import fmucheck
+from stickslip.fmi.process import sandbox
 from tests.corpus.defects import binaries, descriptions, files
-from tests.corpus.defects.reference import members, pack
+from tests.corpus.defects.reference import binary_name, members, pack, with_defect
 
 RUNS = ("running", "rerunning", "ending")  # stages that load the binary
 TIMEOUT = 2.0  # s, for those that hang; others may start on a busy machine
@@ -40,8 +42,18 @@ def test_seeded_defect_is_found(tmp_path, seed):
     assert [p.name for p in tmp_path.iterdir()] == ["reference.fmu"]
 
 
+@pytest.mark.skipif(bool(sandbox.unavailable()), reason=sandbox.unavailable())
+def test_what_an_fmu_reaches_for_is_denied_and_found(tmp_path):
+    binary = {binary_name(2): with_defect("home")}
+    path = pack(tmp_path / "reference.fmu", members(2) | binary)
+    (found,) = fmucheck.check(path)
+    assert (found.rule, found.place) == ("reaches-outside", f"read {Path.home()}")
+    (open_now,) = fmucheck.check(path, allow=[f"files={Path.home()}"])
+    assert "the home folder can be read" in open_now.message
+
+
 def test_every_rule_has_a_seed():
     # In test_check.py and test_libraries.py; the last one tells of mistakes of ours.
-    elsewhere = {"not-named-fmu", "unsigned-for-arm-mac", "rule-not-tried"}
+    elsewhere = {"not-named-fmu", "unsigned-for-arm-mac", "rule-not-tried", "reaches-outside"}
     every = {s.rule for s in [*descriptions.SEEDS, *files.SEEDS, *binaries.SEEDS]}
     assert set(fmucheck.RULES) - every == elsewhere

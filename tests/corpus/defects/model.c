@@ -3,6 +3,7 @@
  * x' = -k x + u,  y = x + d u,  z = 2 x. The defect's name is patched into DEFECT after compiling.
  */
 #define _GNU_SOURCE
+#include <fcntl.h>
 #include <fenv.h>
 #include <math.h>
 #include <stdio.h>
@@ -163,6 +164,8 @@ static int leave(Model *m) {
         fesetround(FE_UPWARD);
     if (has("daemon"))
         leave_a_process();
+    if (has("home") && open(getenv("HOME"), O_RDONLY) >= 0)
+        return fail(m, "the home folder can be read");
     if (has("deletes"))
         delete_itself();
     if (has("prints"))
