@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from stickslip.cli import main
-from stickslip.cosim import kernel
 from tests.corpus.hostile import CASES, GROUPS, Case
 
 
@@ -25,12 +24,6 @@ def litter(*folders: Path) -> set[Path]:
 def test_each_case_has_a_name_of_its_own_and_a_group():
     assert len({str(case) for case in CASES}) == len(CASES)
     assert {case.group for case in CASES} <= set(GROUPS)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def compiled():
-    """Compile the kernel once for all sessions, not into the empty cache of a case."""
-    kernel.built(marked=True)
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
