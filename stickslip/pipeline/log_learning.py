@@ -28,7 +28,7 @@ from stickslip.pipeline.learned import LearnedFromRecording, learn_recording
 from stickslip.pipeline.recorded import read_rig
 from stickslip.pipeline.tracking import with_tracking
 from stickslip.planning import LINEAR, Limits
-from stickslip.rigs import Rig
+from stickslip.rigs.contract import Rig
 
 
 def read_and_check(path: Path, description: Description) -> tuple[Reading, tuple[Finding, ...]]:
