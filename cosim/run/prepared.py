@@ -74,7 +74,8 @@ class Prepared:
         record = Record.of(spec.record)
         self._layout = layout = Layout.of(system, record)
         check_start_values(system)
-        check_memory(n_steps + 1, 1 + len(system.inputs) + layout.kept_per_point(record))
+        self._kept = 1 + len(system.inputs) + layout.kept_per_point(record)
+        check_memory(n_steps + 1, self._kept)
         self.time: Array = spec.start + spec.step * np.arange(n_steps + 1, dtype=np.float64)
         return groups
 

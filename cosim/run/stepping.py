@@ -23,10 +23,12 @@ from stickslip.cosim.run.termination import last_outputs, terminated
 from stickslip.cosim.signals.scenario import Scenario
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.cosim.signals.span import slack
+from stickslip.cosim.system.experiment import check_memory
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
 
 _log = logging.getLogger(__name__)
+_PER_SIGNAL = 6  # numbers at each point for what a scenario does to a signal, and to make them
 
 
 class Discarded(Exception):
@@ -98,6 +100,8 @@ class Stepping(Prepared):
         self._changed: frozenset[str] = frozenset()
         if not (scenario or run.disturbed or run.n_changes):
             return ()
+        disturbed = len({name for name, _ in scenario.events}) if scenario else 0
+        check_memory(len(self.time), self._kept + _PER_SIGNAL * disturbed)
         tables = scenario.tables(self.time) if scenario else {}
         self._disturbances, changed = split(tables, self._layout, system)
         disturb(self._disturbances, self._layout, run, self._slots, external, ends)

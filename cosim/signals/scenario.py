@@ -1,4 +1,4 @@
-"""What happens to signals during a run: replaced, noisy, stuck. Prepared as tables, run in C."""
+"""What happens to signals: replaced, offset, noisy, stuck. Prepared as tables, run in C."""
 
 from __future__ import annotations
 
@@ -95,6 +95,24 @@ class _Override(Span):
 
 
 @dataclass(frozen=True)
+class _Offset(_Override):
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        values = np.broadcast_to(sampled(self.name, self.value, time), time.shape)
+        table.add[here] += values[here]
+        here = shifted(here)
+        table.ends[here] += ends_of(self.value, values, time)[here]
+
+
+@dataclass(frozen=True)
+class _Reset(Span):
+    def apply(self, time: Array, table: Disturbance) -> None:
+        here = self.covers(time)
+        table.keep[here], table.add[here] = 1.0, 0.0
+        table.ends[shifted(here)] = 0.0
+
+
+@dataclass(frozen=True)
 class _Noise(Span):
     deviation: float
     seed: int
@@ -142,6 +160,16 @@ class Scenario:
     ) -> Scenario:
         """Let another signal take the place of one: a number, Signal, function or array."""
         return self._with(name, _Override(begin, end, name, value))
+
+    def offset(
+        self, name: str, value: Input, begin: float = -math.inf, end: float = math.inf
+    ) -> Scenario:
+        """Add a number, Signal, function or array to a signal, in its unit."""
+        return self._with(name, _Offset(begin, end, name, value))
+
+    def reset(self, name: str, at: float) -> Scenario:
+        """End what the methods called before this one do to a signal or parameter."""
+        return self._with(name, _Reset(at, math.inf))
 
     def add_noise(
         self,

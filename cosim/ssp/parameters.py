@@ -63,9 +63,12 @@ class Given:
         if self.unit and unit and self.convert:
             converted = conversion(self.unit, unit)
             if converted is None:
+                name = self.element.get("name") or self.element.get("target")
+                undefined = " and is not defined by its file" if not self.unit.exponents else ""
                 raise SspError(
-                    f"{place(self.element)}: parameter {self.element.get('name')!r} is given in"
-                    f" {self.unit.name!r}, which cannot be converted to {unit.name!r}"
+                    f"{place(self.element)}: parameter {name!r} is given in {self.unit.name!r},"
+                    f" which cannot be converted to {unit.name!r}{undefined}; correct the unit, or"
+                    " set suppressUnitConversion in a mapping"
                 )
             value = _scaled(value, converted, self.element)
         return _scaled(value, self.scaling, self.element)

@@ -68,6 +68,27 @@ def test_events_on_one_signal_act_in_their_order(simulation):
     assert set(x[10:]) == {2.0}
 
 
+@pytest.mark.parametrize("name", ["x", "sensor.y", "plant.u"])
+def test_an_offset_adds_to_a_signal_until_it_is_reset(simulation, name):
+    signal = "sensor.y" if name == "plant.u" else name
+    free = run(simulation, None)[signal]
+    scenario = Scenario().offset(name, np.cos, begin=0.5, end=1.0).offset(name, 2.0, begin=0.8)
+    changed = run(simulation, scenario.reset(name, at=1.5))
+    added = np.zeros(N + 1)
+    added[5:10] = np.cos(changed.time[5:10])
+    added[8:15] += 2.0
+    np.testing.assert_array_equal(changed[signal], free + added)
+    again = run(simulation, scenario.reset(name, at=1.5).offset(name, 1.0, begin=1.8))[signal]
+    np.testing.assert_array_equal(again[18:], free[18:] + 1.0)
+
+
+def test_the_tables_of_a_scenario_count_as_memory(simulation, monkeypatch):
+    monkeypatch.setattr("os.sysconf", lambda _: 40)  # 1600 bytes: 7 numbers at each point
+    run(simulation, None)
+    with pytest.raises(cosim.ExperimentError, match="21 points of 13 numbers"):
+        run(simulation, Scenario().offset("x", 1.0).reset("x", at=1.0))
+
+
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
